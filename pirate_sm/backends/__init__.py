@@ -1,0 +1,1 @@
+"""What an array of setpoints can be handed to: a tracer, a simulator, later the real robot."""

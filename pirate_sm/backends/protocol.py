@@ -1,0 +1,74 @@
+"""What every backend must do; the conformance suite in ``tests/conformance`` holds them to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal, Protocol, TypeAlias
+
+from pirate_sm.model.events import Event
+
+Completion: TypeAlias = Literal["measured", "nominal"]
+
+
+class Backend(Protocol):
+    """A world that takes setpoint arrays and says what happens in it.
+
+    Attributes:
+        name: What users call it.
+        completion: ``measured``: its sensors tell when a command is done. ``nominal``: nothing
+            moves, a command is taken as done after its nominal duration.
+        real_time: Whether ``advance`` itself takes as long as the time that it passes.
+    """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def completion(self) -> Completion: ...
+
+    @property
+    def real_time(self) -> bool: ...
+
+    def open(self) -> Sequence[Event]:
+        """The backend is ready, nothing has moved, and what it knows already is returned.
+
+        Raises:
+            BackendError: It cannot be made ready.
+        """
+        ...
+
+    def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
+        """The array is on its way; exactly one ``SubmitResult`` for it follows from ``advance``.
+
+        Never blocks. A newer array supersedes one that has not been sent yet; submitting the
+        same id again repeats the same array.
+
+        Args:
+            setpoint_id: Id of the array.
+            values: One value per slot, duty cycle -1..1 or angle in rad.
+
+        Raises:
+            BackendError: The backend can no longer take anything.
+        """
+        ...
+
+    def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
+        """The world has run until ``until_s`` or until the first moment it had something to say.
+
+        Args:
+            until_s: Seconds since the run began; may be infinite.
+
+        Returns:
+            The time reached, never before that of the last call, and the events of that moment.
+
+        Raises:
+            BackendError: The backend has broken beyond telling it by an event.
+        """
+        ...
+
+    def close(self) -> None:
+        """Everything it held is released, and the last array submitted has been sent.
+
+        May be called more than once and after any error; never raises.
+        """
+        ...

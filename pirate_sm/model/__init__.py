@@ -1,0 +1,1 @@
+"""Frozen data that everything else speaks in: robot profile, mission, pipe, events, effects."""

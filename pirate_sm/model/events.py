@@ -1,0 +1,133 @@
+"""The closed set of things that can happen to the engine.
+
+Every input of a run is one of these; nothing else can change its course, so a recording of them
+replays it. Time is not part of an event: it is handed to the engine beside it, in seconds since
+the run began. ``ALPHABET_VERSION`` changes with any change of a field or a class here or in
+:mod:`pirate_sm.model.effects`.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple, TypeAlias
+
+ALPHABET_VERSION = 1
+
+SubmitStatus: TypeAlias = Literal["accepted", "superseded", "rejected", "unknown"]
+
+
+class Tick(NamedTuple):
+    """Time has passed; deadlines may have come due."""
+
+
+class SensorFrame(NamedTuple):
+    """One board has reported its raw channel values.
+
+    Attributes:
+        board: Id of the board, as in the robot's profile.
+        values: Raw values in the order of the board's channels; NaN where a channel is silent.
+    """
+
+    board: int
+    values: tuple[float, ...]
+
+
+class DetectorWord(NamedTuple):
+    """A detector has said a word, a level that holds for ``valid_for_s`` or until the next."""
+
+    word: str
+    valid_for_s: float
+
+
+class EnvironmentReport(NamedTuple):
+    """The pipe around the robot has been reported.
+
+    Attributes:
+        segment: ``Out``, ``Straight`` or ``Joint`` (thesis section 4-3-2).
+        roll_rad: Roll of the pipe segment relative to the robot.
+        pitch_rad: Pitch of the pipe segment.
+        diameter_m: Inner diameter, h + 2r (thesis eq. 3-2); NaN when nothing is clamped.
+    """
+
+    segment: str
+    roll_rad: float
+    pitch_rad: float
+    diameter_m: float
+
+
+class SubmitResult(NamedTuple):
+    """A setpoint array has met its one and only fate.
+
+    Attributes:
+        setpoint_id: The id that the array was submitted under.
+        status: ``accepted``: the robot has it. ``superseded``: a newer array replaced it before
+            it was sent. ``rejected``: it was never sent. ``unknown``: it may have been applied.
+        reason: Why, in words; empty when accepted.
+    """
+
+    setpoint_id: int
+    status: SubmitStatus
+    reason: str = ""
+
+
+class FaultReport(NamedTuple):
+    """A backend has found something wrong, e.g. ``link.lost``."""
+
+    code: str
+    message: str
+
+
+class OperatorCommand(NamedTuple):
+    """The operator asks for one command, outside the mission's own steps."""
+
+    command: str
+
+
+class Answer(NamedTuple):
+    """The operator has chosen one of the answers that are on offer."""
+
+    choice: str
+
+
+class Pause(NamedTuple):
+    """The operator wants the wheels stopped and the mission frozen."""
+
+
+class Resume(NamedTuple):
+    """The operator wants a paused mission to go on."""
+
+
+class Step(NamedTuple):
+    """The operator wants a paused mission to do its next step and pause again."""
+
+
+class Skip(NamedTuple):
+    """The operator passes over what the mission waits for.
+
+    Attributes:
+        trigger: In a wait, the name of the trigger to take; empty for the first one listed.
+    """
+
+    trigger: str = ""
+
+
+class Abort(NamedTuple):
+    """The run must end now, through the safe stop."""
+
+    reason: str
+
+
+Event: TypeAlias = (
+    Tick
+    | SensorFrame
+    | DetectorWord
+    | EnvironmentReport
+    | SubmitResult
+    | FaultReport
+    | OperatorCommand
+    | Answer
+    | Pause
+    | Resume
+    | Step
+    | Skip
+    | Abort
+)
