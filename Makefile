@@ -1,0 +1,62 @@
+# Two commands set everything up: `make demo` and `make test`. Both need Python >= 3.11 only.
+
+PYTHON ?= python3
+VENV   ?= .venv
+BIN    := $(VENV)/bin
+
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help demo test check format bench seeds clean
+
+help:
+	@echo "make demo    the bend mission in the simulator, slow enough to watch"
+	@echo "make test    style, types, layers and tests"
+	@echo "make bench   speed and memory, side by side"
+	@echo "make seeds   the bend mission from 1,000 seeds"
+	@echo "make format  every Python file in the one style"
+	@echo "make clean   the tree without environments and caches"
+
+demo: $(VENV)/.ready-sim
+	$(BIN)/pirate-run sequences/mitre_bend.yaml --backend sim --speed 4
+
+test: check
+	$(BIN)/python -m pytest -n auto --maxprocesses 4
+
+check: $(VENV)/.ready-dev
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(VENV)/.ready-dev
+	$(BIN)/ruff check --fix
+	$(BIN)/ruff format
+
+bench: $(VENV)/.ready-bench
+	$(BIN)/python -m benchmarks.bench
+
+seeds: $(VENV)/.ready-sim
+	$(BIN)/python -m benchmarks.seeds
+
+clean:
+	rm -rf $(VENV) build dist .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# One environment; each set of extras is installed once, and again when pyproject.toml changes.
+$(VENV)/.ready-sim: EXTRAS := sim
+$(VENV)/.ready-dev: EXTRAS := dev,sim
+$(VENV)/.ready-bench: EXTRAS := bench,sim
+
+$(VENV)/.ready-%: pyproject.toml | $(VENV)/.created
+	@echo "Installing pirate_sm with its extras [$(EXTRAS)] into $(VENV) (takes a minute, once) ..."
+	@$(BIN)/python -m pip install --quiet -e '.[$(EXTRAS)]'
+	@touch $@
+
+$(VENV)/.created:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+	    || { echo "$(PYTHON) is not Python >= 3.11; name one: make PYTHON=python3.12" >&2; exit 2; }
+	@echo "Creating a Python environment in $(VENV) ..."
+	@$(PYTHON) -m venv $(VENV)
+	@touch $@
