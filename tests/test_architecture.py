@@ -17,109 +17,73 @@ SOURCES = sorted(PACKAGE.rglob("*.py"))
 LONGEST_FILE = 400
 LONGEST_FUNCTION = 60
 
-# Where a profile or a chart gives names: the keys of these mappings, the names in these lists.
-NAMING_SECTIONS = {
-    "aliases",
-    "boards",
-    "channels",
-    "commands",
-    "joints",
-    "modules",
-    "sensors",
-    "signals",
-    "slots",
-    "states",
-    "wheels",
-}
-NAMING_KEYS = {"event", "id", "name"}
+# Where a chart or a profile gives names: the keys of these mappings and the values of these keys.
+NAMING_SECTIONS = {"aliases", "commands", "derived", "not_commands", "signals", "states"}
+NAMING_KEYS = {"event", "id", "name", "signal"}
 
-# Names of the shipped robot that are also plain words or words of the mission language.
-PLAIN_WORDS = {
-    "Fixed",
-    "Free",
-    "Off",
-    "On",
-    "Reset",
-    "Straight",
-    "detector",
-    "diameter",
-    "distance",
-    "environment",
-    "fallen",
-    "front",
-    "imu",
-    "middle",
-    "odometry",
-    "pitch",
-    "rear",
-    "robot",
-    "roll",
-    "rotation",
-    "segment",
-    "speed",
-    "stuck",
-    "yaw",
-}
+# Names of the shipped robot that are also words of the trade: a state, a command, and what any
+# wheel and any bend of a pipe have.
+PLAIN_NAMES = {"Fixed", "Free", "Off", "On", "Reset", "bend_angle", "wheel_angle", "wheel_velocity"}
 
 # The name of this software: its package, its two commands and its errors.
 OUR_NAME = re.compile(r"""\bpirate[_-]sm\b|\bpirate-run\b|\bPirateError\b|\bpirate (?=[a-z])""")
 OUR_COMMAND = re.compile(r"""["'`]pirate["'`]""")
 
 
-def _names(node: object, *, section: str = "") -> Iterator[str]:
+def _names(node: object) -> Iterator[str]:
     """Every name that the YAML below `node` gives to something."""
     if isinstance(node, list):
         for item in node:
-            if isinstance(item, str) and section in NAMING_SECTIONS:
-                yield item
-            yield from _names(item, section=section)
+            yield from _names(item)
     elif isinstance(node, dict):
         for key, value in node.items():
-            # Lists are told apart by the names within them, mappings by their keys.
-            if section in NAMING_SECTIONS:
-                yield key
             if key in NAMING_KEYS and isinstance(value, str):
                 yield value
-            yield from _names(value, section=key)
+            if key in NAMING_SECTIONS and isinstance(value, dict):
+                yield from value
+            yield from _names(value)
 
 
-def _shipped_words() -> set[str]:
-    """The words that only the shipped robot's files may use, without the plain ones."""
-    words: set[str] = set()
+def _parts(name: str) -> tuple[str, ...]:
+    """The words of a name in any spelling: ClampFront, clamp_front and CLAMP_FRONT are the same."""
+    return tuple(re.findall(r"[a-z]+|\d+", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()))
+
+
+def _shipped_names() -> set[str]:
+    """The names that only the shipped robot's files may use.
+
+    A name of one lower-case word (`speed`, `joint`) is a word before it is a name.
+    """
+    names: set[str] = set()
     for file in sorted(SHIPPED_ROBOT.rglob("*.yaml")):
         # BaseLoader leaves every scalar a string: `Off` stays a name.
         document = yaml.load(file.read_text(encoding="utf-8"), Loader=yaml.BaseLoader)
-        for name in _names(document):
-            words.update(part for part in name.split(".") if re.fullmatch(r"[A-Za-z]\w{2,}", part))
-    return words - PLAIN_WORDS
+        names.update(name.rpartition(".")[2] for name in _names(document))
+    return {name for name in names - PLAIN_NAMES if len(_parts(name)) > 1 or name[0].isupper()}
 
 
-def _flat(word: str) -> str:
-    return word.replace("_", "").lower()
-
-
-def _foreign_words(text: str, words: set[str]) -> list[str]:
-    """Each `line: word` where `text` uses one of `words`, in any spelling of a compound one."""
-    # ClampFront is also clamp_front and CLAMP_FRONT, and part of on_clamp_front.
-    compounds = {_flat(word) for word in words if re.search(r"[a-z_][A-Z]|[a-z0-9]_[a-z]", word)}
+def _foreign_words(text: str, names: set[str]) -> list[str]:
+    """Each `line: word` of `text` that is one of `names`, or holds a compound one."""
+    compounds = {parts for name in names if len(parts := _parts(name)) > 1}
     found = []
     for number, line in enumerate(text.splitlines(), 1):
-        for token in re.findall(r"[A-Za-z]\w*", line):
-            flat = _flat(token)
-            if token in words or any(compound in flat for compound in compounds):
-                found.append(f"{number}: {token}")
+        for word in re.findall(r"[A-Za-z]\w*", line):
+            parts = _parts(word)
+            spans = {parts[i:j] for j in range(len(parts) + 1) for i in range(j)}
+            if word in names or spans & compounds:
+                found.append(f"{number}: {word}")
     return found
 
 
 @pytest.fixture(scope="module")
-def shipped_words() -> set[str]:
-    return _shipped_words()
+def shipped_names() -> set[str]:
+    return _shipped_names()
 
 
-def test_the_shipped_robot_gives_the_words_that_this_module_looks_for(
-    shipped_words: set[str],
+def test_the_shipped_robot_gives_the_names_that_this_module_looks_for(
+    shipped_names: set[str],
 ) -> None:
-    assert {"ClampFront", "BendingState", "DoubleClamped", "AlignedRight"} <= shipped_words
+    assert {"ClampFront", "BendingState", "DoubleClamped", "AlignedRight"} <= shipped_names
 
 
 def test_a_compound_name_is_found_in_every_spelling() -> None:
@@ -134,9 +98,9 @@ def test_a_compound_name_is_found_in_every_spelling() -> None:
 
 @pytest.mark.parametrize("source", SOURCES, ids=lambda path: str(path.relative_to(PACKAGE)))
 def test_no_source_file_names_anything_of_the_shipped_robot(
-    source: Path, shipped_words: set[str]
+    source: Path, shipped_names: set[str]
 ) -> None:
-    assert _foreign_words(source.read_text(encoding="utf-8"), shipped_words) == []
+    assert _foreign_words(source.read_text(encoding="utf-8"), shipped_names) == []
 
 
 @pytest.mark.parametrize("source", SOURCES, ids=lambda path: str(path.relative_to(PACKAGE)))
