@@ -21,9 +21,13 @@ LONGEST_FUNCTION = 60
 NAMING_SECTIONS = {"aliases", "commands", "derived", "not_commands", "signals", "states"}
 NAMING_KEYS = {"event", "id", "name", "signal"}
 
-# Names of the shipped robot that are also words of the trade: a state, a command, and what any
-# wheel and any bend of a pipe have.
-PLAIN_NAMES = {"Fixed", "Free", "Off", "On", "Reset", "bend_angle", "wheel_angle", "wheel_velocity"}
+# Names of the shipped robot that are also words of the trade: states and a command, what any
+# wheel and any bend of a pipe have, the axes of any inertial unit.
+PLAIN_NAMES = {
+    *("Fixed", "Free", "Off", "On", "Reset"),
+    *("bend_angle", "wheel_angle", "wheel_load", "wheel_velocity"),
+    *("acc_x", "acc_y", "acc_z", "mag_x", "mag_y", "mag_z"),
+}
 
 # The name of this software: its package, its two commands and its errors.
 OUR_NAME = re.compile(r"""\bpirate[_-]sm\b|\bpirate-run\b|\bPirateError\b|\bpirate (?=[a-z])""")
