@@ -1,0 +1,34 @@
+"""Every exception this package raises on purpose.
+
+    PirateError                 exit code 4: a fault in this program
+    ├── UsageError              exit code 2: what a person wrote cannot be used; nothing has moved
+    │   ├── QuantityError       (units) a number with a wrong, missing or unknown unit
+    │   └── ExpressionError     (expressions) a condition that does not parse or does not fit
+    ├── LoadError               (loading.problems) exit code 2: files refused, each fault placed
+    └── BackendError            exit code 3: the backend or its link failed
+
+A failure that a mission is expected to meet (a refused command, a timeout, a sensor gone silent)
+is data and travels as an event; an exception is for what no mission can handle.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+
+class PirateError(Exception):
+    """Is the root: whoever catches it knows the exit code and a message for a person."""
+
+    exit_code: ClassVar[int] = 4
+
+
+class UsageError(PirateError):
+    """Is raised for arguments or text that cannot be used, before anything moves."""
+
+    exit_code: ClassVar[int] = 2
+
+
+class BackendError(PirateError):
+    """Is raised when a backend or the link to it fails beyond what an event can say."""
+
+    exit_code: ClassVar[int] = 3

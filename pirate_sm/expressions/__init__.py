@@ -1,0 +1,39 @@
+"""Conditions and triggers: parsed once against an allowlist, typed with units, compiled.
+
+    text → lexer → parser → syntax tree with offsets → analysis (types, units, words) → tree
+         → compiler → a Python function over signal values
+
+The language has comparisons (also chained), `and or not`, `+ - * /`, parentheses, `abs min max`,
+`in (a, b)`, `known(x)`, numbers with units, words, `true` and `false`, `$parameters`; nothing else
+can be said in it. Its logic is three-valued (Kleene): what follows from an unknown signal is
+unknown, unless the rest decides alone.
+"""
+
+from __future__ import annotations
+
+from pirate_sm.expressions.compiler import Expression, compile_condition, compile_expression
+from pirate_sm.expressions.faults import ExpressionError, Fault
+from pirate_sm.expressions.vocabulary import (
+    BOOLEAN,
+    BooleanType,
+    Constant,
+    EnumType,
+    NumberType,
+    Slot,
+    Vocabulary,
+)
+
+__all__ = [
+    "BOOLEAN",
+    "BooleanType",
+    "Constant",
+    "EnumType",
+    "Expression",
+    "ExpressionError",
+    "Fault",
+    "NumberType",
+    "Slot",
+    "Vocabulary",
+    "compile_condition",
+    "compile_expression",
+]

@@ -1,0 +1,42 @@
+"""What can be wrong with an expression, and where in its text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from pirate_sm.errors import UsageError
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """Is one thing wrong with an expression.
+
+    Attributes:
+        message: What is wrong, for a person.
+        offset: Where it stands, in characters from the start of the expression.
+        suggestion: What was probably meant instead of what stands there; empty when unknown.
+        length: How many characters it covers.
+    """
+
+    message: str
+    offset: int
+    suggestion: str = ""
+    length: int = 1
+
+
+class ExpressionError(UsageError):
+    """Is raised for an expression that cannot be used; holds every fault that could be found."""
+
+    def __init__(self, faults: Iterable[Fault]) -> None:
+        self.faults = tuple(sorted(faults, key=lambda fault: fault.offset))
+        first = self.faults[0]
+        self.message = first.message
+        self.offset = first.offset
+        self.suggestion = first.suggestion
+        super().__init__("; ".join(_line(fault) for fault in self.faults))
+
+
+def _line(fault: Fault) -> str:
+    hint = f", did you mean '{fault.suggestion}'?" if fault.suggestion else ""
+    return f"column {fault.offset + 1}: {fault.message}{hint}"

@@ -1,0 +1,109 @@
+"""Text → tokens; a number takes its unit with it."""
+
+from __future__ import annotations
+
+import re
+from typing import Final, Literal, NamedTuple, NoReturn, TypeAlias
+
+from pirate_sm.expressions.faults import ExpressionError, Fault
+from pirate_sm.expressions.vocabulary import KEYWORDS
+from pirate_sm.units import UNITS, Quantity, QuantityError, nearest_unit, parse_quantity
+
+LONGEST_TEXT: Final = 1000
+
+TokenKind: TypeAlias = Literal["number", "name", "parameter", "operator", "end"]
+
+
+class Token(NamedTuple):
+    """Is one token with its place; `quantity` is the value of a number."""
+
+    kind: TokenKind
+    text: str
+    offset: int
+    quantity: Quantity | None = None
+
+
+_BLANKS: Final = re.compile(r"[ \t\r\n]*")
+_NUMBER: Final = re.compile(r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_NAME: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_PARAMETER: Final = re.compile(r"\$[A-Za-z_][A-Za-z0-9_]*")
+_UNIT: Final = re.compile(r"[ \t]*(%|°|[A-Za-z_µ][A-Za-z0-9_]*)(\^-?[0-9])?")
+# Blanks around '/' make it a division by a signal: `speed / 2 s`, but `2 m/s`.
+_UNIT_FACTOR: Final = re.compile(r"[*/·]([A-Za-z]+)(?:\^-?[0-9])?(?![A-Za-z0-9_(])")
+_FOREIGN: Final = re.compile(r"&&|\|\||:=|\*\*|//|<>|=>|=<|===|!==|[=!&|≤≥≠−×÷]")
+_OPERATOR: Final = re.compile(r"==|!=|<=|>=|[-+*/<>(),]")
+_MEANT: Final = {
+    "&&": "and", "&": "and", "||": "or", "|": "or", "!": "not", "=": "==", "===": "==",
+    "!==": "!=", "<>": "!=", "≠": "!=", "=>": ">=", "≥": ">=", "=<": "<=", "≤": "<=",
+    "−": "-", "×": "*", "÷": "/",
+}  # fmt: skip
+
+
+def tokenize(text: str) -> list[Token]:
+    """Return the tokens of an expression, ended by one of kind `end`.
+
+    Raises:
+        ExpressionError: There is a character, number or unit that no expression has.
+    """
+    if len(text) > LONGEST_TEXT:
+        message = f"the expression is longer than {LONGEST_TEXT} characters"
+        raise ExpressionError([Fault(message, LONGEST_TEXT)])
+    tokens: list[Token] = []
+    position = _skip_blanks(text, 0)
+    while position < len(text):
+        token = _next_token(text, position)
+        tokens.append(token)
+        position = _skip_blanks(text, position + len(token.text))
+    tokens.append(Token("end", "", len(text.rstrip())))
+    return tokens
+
+
+def _skip_blanks(text: str, position: int) -> int:
+    match = _BLANKS.match(text, position)
+    return match.end() if match else position
+
+
+def _next_token(text: str, position: int) -> Token:
+    if _NUMBER.match(text, position):
+        return _number(text, position)
+    if match := _NAME.match(text, position):
+        return Token("name", match[0], position)
+    if match := _PARAMETER.match(text, position):
+        return Token("parameter", match[0], position)
+    foreign = _FOREIGN.match(text, position)
+    operator = _OPERATOR.match(text, position)
+    if operator and (foreign is None or len(foreign[0]) <= len(operator[0])):
+        return Token("operator", operator[0], position)
+    _refuse(foreign[0] if foreign else text[position], position)
+
+
+def _refuse(found: str, position: int) -> NoReturn:
+    suggestion = _MEANT.get(found, "")
+    if found in "'\"":
+        raise ExpressionError([Fault("words stand without quotes here", position)])
+    if found == "$":
+        raise ExpressionError([Fault("a '$' needs the name of a parameter after it", position)])
+    message = f"{found!r} is not part of the language of conditions"
+    raise ExpressionError([Fault(message, position, suggestion, len(found))])
+
+
+def _number(text: str, position: int) -> Token:
+    """Return the number that begins at `position` with its unit, in SI."""
+    number = _NUMBER.match(text, position)
+    assert number is not None
+    end = number.end()
+    unit = _UNIT.match(text, end)
+    if unit is not None and unit[1] not in KEYWORDS:
+        if unit[1] not in UNITS:
+            suggestion = nearest_unit(unit[1])
+            message = f"unknown unit '{unit[1]}' after {number[0]}"
+            raise ExpressionError([Fault(message, unit.start(1), suggestion, len(unit[1]))])
+        end = unit.end()
+        while (factor := _UNIT_FACTOR.match(text, end)) and factor[1] in UNITS:
+            end = factor.end()
+    written = text[position:end]
+    try:
+        return Token("number", written, position, parse_quantity(written))
+    except QuantityError as error:
+        fault = Fault(error.message, position, error.suggestion, len(written))
+        raise ExpressionError([fault]) from None

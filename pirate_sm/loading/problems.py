@@ -1,0 +1,186 @@
+"""What is wrong with a file, where, what was expected there, and how it may have been meant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import ClassVar, Protocol, TypeAlias
+
+from pirate_sm.errors import PirateError
+from pirate_sm.expressions import ExpressionError
+
+Path: TypeAlias = tuple[str | int, ...]
+
+_EXCERPT_WIDTH = 100
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Place:
+    """Is a place in a file, counted from 1; line 0 is the file as a whole."""
+
+    file: str
+    line: int = 0
+    column: int = 0
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+
+
+class Severity(StrEnum):
+    """Says whether a problem keeps a file from being used."""
+
+    ERROR = "error"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """Is one fault of a file.
+
+    Attributes:
+        code: A stable word for programs, such as `unknown-key`.
+        place: Where the fault stands.
+        message: What is wrong, for a person.
+        expected: What would have been right; empty when the message says it.
+        suggestion: What was probably meant, and nothing else; empty when nothing is near.
+        excerpt: The line of the file that the place is on.
+        severity: Whether the file can be used all the same.
+    """
+
+    code: str
+    place: Place
+    message: str
+    expected: str = ""
+    suggestion: str = ""
+    excerpt: str = ""
+    severity: Severity = Severity.ERROR
+
+    def render(self) -> str:
+        """Return the problem as lines of plain text: place and message, the line, hints."""
+        warning = "warning: " if self.severity is Severity.WARNING else ""
+        lines = [f"{self.place}: {warning}{self.message}"]
+        if self.excerpt.strip():
+            lines += _marked(self.excerpt, self.place.column)
+        if self.expected:
+            lines.append(f"  expected {self.expected}")
+        if self.suggestion:
+            lines.append(f"  did you mean '{self.suggestion}'?")
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        return self.render()
+
+
+def _marked(line: str, column: int) -> list[str]:
+    """Return the line and a caret under `column`, cut to a width that a terminal shows."""
+    flat = "".join(char if char.isprintable() else " " for char in line.rstrip())
+    caret = max(column - 1, 0)
+    start = 0
+    if len(flat) > _EXCERPT_WIDTH:
+        start = max(0, min(caret - _EXCERPT_WIDTH // 2, len(flat) - _EXCERPT_WIDTH))
+        flat = flat[start : start + _EXCERPT_WIDTH]
+        if start:
+            flat = "…" + flat[1:]
+    return [f"    {flat}", f"    {' ' * (caret - start)}^"]
+
+
+class LoadError(PirateError):
+    """Is raised when files cannot be used; holds everything that is wrong with them, by place."""
+
+    exit_code: ClassVar[int] = 2
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems = tuple(sorted(problems, key=lambda problem: problem.place))
+        super().__init__("\n".join(problem.render() for problem in self.problems))
+
+
+class Locator(Protocol):
+    """Finds the place of a value in a file; `loading.source.Document` is one."""
+
+    def place_of(self, path: Path, *, key: bool = False, offset: int | None = None) -> Place:
+        """Return the place of the value at `path`, or of its key."""
+        ...
+
+    def excerpt(self, line: int) -> str:
+        """Return a line of the file, counted from 1; empty when there is none."""
+        ...
+
+
+class Problems:
+    """Collects the problems of one load, over all the files that take part in it."""
+
+    def __init__(self, document: Locator | None = None) -> None:
+        self._document = document
+        self._found: list[Problem] = []
+
+    def about(self, document: Locator) -> Problems:
+        """Return a collector for another document that adds to the same list."""
+        view = Problems(document)
+        view._found = self._found
+        return view
+
+    def put(self, problem: Problem) -> None:
+        """Add a problem that knows its place, unless the same stands there already."""
+        if problem not in self._found:
+            self._found.append(problem)
+
+    def add(
+        self,
+        code: str,
+        path: Path,
+        message: str,
+        *,
+        expected: str = "",
+        suggestion: str = "",
+        key: bool = False,
+        offset: int | None = None,
+        severity: Severity = Severity.ERROR,
+    ) -> None:
+        """Add a problem with the value at `path` of the document.
+
+        Args:
+            code: A stable word for programs.
+            path: Keys and list indexes from the root of the document; followed as far as it leads.
+            message: What is wrong.
+            expected: What would have been right.
+            suggestion: What was probably meant.
+            key: Point at the key instead of at its value.
+            offset: Point this many characters into the text of the value.
+            severity: Whether the file can be used all the same.
+        """
+        if self._document is None:
+            raise ValueError("these problems are not about a document: use about()")
+        place = self._document.place_of(path, key=key, offset=offset)
+        excerpt = self._document.excerpt(place.line)
+        self.put(Problem(code, place, message, expected, suggestion, excerpt, severity))
+
+    def add_expression(self, path: Path, error: ExpressionError) -> None:
+        """Add each fault of the expression that is the text at `path`, at its own column."""
+        for fault in error.faults:
+            self.add(
+                "expression",
+                path,
+                fault.message,
+                suggestion=fault.suggestion,
+                offset=fault.offset,
+            )
+
+    @property
+    def all(self) -> tuple[Problem, ...]:
+        """Return errors and warnings, by place."""
+        return tuple(sorted(self._found, key=lambda problem: problem.place))
+
+    @property
+    def errors(self) -> tuple[Problem, ...]:
+        """Return what keeps the files from being used, by place."""
+        return tuple(problem for problem in self.all if problem.severity is Severity.ERROR)
+
+    def raise_errors(self) -> None:
+        """Return only when there is no error.
+
+        Raises:
+            LoadError: There is one; it holds the warnings too.
+        """
+        if self.errors:
+            raise LoadError(self._found)

@@ -1,0 +1,40 @@
+"""The nearest valid name for a misspelt one, and lists of names for messages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+_LONGEST_WORD = 64  # difflib is quadratic; nobody misspells a name of this length
+_CUTOFF = 0.6
+
+
+def nearest(word: str, candidates: Iterable[str]) -> str | None:
+    """Return the candidate that `word` most likely stands for, or None when none is close.
+
+    Letters in the wrong case, and `-` or blanks for `_`, count as the same spelling.
+    """
+    if len(word) > _LONGEST_WORD:
+        return None
+    by_fold: dict[str, str] = {}
+    for candidate in candidates:
+        by_fold.setdefault(_fold(candidate), candidate)
+    folded = _fold(word)
+    if folded in by_fold:
+        return by_fold[folded]
+    close = get_close_matches(folded, by_fold, n=1, cutoff=_CUTOFF)
+    return by_fold[close[0]] if close else None
+
+
+def one_of(names: Iterable[str], limit: int = 12) -> str:
+    """Return `a`, `one of a, b, c`, or a shortened list when there are more than `limit`."""
+    listed = list(names)
+    if len(listed) == 1:
+        return listed[0]
+    shown = ", ".join(listed[:limit])
+    more = len(listed) - limit
+    return f"one of {shown}, … ({more} more)" if more > 0 else f"one of {shown}"
+
+
+def _fold(word: str) -> str:
+    return word.strip().casefold().replace("-", "_").replace(" ", "_")
