@@ -1,0 +1,119 @@
+"""Whether what a command asked for has happened; told by signals, not by having been sent."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from pirate_sm.engine.robot import (
+    AcceptedSpec,
+    AlignedSpec,
+    BelowSpec,
+    CriterionSpec,
+    LoopSpec,
+    ReachedSpec,
+    RobotSpec,
+    StalledSpec,
+    StoppedSpec,
+    TurningSpec,
+)
+
+Numbers = tuple[float, ...]
+
+
+class Loop(NamedTuple):
+    """A running position loop.
+
+    Attributes:
+        slot: Whose duty it sets.
+        angle: Number index of the controlled angle; ``rate`` that of its rate.
+        torque: Number index of the torque that its joint bears.
+        target_rad: Where it shall come to.
+    """
+
+    slot: int
+    angle: int
+    rate: int
+    torque: int
+    spec: LoopSpec
+    target_rad: float
+
+    def arrived(self, numbers: Numbers) -> bool:
+        """Whether the angle is inside the threshold; an unknown angle has not arrived."""
+        return abs(self.target_rad - numbers[self.angle]) <= self.spec.threshold_rad
+
+    def duty(self, numbers: Numbers) -> float:
+        """The duty cycle of a proportional controller, 0 once arrived or when blind."""
+        error = self.target_rad - numbers[self.angle]
+        if not abs(error) > self.spec.threshold_rad:
+            return 0.0
+        size = min(max(abs(error) * self.spec.gain, self.spec.least_duty), self.spec.limit)
+        return size if error > 0 else -size
+
+    def pushes(self, numbers: Numbers, setpoints: Numbers, share: float) -> bool:
+        """Whether the joint bears ``share`` of the torque that its duty gives at stall."""
+        duty = setpoints[self.slot]
+        borne = numbers[self.torque] * (1.0 if duty > 0 else -1.0)
+        return duty != 0 and borne > share * abs(duty) * self.spec.stall_torque_nm
+
+
+def holds(
+    criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: tuple[Loop, ...]
+) -> bool:
+    """Whether the criterion is true of this moment; unknown signals never make it true."""
+    match criterion:
+        case AcceptedSpec():
+            return True
+        case StalledSpec():
+            return all(abs(numbers[rate]) < criterion.still for rate in criterion.rates) and all(
+                abs(numbers[torque]) > criterion.torque for torque in criterion.torques
+            )
+        case ReachedSpec():
+            return all(
+                loop.arrived(numbers)
+                or (abs(numbers[loop.rate]) < criterion.still and loop.pushes(numbers, setpoints, criterion.loaded))
+                for loop in loops
+            )
+        case TurningSpec():
+            return any(
+                setpoints[slot] != 0 and abs(numbers[speed]) > criterion.above
+                for slot, speed in criterion.wheels
+            )
+        case StoppedSpec():
+            known = [abs(numbers[speed]) for speed in criterion.speeds]
+            known = [speed for speed in known if speed == speed]  # noqa: PLR0124
+            return bool(known) and max(known) < criterion.below
+        case AlignedSpec():
+            return all(
+                abs(setpoints[slot] - numbers[angle]) <= criterion.within
+                for slot, angle in criterion.slots
+            )
+        case BelowSpec():
+            return all(abs(numbers[signal]) < criterion.limit for signal in criterion.signals)
+
+
+def must_hold_s(criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]) -> float:
+    """For how long the criterion must have been true."""
+    if isinstance(criterion, ReachedSpec):
+        return 0.0 if all(loop.arrived(numbers) for loop in loops) else criterion.for_s
+    return getattr(criterion, "for_s", 0.0)
+
+
+def told(robot: RobotSpec, criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]) -> str:
+    """In words, what showed that the command is done; which joints a wall has stopped."""
+    if isinstance(criterion, ReachedSpec):
+        names = robot.vocabulary.numbers
+        stopped = [names[loop.angle] for loop in loops if not loop.arrived(numbers)]
+        if stopped:
+            return f"{', '.join(stopped)} stopped by the wall, standing still under torque"
+        return "every joint has come to its angle"
+    return _TOLD[type(criterion)]
+
+
+_TOLD: dict[type, str] = {
+    AcceptedSpec: "setpoints accepted",
+    StalledSpec: "the joints stand still under torque",
+    TurningSpec: "a driven wheel turns",
+    StoppedSpec: "the wheels stand still",
+    AlignedSpec: "the angle is at its setpoint",
+    BelowSpec: "near zero",
+}

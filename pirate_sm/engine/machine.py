@@ -1,0 +1,492 @@
+"""The robot's state machines in motion: commands, arrays in flight, confirmation, position loops.
+
+Pure functions over :class:`RobotState`. The chart moves when a command's first array has been
+accepted; until the command is seen to be done its new states are *unconfirmed*, and an
+unconfirmed clamp is no clamp.
+"""
+
+from __future__ import annotations
+
+from math import inf, isnan, nan
+from typing import Literal, NamedTuple
+
+from pirate_sm.engine.chart_table import Configuration
+from pirate_sm.engine.done import Loop, holds, must_hold_s, told
+from pirate_sm.engine.robot import AcceptedSpec, LoopSpec, RobotSpec, StageSpec
+from pirate_sm.engine.sensing import Sensing
+from pirate_sm.model.effects import CommandStatus, Effect, Setpoints, StateChange
+from pirate_sm.model.events import SubmitResult
+
+Numbers = tuple[float, ...]
+Purpose = Literal["gate", "loop", "stop"]
+
+
+class Mark(NamedTuple):
+    """A region's state, or a part's clamp, that ``command`` made and that is not confirmed."""
+
+    kind: Literal["region", "part"]
+    index: int
+    command: int
+
+
+class Flight(NamedTuple):
+    """An array whose fate is not known yet.
+
+    Attributes:
+        purpose: ``gate``: a command's first array, moves the chart when accepted. ``stop``: wheels
+            zero. ``loop``: anything else.
+        resend_at_s: When the same array is sent again, infinite while a result is awaited.
+    """
+
+    setpoint_id: int
+    values: Numbers
+    purpose: Purpose
+    tries: int = 1
+    resend_at_s: float = inf
+
+
+class Motion(NamedTuple):
+    """A command under way.
+
+    Attributes:
+        command: Index of the command.
+        target: The configuration that acceptance leads to.
+        accepted_s: NaN until the array is accepted.
+        deadline_s: When it has failed; infinite until accepted.
+        since_s: Since when its criterion has been true, NaN while it is not.
+        stage: Which stage of its actuation is in force.
+    """
+
+    command: int
+    target: int
+    timeout_s: float
+    place: str
+    accepted_s: float = nan
+    deadline_s: float = inf
+    since_s: float = nan
+    stage: int = 0
+
+
+class Finished(NamedTuple):
+    """How a command ended."""
+
+    done: bool
+    reason: str
+
+
+class RobotState(NamedTuple):
+    """The robot as far as it has been commanded.
+
+    Attributes:
+        configuration: Index into the chart's table.
+        marks: What is not confirmed.
+        values: Setpoints in force: the last accepted array.
+        next_id: Id of the next new array.
+        sent: Whether anything has ever been sent.
+    """
+
+    configuration: int
+    values: Numbers
+    marks: frozenset[Mark] = frozenset()
+    next_id: int = 1
+    flight: Flight | None = None
+    motion: Motion | None = None
+    loops: tuple[Loop, ...] = ()
+    sent: bool = False
+
+    @property
+    def latest(self) -> Numbers:
+        """The newest values, whether accepted yet or not."""
+        return self.flight.values if self.flight else self.values
+
+
+def at_rest_in(robot: RobotSpec, configuration: int) -> RobotState:
+    """A robot that is in this configuration, confirmed, and has not been sent anything."""
+    values = [0.0] * len(robot.slots)
+    for region, state in enumerate(robot.table.configurations[configuration]):
+        for write in robot.actuation[region][state][-1]:
+            if write.how == "set":
+                values[write.slot] = write.value
+            elif write.how == "keep" and robot.slots[write.slot].unit == "angle":
+                values[write.slot] = nan  # known once measured
+    return RobotState(configuration, tuple(values))
+
+
+def unconfirmed(robot: RobotSpec, state: RobotState) -> tuple[str, ...]:
+    """Names of the regions whose state is not confirmed, in the order of the chart."""
+    regions = {mark.index for mark in state.marks if mark.kind == "region"}
+    for mark in state.marks:
+        if mark.kind == "part":
+            regions |= robot.part_regions[mark.index]
+    return tuple(name for index, name in enumerate(robot.regions) if index in regions)
+
+
+def states_of(robot: RobotSpec, state: RobotState) -> Configuration:
+    """The state name of each region."""
+    return robot.table.configurations[state.configuration]
+
+
+def state_change(robot: RobotSpec, state: RobotState) -> StateChange:
+    """The effect that tells the configuration and what of it is unconfirmed."""
+    return StateChange(states_of(robot, state), unconfirmed(robot, state))
+
+
+def confirmed_parts(robot: RobotSpec, state: RobotState) -> frozenset[int]:
+    """Parts whose clamp has been seen to hold."""
+    marked = {mark.index for mark in state.marks if mark.kind == "part"}
+    return robot.held[state.configuration] - marked
+
+
+def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
+    """Why the command would be refused now, beginning with *unneeded* or *impossible*; or empty.
+
+    A command is possible when it moves the chart and does not let go of the last confirmed
+    clamp. One that moves nothing is a retry when it left something unconfirmed.
+    """
+    here = state.configuration
+    target = robot.table.follow(here, command)
+    if target == here:
+        if any(mark.command == command for mark in state.marks):
+            return ""
+        if robot.unneeded[here][command]:
+            return "unneeded: it is so already"
+        return f"impossible: {robot.table.why_not(here, command)}"
+    confirmed = confirmed_parts(robot, state)
+    if confirmed and not confirmed & robot.held[target] and not robot.commands[command].lets_go:
+        parts = ", ".join(robot.parts[part] for part in sorted(confirmed))
+        return f"impossible: it would let go of the last confirmed clamp ({parts})"
+    return ""
+
+
+def begin(
+    robot: RobotSpec,
+    state: RobotState,
+    sensing: Sensing,
+    command: int,
+    timeout_s: float | None,
+    place: str,
+    effects: list[Effect],
+) -> RobotState:
+    """The command's first array has been sent; the chart waits for its acceptance.
+
+    To be called only where :func:`refusal` is empty and no array is in flight.
+    """
+    spec = robot.commands[command]
+    target = robot.table.follow(state.configuration, command)
+    motion = Motion(command, target, spec.timeout_s if timeout_s is None else timeout_s, place)
+    values, loops = _actuate(robot, state, sensing, _touched(robot, state, motion), 0)
+    effects.append(CommandStatus(spec.name, "sent", "", place))
+    state = state._replace(motion=motion, loops=loops)
+    return _send(state, values, "gate", effects)
+
+
+def resolve(
+    robot: RobotSpec,
+    state: RobotState,
+    result: SubmitResult,
+    now: float,
+    effects: list[Effect],
+) -> tuple[RobotState, Finished | None]:
+    """The array in flight has met its fate; a command's first array has moved the chart.
+
+    A result for another array than the one in flight changes nothing: it was superseded.
+    """
+    flight = state.flight
+    if flight is None or result.setpoint_id != flight.setpoint_id:
+        return state, None
+    if result.status == "unknown":
+        waiting = flight._replace(resend_at_s=now + robot.link.resend_after_s)
+        return state._replace(flight=waiting), None
+    if result.status == "accepted":
+        state = state._replace(values=flight.values, flight=None)
+        if flight.purpose == "gate" and state.motion is not None:
+            state = _accept(robot, state, state.motion, now, effects)
+        return state, None
+    state = state._replace(flight=None)
+    if flight.purpose == "gate" and state.motion is not None:
+        reason = f"setpoints {result.status}" + (f": {result.reason}" if result.reason else "")
+        return fail(robot, state, reason, effects), Finished(False, reason)
+    return state, None
+
+
+def resend(state: RobotState, now: float, effects: list[Effect]) -> RobotState:
+    """An array of unknown fate has been sent again, under its own id, when that was due."""
+    flight = state.flight
+    if flight is None or now < flight.resend_at_s:
+        return state
+    effects.append(Setpoints(flight.setpoint_id, flight.values))
+    return state._replace(flight=flight._replace(tries=flight.tries + 1, resend_at_s=inf))
+
+
+def watch(
+    robot: RobotSpec,
+    state: RobotState,
+    sensing: Sensing,
+    now: float,
+    nominal: bool,
+    effects: list[Effect],
+) -> tuple[RobotState, Finished | None]:
+    """The command under way has been held against the signals and its deadline.
+
+    Args:
+        robot: The robot.
+        state: Its state.
+        sensing: What is known now.
+        now: Time in seconds.
+        nominal: Take the command as done after its nominal duration instead of by signals.
+        effects: Taken along and added to.
+
+    Returns:
+        The new state, and how the command ended if it did.
+    """
+    motion = state.motion
+    if motion is None or isnan(motion.accepted_s):
+        return state, None
+    spec = robot.commands[motion.command]
+    if nominal:
+        if now >= motion.accepted_s + spec.nominal_s:
+            return _complete(robot, state, sensing, "nominal duration has passed", effects)
+        return state, None
+    if state.loops:
+        state = _step_loops(robot, state, sensing, effects)
+    since_s = motion.since_s
+    if holds(spec.done, sensing.numbers, state.values, state.loops):
+        since_s = now if isnan(since_s) else since_s
+        if now - since_s >= must_hold_s(spec.done, sensing.numbers, state.loops):
+            reason = told(robot, spec.done, sensing.numbers, state.loops)
+            return _complete(robot, state, sensing, reason, effects)
+    elif not isnan(since_s):
+        since_s = nan
+    if now >= motion.deadline_s:
+        reason = f"not done within {motion.timeout_s:g} s"
+        return fail(robot, state, reason, effects), Finished(False, reason)
+    if since_s is not motion.since_s:
+        state = state._replace(motion=motion._replace(since_s=since_s))
+    return state, None
+
+
+def fail(robot: RobotSpec, state: RobotState, reason: str, effects: list[Effect]) -> RobotState:
+    """The command under way is over without being done; its states stay unconfirmed.
+
+    Its position loops stop where they are.
+    """
+    motion = state.motion
+    if motion is None:
+        return state
+    name = robot.commands[motion.command].name
+    effects.append(CommandStatus(name, "failed", reason, motion.place))
+    return _end_motion(state, effects)
+
+
+def skip(robot: RobotSpec, state: RobotState, effects: list[Effect]) -> RobotState:
+    """The operator has passed over the command under way; its states stay unconfirmed."""
+    motion = state.motion
+    if motion is None:
+        return state
+    name = robot.commands[motion.command].name
+    effects.append(CommandStatus(name, "skipped", "by the operator", motion.place))
+    return _end_motion(state, effects)
+
+
+def safe_values(robot: RobotSpec, state: RobotState) -> Numbers:
+    """The safe state: the last accepted actuation, wheels at zero, position loops stopped."""
+    values = list(_known(state.values, state.values, robot))
+    for slot in robot.safe_zero:
+        values[slot] = 0.0
+    for loop in state.loops:
+        values[loop.slot] = 0.0
+    return tuple(values)
+
+
+def stop(
+    robot: RobotSpec, state: RobotState, sensing: Sensing, effects: list[Effect]
+) -> RobotState:
+    """The safe array has been sent, whatever else was in flight."""
+    values = _known(safe_values(robot, state), sensing.numbers, robot, measured=True)
+    return _send(state._replace(loops=()), values, "stop", effects)
+
+
+def reassert(
+    state: RobotState, values: Numbers, loops: tuple[Loop, ...], effects: list[Effect]
+) -> RobotState:
+    """An actuation that was in force before a pause has been sent again."""
+    return _send(state._replace(loops=loops), values, "loop", effects)
+
+
+def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
+    """Regions whose wheels were stopped from outside their states are unconfirmed."""
+    marks = set(state.marks)
+    for region, name in enumerate(states_of(robot, state)):
+        writes = robot.actuation[region][name][-1]
+        if any(w.slot in robot.safe_zero and w.how == "set" and w.value != 0 for w in writes):
+            marks.add(Mark("region", region, -1))
+    return state._replace(marks=frozenset(marks))
+
+
+def next_deadline(robot: RobotSpec, state: RobotState, nominal: bool) -> float:
+    """When time alone can change something: a timeout, a resend, a criterion held long enough."""
+    deadline = state.flight.resend_at_s if state.flight else inf
+    motion = state.motion
+    if motion is None or isnan(motion.accepted_s):
+        return deadline
+    spec = robot.commands[motion.command]
+    if nominal:
+        return min(deadline, motion.accepted_s + spec.nominal_s)
+    if not isnan(motion.since_s):
+        deadline = min(deadline, motion.since_s + getattr(spec.done, "for_s", 0.0))
+    return min(deadline, motion.deadline_s)
+
+
+# --- inside ---------------------------------------------------------------------------------
+
+
+def _send(
+    state: RobotState, values: Numbers, purpose: Purpose, effects: list[Effect]
+) -> RobotState:
+    effects.append(Setpoints(state.next_id, values))
+    flight = Flight(state.next_id, values, purpose)
+    return state._replace(flight=flight, next_id=state.next_id + 1, sent=True)
+
+
+def _touched(robot: RobotSpec, state: RobotState, motion: Motion) -> tuple[int, ...]:
+    """Regions that the command moves, or that it left unconfirmed and now tries again."""
+    before = states_of(robot, state)
+    after = robot.table.configurations[motion.target]
+    moved = {index for index, name in enumerate(after) if name != before[index]}
+    retried = [mark for mark in state.marks if mark.command == motion.command]
+    for mark in retried:
+        moved |= {mark.index} if mark.kind == "region" else robot.part_regions[mark.index]
+    return tuple(sorted(moved))
+
+
+def _actuate(
+    robot: RobotSpec, state: RobotState, sensing: Sensing, regions: tuple[int, ...], stage: int
+) -> tuple[Numbers, tuple[Loop, ...]]:
+    """The array that puts a stage of the regions' states in force, and its position loops."""
+    motion = state.motion
+    target = robot.table.configurations[motion.target if motion else state.configuration]
+    values = list(_known(state.latest, sensing.numbers, robot, measured=True))
+    loops: list[Loop] = []
+    for region in regions:
+        stages = robot.actuation[region][target[region]]
+        _write(robot, sensing, stages[min(stage, len(stages) - 1)], values, loops)
+    return tuple(values), tuple(loops)
+
+
+def _write(
+    robot: RobotSpec, sensing: Sensing, stage: StageSpec, values: list[float], loops: list[Loop]
+) -> None:
+    for write in stage:
+        slot = robot.slots[write.slot]
+        if write.how == "set":
+            values[write.slot] = write.value
+        elif write.how == "seek" and slot.loop is not None:
+            loop = Loop(write.slot, slot.angle, slot.rate, slot.torque, slot.loop, write.value)
+            loops.append(loop)
+            values[write.slot] = _quantised(loop.duty(sensing.numbers), slot.resolution)
+
+
+def _accept(
+    robot: RobotSpec, state: RobotState, motion: Motion, now: float, effects: list[Effect]
+) -> RobotState:
+    """The chart has moved; what the command changed is unconfirmed."""
+    name = robot.commands[motion.command].name
+    touched = _touched(robot, state, motion)
+    held, was_held = robot.held[motion.target], robot.held[state.configuration]
+    again = {m.index for m in state.marks if m.kind == "part" and m.command == motion.command}
+    marks = {
+        mark
+        for mark in state.marks
+        if (mark.kind == "region" and mark.index not in touched)
+        or (mark.kind == "part" and mark.index in held and mark.index not in again)
+    }
+    marks |= {Mark("region", region, motion.command) for region in touched}
+    marks |= {Mark("part", part, motion.command) for part in (held - was_held) | again & held}
+    effects.append(CommandStatus(name, "accepted", "", motion.place))
+    state = state._replace(
+        configuration=motion.target,
+        marks=frozenset(marks),
+        motion=motion._replace(accepted_s=now, deadline_s=now + motion.timeout_s),
+    )
+    if not isinstance(robot.commands[motion.command].done, AcceptedSpec):
+        effects.append(state_change(robot, state))
+    return state
+
+
+def _complete(
+    robot: RobotSpec, state: RobotState, sensing: Sensing, reason: str, effects: list[Effect]
+) -> tuple[RobotState, Finished | None]:
+    """The next stage is in force, or the command is done and what it changed is confirmed."""
+    motion = state.motion
+    assert motion is not None  # callers have looked
+    regions = tuple(
+        sorted(m.index for m in state.marks if m.kind == "region" and m.command == motion.command)
+    )
+    target = robot.table.configurations[state.configuration]
+    stages = max((len(robot.actuation[r][target[r]]) for r in regions), default=1)
+    if motion.stage + 1 < stages:
+        values, loops = _actuate(robot, state, sensing, regions, motion.stage + 1)
+        state = _send_if_new(state._replace(loops=loops), values, effects)
+        if loops:
+            later = motion._replace(stage=motion.stage + 1, since_s=nan)
+            return state._replace(motion=later), None
+        state = state._replace(motion=None)
+    else:
+        state = _end_motion(state, effects)
+    marks = frozenset(mark for mark in state.marks if mark.command != motion.command)
+    state = state._replace(marks=marks)
+    name = robot.commands[motion.command].name
+    effects.append(CommandStatus(name, "done", reason, motion.place))
+    effects.append(state_change(robot, state))
+    return state, Finished(True, reason)
+
+
+def _end_motion(state: RobotState, effects: list[Effect]) -> RobotState:
+    values = list(state.latest)
+    for loop in state.loops:
+        values[loop.slot] = 0.0
+    ended = state._replace(motion=None, loops=())
+    return _send_if_new(ended, tuple(values), effects) if state.loops else ended
+
+
+def _send_if_new(state: RobotState, values: Numbers, effects: list[Effect]) -> RobotState:
+    return state if values == state.latest else _send(state, values, "loop", effects)
+
+
+def _step_loops(
+    robot: RobotSpec, state: RobotState, sensing: Sensing, effects: list[Effect]
+) -> RobotState:
+    """Each position loop has had its say; nothing new is sent while an array is in flight."""
+    if state.flight is not None:
+        return state
+    values = list(state.values)
+    for loop in state.loops:
+        resolution = robot.slots[loop.slot].resolution
+        values[loop.slot] = _quantised(loop.duty(sensing.numbers), resolution)
+    return _send_if_new(state, tuple(values), effects)
+
+
+def _quantised(value: float, resolution: float) -> float:
+    return round(value / resolution) * resolution
+
+
+def _known(
+    values: Numbers, numbers: Numbers, robot: RobotSpec, *, measured: bool = False
+) -> Numbers:
+    """Values without the unknown: an angle to be kept is the measured one, or 0 [decided]."""
+    if not any(isnan(value) for value in values):
+        return values
+    filled = list(values)
+    for index, value in enumerate(values):
+        if isnan(value):
+            angle = robot.slots[index].angle
+            seen = numbers[angle] if measured and angle >= 0 else nan
+            filled[index] = 0.0 if isnan(seen) else seen
+    return tuple(filled)
+
+
+__all__ = [
+    "Finished", "Flight", "Loop", "LoopSpec", "Mark", "Motion", "RobotState", "at_rest_in",
+    "begin", "confirmed_parts", "doubt", "fail", "next_deadline", "reassert", "refusal", "resend",
+    "resolve", "safe_values", "skip", "state_change", "states_of", "stop", "unconfirmed", "watch",
+]  # fmt: skip

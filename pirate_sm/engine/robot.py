@@ -1,0 +1,258 @@
+"""A robot as the engine runs it: names resolved to indexes, nothing left to look up by text.
+
+Built by :mod:`pirate_sm.loading.robot` from a profile and its chart, for one polarity. Two tuples
+carry all that conditions can see: ``numbers`` (signals, SI, NaN = unknown) and ``words`` (the
+state of each region, then the detector's word and the segment, None = unknown).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, TypeAlias
+
+from pirate_sm.engine.chart_table import ChartTable
+from pirate_sm.expressions import Expression, Vocabulary
+
+BUILT_IN_FAULTS: Mapping[str, bool] = {
+    "sensor.silent": True,
+    "link.silent": False,
+    "link.lost": False,
+    "link.no_echo": False,
+    "firmware.reset": True,
+    "backend.failed": False,
+    "pipe.impassable": True,
+}
+"""Faults that any robot can have, and whether a mission may catch them (rule 10)."""
+
+
+class LoopSpec(NamedTuple):
+    """A proportional position loop (thesis section 4-2-3): duty = gain * error, then 0."""
+
+    gain: float
+    threshold_rad: float
+    least_duty: float
+    limit: float
+    stall_torque_nm: float
+
+
+@dataclass(frozen=True)
+class SlotSpec:
+    """One setpoint of the wire.
+
+    Attributes:
+        angle: Number index of the angle that a position loop or the board's own one controls.
+        rate: Number index of that angle's rate; ``torque`` that of the joint's torque; -1 without.
+        loop: How a duty slot is brought to an angle, None where it cannot be.
+        low: Least value; ``high`` the largest.
+        resolution: Steps of the wire.
+    """
+
+    name: str
+    unit: Literal["duty", "angle"]
+    low: float
+    high: float
+    resolution: float
+    angle: int = -1
+    rate: int = -1
+    torque: int = -1
+    loop: LoopSpec | None = None
+
+
+class Write(NamedTuple):
+    """What a stage does to a slot: ``set`` a value, ``seek`` an angle by our loop, ``keep``."""
+
+    slot: int
+    how: Literal["set", "seek", "keep"]
+    value: float
+
+
+StageSpec: TypeAlias = tuple[Write, ...]
+
+
+class AcceptedSpec(NamedTuple):
+    """Done at acceptance."""
+
+
+class StalledSpec(NamedTuple):
+    """Joints stand still under torque; fields as in :class:`pirate_sm.model.criteria.Stalled`."""
+
+    rates: tuple[int, ...]
+    torques: tuple[int, ...]
+    torque: float
+    still: float
+    for_s: float
+
+
+class ReachedSpec(NamedTuple):
+    """Every running position loop has arrived, or its joint stands still while pushed."""
+
+    still: float
+    loaded: float
+    for_s: float
+
+
+class TurningSpec(NamedTuple):
+    """A driven wheel turns; ``wheels`` are pairs of slot and number index of its speed."""
+
+    wheels: tuple[tuple[int, int], ...]
+    above: float
+
+
+class StoppedSpec(NamedTuple):
+    """No wheel that can be measured turns; ``speeds`` are number indexes."""
+
+    speeds: tuple[int, ...]
+    below: float
+    for_s: float
+
+
+class AlignedSpec(NamedTuple):
+    """Angles are at their setpoints; pairs of slot and number index."""
+
+    slots: tuple[tuple[int, int], ...]
+    within: float
+
+
+class BelowSpec(NamedTuple):
+    """Signals are near zero."""
+
+    signals: tuple[int, ...]
+    limit: float
+    for_s: float
+
+
+CriterionSpec: TypeAlias = (
+    AcceptedSpec | StalledSpec | ReachedSpec | TurningSpec | StoppedSpec | AlignedSpec | BelowSpec
+)
+
+
+@dataclass(frozen=True)
+class CommandSpec:
+    """A command beyond the chart."""
+
+    name: str
+    done: CriterionSpec
+    timeout_s: float
+    nominal_s: float
+    lets_go: bool
+
+
+@dataclass(frozen=True)
+class FaultSpec:
+    """A condition on signals that is a fault once it has held."""
+
+    code: str
+    message: str
+    when: Expression
+    held_s: float
+    catchable: bool
+
+
+class WheelSpec(NamedTuple):
+    """A wheel for odometry: number indexes of angle and speed, its slot, metres per rad."""
+
+    angle: int
+    speed: int
+    slot: int
+    metres_per_rad: float
+
+
+class Vector(NamedTuple):
+    """A number made of three others: their indexes and the one it goes to."""
+
+    how: Literal["roll", "pitch", "norm"]
+    sources: tuple[int, ...]
+    target: int
+
+
+@dataclass(frozen=True)
+class BoardSpec:
+    """What one board's frame tells.
+
+    Attributes:
+        position: Index among the boards that are listened to.
+        channels: (place in the frame, number index, scale to SI).
+        rates: (number index, index of its rate).
+        torques: (number index of the current, slot, scale, number index of the torque).
+        vectors: Accelerometer numbers.
+        diameters: (number index of the apex angle, link length, 2r, target) of eq. 3-2.
+        wheels: Its wheels.
+        faults: Indexes of the fault rules that its signals can change.
+    """
+
+    id: int
+    module: str
+    position: int
+    channels: tuple[tuple[int, int, float], ...]
+    rates: tuple[tuple[int, int], ...]
+    torques: tuple[tuple[int, int, float, int], ...]
+    vectors: tuple[Vector, ...]
+    diameters: tuple[tuple[int, float, float, int], ...]
+    wheels: tuple[WheelSpec, ...]
+    faults: tuple[int, ...]
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """Indexes of every number that comes from this board alone."""
+        return (
+            *(target for _, target, _ in self.channels),
+            *(target for _, target in self.rates),
+            *(target for *_, target in self.torques),
+            *(vector.target for vector in self.vectors),
+            *(target for *_, target in self.diameters),
+        )
+
+
+@dataclass(frozen=True)
+class LinkSpec:
+    """When a signal is stale, a board silent, an array sent again."""
+
+    stale_after_s: float
+    silent_after_s: float
+    resend_after_s: float
+    resend_limit: int
+
+
+@dataclass(frozen=True)
+class RobotSpec:
+    """Everything the engine knows of a robot.
+
+    Attributes:
+        actuation: ``actuation[region][state name]`` is the state's stages.
+        held: Per configuration the indexes of the parts that it holds.
+        part_regions: Per part the regions that its holding depends on.
+        unneeded: Per configuration and command, whether what it asks for is so already.
+        safe_zero: Slots that are zero in the safe state.
+        odometry: Number indexes of odometry and speed; -1 where the robot has none.
+    """
+
+    name: str
+    polarity: Literal["normal", "mirrored"]
+    table: ChartTable
+    vocabulary: Vocabulary
+    slots: tuple[SlotSpec, ...]
+    actuation: tuple[Mapping[str, tuple[StageSpec, ...]], ...]
+    commands: tuple[CommandSpec, ...]
+    parts: tuple[str, ...]
+    held: tuple[frozenset[int], ...]
+    part_regions: tuple[frozenset[int], ...]
+    unneeded: tuple[tuple[bool, ...], ...]
+    safe_zero: tuple[int, ...]
+    boards: Mapping[int, BoardSpec]
+    wheels: tuple[WheelSpec, ...]
+    odometry: int
+    speed: int
+    faults: tuple[FaultSpec, ...]
+    link: LinkSpec
+    detector_words: tuple[str, ...]
+
+    @property
+    def regions(self) -> tuple[str, ...]:
+        """Names of the state machines."""
+        return self.table.regions
+
+    def fault_codes(self) -> dict[str, bool]:
+        """Every fault code of this robot and whether a mission may catch it."""
+        own = {fault.code: fault.catchable for fault in self.faults}
+        return {**BUILT_IN_FAULTS, **own}

@@ -1,0 +1,136 @@
+"""Raw frames become signals: conversions, rates, torques, diameters, odometry (appendix B)."""
+
+from __future__ import annotations
+
+from math import atan2, hypot, inf, isnan, nan, sin, sqrt
+from typing import NamedTuple
+
+from pirate_sm.engine.robot import BoardSpec, RobotSpec, Vector
+from pirate_sm.model.events import SensorFrame
+
+Numbers = tuple[float, ...]
+
+
+class Sensing(NamedTuple):
+    """What is known of the world.
+
+    Attributes:
+        numbers: Signals in the order of the vocabulary, SI; NaN is unknown.
+        heard_s: Per board when it last reported; -inf before it ever did.
+        checked_s: When staleness was last looked at.
+        stale: Boards whose signals have been forgotten.
+    """
+
+    numbers: Numbers
+    heard_s: tuple[float, ...]
+    checked_s: float = 0.0
+    stale: frozenset[int] = frozenset()
+
+
+def nothing_known(robot: RobotSpec) -> Sensing:
+    """Every signal is unknown, the odometer stands at zero."""
+    numbers = [nan] * len(robot.vocabulary.numbers)
+    if robot.odometry >= 0:
+        numbers[robot.odometry] = 0.0
+    return Sensing(tuple(numbers), (-inf,) * len(robot.boards))
+
+
+def observe(
+    robot: RobotSpec, sensing: Sensing, frame: SensorFrame, setpoints: Numbers, now: float
+) -> Sensing:
+    """The signals of the frame's board, and what follows from them, are those of the frame.
+
+    Args:
+        robot: Whose boards they are.
+        sensing: What was known before.
+        frame: Raw values; a board that the robot does not have changes nothing.
+        setpoints: Values in force per slot; they give the sign of currents (eq. 5-3) and tell
+            which wheels are driven.
+        now: When the frame was received.
+    """
+    board = robot.boards.get(frame.board)
+    if board is None or len(frame.values) <= max((c[0] for c in board.channels), default=-1):
+        return sensing
+    before = sensing.numbers
+    numbers = list(before)
+    raw = frame.values
+    for place, target, scale in board.channels:
+        numbers[target] = raw[place] * scale
+    elapsed = now - sensing.heard_s[board.position]
+    for source, target in board.rates:
+        numbers[target] = (numbers[source] - before[source]) / elapsed if elapsed > 0 else nan
+    for source, slot, scale, target in board.torques:
+        setpoint = setpoints[slot]
+        sign = 0.0 if setpoint == 0 else (1.0 if setpoint > 0 else -1.0)
+        numbers[target] = numbers[source] * scale * sign
+    for vector in board.vectors:
+        numbers[vector.target] = _vector(vector, numbers)
+    for apex, length_m, wheels_m, target in board.diameters:
+        numbers[target] = abs(length_m * sin(numbers[apex] / 2)) + wheels_m  # eq. 3-2
+    if board.wheels:
+        _roll_on(robot, board, before, numbers, setpoints)
+    heard = list(sensing.heard_s)
+    heard[board.position] = now
+    stale = sensing.stale - {board.position} if sensing.stale else sensing.stale
+    return Sensing(tuple(numbers), tuple(heard), sensing.checked_s, stale)
+
+
+def _vector(vector: Vector, numbers: list[float]) -> float:
+    x, y, z = (numbers[source] for source in vector.sources)
+    if vector.how == "norm":
+        return sqrt(x * x + y * y + z * z)
+    if isnan(x) or isnan(y) or isnan(z):
+        return nan
+    # B-13 and B-14; atan2 agrees where the sensor is upright and is right elsewhere too.
+    return atan2(-y, z) if vector.how == "roll" else atan2(x, hypot(y, z))
+
+
+def _roll_on(
+    robot: RobotSpec,
+    board: BoardSpec,
+    before: Numbers,
+    numbers: list[float],
+    setpoints: Numbers,
+) -> None:
+    """Odometry and speed have taken the board's wheels in.
+
+    Odometry is the mean over the driven wheels that can be measured of what their rims rolled;
+    each wheel's share is added when its board reports.
+    """
+    driven = 0
+    total = 0.0
+    for wheel in robot.wheels:
+        speed = numbers[wheel.speed]
+        if setpoints[wheel.slot] != 0 and speed == speed:  # noqa: PLR0124 - NaN is unknown
+            driven += 1
+            total += speed * wheel.metres_per_rad
+    if driven:
+        if robot.odometry >= 0:
+            for wheel in board.wheels:
+                turned = numbers[wheel.angle] - before[wheel.angle]
+                if setpoints[wheel.slot] != 0 and turned == turned:  # noqa: PLR0124
+                    numbers[robot.odometry] += turned * wheel.metres_per_rad / driven
+    else:
+        speeds = [
+            numbers[wheel.speed] * wheel.metres_per_rad
+            for wheel in robot.wheels
+            if numbers[wheel.speed] == numbers[wheel.speed]  # noqa: PLR0124
+        ]
+        driven, total = len(speeds), sum(speeds)
+    if robot.speed >= 0:
+        numbers[robot.speed] = total / driven if driven else nan
+
+
+def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
+    """Signals of boards that have not reported for too long are unknown."""
+    limit = now - robot.link.stale_after_s
+    if min(sensing.heard_s, default=now) > limit:
+        return sensing._replace(checked_s=now)
+    numbers = list(sensing.numbers)
+    stale = set(sensing.stale)
+    for board in robot.boards.values():
+        if sensing.heard_s[board.position] <= limit and board.position not in stale:
+            stale.add(board.position)
+            for index in board.numbers:
+                numbers[index] = nan
+    return Sensing(tuple(numbers), sensing.heard_s, now, frozenset(stale))

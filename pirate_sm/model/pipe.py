@@ -1,0 +1,93 @@
+"""A pipe: straights and mitre bends in one plane, and what a simulator needs beyond that."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import Discriminator, Field, Tag
+
+from pirate_sm.model.base import Frozen, Name
+from pirate_sm.model.quantities import Angle, Duration, Length
+from pirate_sm.model.simulation import Friction
+
+RIGHT_ANGLE_RAD = 1.5707963267948966
+
+
+class Straight(Frozen):
+    """A straight of this length, measured along the axis up to the crossing of the axes."""
+
+    straight: Annotated[Length, Field(gt=0, le=100)]
+
+
+class Mitre(Frozen):
+    """A mitre bend by this angle; positive turns to side A of the robot in normal polarity."""
+
+    mitre: Annotated[Angle, Field(ge=-2.1, le=2.1)]
+
+
+def _kind_of_segment(value: Any) -> str | None:
+    for kind in ("straight", "mitre"):
+        if (isinstance(value, dict) and kind in value) or hasattr(value, kind):
+            return kind
+    return None
+
+
+Segment: TypeAlias = Annotated[
+    Annotated[Straight, Tag("straight")] | Annotated[Mitre, Tag("mitre")],
+    Discriminator(
+        _kind_of_segment,
+        custom_error_type="segment",
+        custom_error_message="expected a segment, {{straight: 1.0 m}} or {{mitre: 90 deg}}",
+    ),
+]
+
+
+class Blockage(Frozen):
+    """An obstacle that stands ``at`` a place until it has been pushed for ``lasting``.
+
+    Attributes:
+        at: Place along the axis, from the beginning of the pipe.
+        lasting: How long it withstands a push before it is taken away.
+        from_s: When it is put there, in mission time.
+    """
+
+    at: Annotated[Length, Field(ge=0)]
+    lasting: Duration
+    from_s: Annotated[Duration, Field(alias="from")] = 0.0
+
+
+class Start(Frozen):
+    """Where the robot is put; ``at`` is the place of its first wheel along the axis."""
+
+    at: Annotated[Length, Field(ge=0)]
+
+
+class Pipe(Frozen):
+    """A pipe in one plane.
+
+    Attributes:
+        diameter: Inner diameter.
+        tilt: The plane of the pipe is tilted about the axis of its first segment's normal in
+            that plane such that gravity has the component g sin(tilt) in the plane.
+        uphill: Direction in the plane that goes up when tilted, measured from the axis of the
+            first segment towards side A: 0 deg = the first segment goes up, 90 deg = a leg
+            behind a mitre of +90 deg goes up.
+        roll: Roll of the plane of the pipe about the axis of its first segment, relative to the
+            robot's plane.
+        segments: Straights joined by mitres.
+        friction: Of the wall, in place of the robot's own numbers.
+        start: Where a simulated robot begins; by default in the middle of the first segment.
+        blockages: Obstacles.
+    """
+
+    format: Literal[1] = 1
+    pipe: Name | None = None
+    description: str = ""
+    diameter: Annotated[Length, Field(gt=0, le=10)]
+    tilt: Annotated[Angle, Field(ge=-RIGHT_ANGLE_RAD - 1e-9, le=RIGHT_ANGLE_RAD + 1e-9)] = 0.0
+    uphill: Angle = 0.0
+    roll: Angle = 0.0
+    segments: Annotated[tuple[Segment, ...], Field(min_length=1, max_length=100)]
+    friction: Friction | None = None
+    start: Start | None = None
+    blockages: tuple[Blockage, ...] = ()

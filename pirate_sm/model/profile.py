@@ -1,0 +1,358 @@
+"""A robot as its folder describes it; everything the engine and the backends know of a robot.
+
+The models mirror ``profile.yaml`` key by key. What refers to what (a slot to a joint, a command
+to the chart) is checked in :mod:`pirate_sm.loading.robot`, where every fault has a place.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag
+
+from pirate_sm.model.actuation import Stage
+from pirate_sm.model.base import FaultCode, Frozen, Name
+from pirate_sm.model.criteria import Criterion
+from pirate_sm.model.quantities import (
+    Angle,
+    AngularSpeed,
+    Current,
+    Duration,
+    Length,
+    Mass,
+    Number,
+    Ratio,
+    Stiffness,
+    Torque,
+)
+from pirate_sm.model.simulation import Simulation
+
+PositiveLength = Annotated[Length, Field(gt=0)]
+PositiveDuration = Annotated[Duration, Field(gt=0)]
+
+
+class Wheel(Frozen):
+    """A wheel on a node of the chain.
+
+    Attributes:
+        direction: +1 where it touches side A when clamped, -1 for side B (thesis eq. 3-1).
+        angle: Signal with its angle.
+        speed: Signal with its angular speed.
+    """
+
+    name: Name
+    part: Name
+    direction: Literal[1, -1]
+    mass: Mass
+    angle: Name
+    speed: Name
+
+
+class Link(Frozen):
+    """A rigid link between two wheels; ``roll`` names the signal of a roll joint inside it."""
+
+    module: Name
+    length: PositiveLength
+    mass: Mass
+    roll: Name | None = None
+
+
+class Joint(Frozen):
+    """A driven bend joint at a wheel; its name is that of its angle signal."""
+
+    name: Name
+    wheel: Name
+    part: Name
+    end_stop: Annotated[Angle, Field(gt=0)]
+    torque: Name | None = None
+
+
+class Part(Frozen):
+    """A part that clamps as a V; ``held`` is a condition on states, ``apex`` the V's joint."""
+
+    apex: Name
+    held: str
+
+
+class Body(Frozen):
+    """The planar chain: wheels are nodes, links join them in order."""
+
+    wheel_radius: PositiveLength
+    wheel_width: PositiveLength
+    body_half_thickness: PositiveLength
+    wheels: Annotated[tuple[Wheel, ...], Field(min_length=2)]
+    links: Annotated[tuple[Link, ...], Field(min_length=1)]
+    joints: Annotated[tuple[Joint, ...], Field(min_length=1)]
+    parts: Annotated[dict[Name, Part], Field(min_length=1)]
+
+
+class PositionLoop(Frozen):
+    """A proportional position controller that ends at duty 0 inside its threshold (alg. 3).
+
+    Attributes:
+        gain: Duty cycle per rad of error.
+        threshold: Error inside which the joint has arrived.
+        least_duty: Duty cycle below which the motor would stand still.
+        limit: Largest duty cycle used.
+    """
+
+    gain: Annotated[Number, Field(gt=0)]
+    threshold: Annotated[Angle, Field(gt=0)]
+    least_duty: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
+    limit: Annotated[Ratio, Field(gt=0, le=1)] = 1.0
+
+
+class Motor(Frozen):
+    """A kind of motor with what limits it; what a kind needs is checked at loading."""
+
+    kind: Literal["sprung_worm", "geared", "position", "light", "none"]
+    stall_torque: Torque | None = None
+    stall_current: Current | None = None
+    no_load_speed: AngularSpeed | None = None
+    stiffness: Stiffness | None = None
+    position_loop: PositionLoop | None = None
+
+
+class Slot(Frozen):
+    """One setpoint of the wire and what it drives.
+
+    Attributes:
+        unit: ``duty``: -1..1 of full voltage. ``angle``: rad, the board has its own controller.
+        mirrors: Whether the setpoint changes sign in mirrored polarity.
+        limit: Largest magnitude of an angle setpoint.
+    """
+
+    name: Name
+    unit: Literal["duty", "angle"]
+    motor: Name
+    joint: Name | None = None
+    wheel: Name | None = None
+    roll: Name | None = None
+    mirrors: bool = False
+    limit: Angle | None = None
+
+
+Sense: TypeAlias = Literal[
+    "angle", "torque", "current", "turned", "acc_x", "acc_y", "acc_z", "mag_x", "mag_y", "mag_z"
+]
+
+
+class Channel(Frozen):
+    """One raw value of a board; without a signal it is carried but not interpreted.
+
+    Attributes:
+        signal: Name under which conditions know it.
+        convert: Conversion from raw to SI.
+        senses: What it measures, so that a simulator can make it. ``turned`` is a mean of
+            differences of an angle (thesis B-11).
+        slot: The slot whose joint, wheel or roll is measured.
+    """
+
+    name: Name
+    signal: Name | None = None
+    convert: Name | None = None
+    senses: Sense | None = None
+    slot: Name | None = None
+
+
+class Board(Frozen):
+    """A board on the bus: its motor slots and its channels in the order of the wire."""
+
+    id: int
+    module: Name
+    fitted: bool = True
+    channels_fitted: bool = True
+    slots: tuple[Slot, ...]
+    channels: tuple[Channel, ...] = ()
+
+
+class LinkSettings(Frozen):
+    """Timing and resolution of the wire between us and the boards."""
+
+    cycle: PositiveDuration
+    state_message: Literal["board", "value"] = "board"
+    echo_delay: Duration = 0.0
+    duty_resolution: Annotated[Ratio, Field(gt=0)]
+    angle_resolution: Annotated[Angle, Field(gt=0)]
+    stale_after: PositiveDuration
+    silent_after: PositiveDuration
+    resend_after: PositiveDuration
+    resend_limit: Annotated[int, Field(ge=0)]
+
+
+class Conversion(Frozen):
+    """A raw count times ``scale`` is the signal; the scale is a constant expression with unit."""
+
+    scale: str
+
+
+class RateOf(Frozen):
+    """Difference of a signal between two frames over the time between them (thesis B-11)."""
+
+    rate_of: Name
+
+
+class TorqueOf(Frozen):
+    """Current times ``scale`` with the sign of a slot's setpoint (thesis eq. 5-3)."""
+
+    torque_of: Name
+    slot: Name
+    scale: str
+
+
+class RollOf(Frozen):
+    """Roll from an accelerometer's x, y, z (thesis B-13)."""
+
+    roll_of: Annotated[tuple[Name, ...], Field(min_length=3, max_length=3)]
+
+
+class PitchOf(Frozen):
+    """Pitch from an accelerometer's x, y, z (thesis B-14)."""
+
+    pitch_of: Annotated[tuple[Name, ...], Field(min_length=3, max_length=3)]
+
+
+class NormOf(Frozen):
+    """Length of the vector that the signals make."""
+
+    norm_of: Annotated[tuple[Name, ...], Field(min_length=1)]
+
+
+class DiameterOf(Frozen):
+    """Inner diameter seen by a clamped part, h + 2r (thesis eq. 3-2)."""
+
+    diameter_of: Name
+
+
+class OdometryOf(Frozen):
+    """Distance rolled forward: mean of what the driven wheels among these rolled."""
+
+    odometry_of: Annotated[tuple[Name, ...], Field(min_length=1)]
+
+
+class SpeedOf(Frozen):
+    """Speed forward: mean of the rim speeds of the driven wheels among these."""
+
+    speed_of: Annotated[tuple[Name, ...], Field(min_length=1)]
+
+
+DERIVED_KINDS = (
+    "rate_of", "torque_of", "roll_of", "pitch_of", "norm_of", "diameter_of", "odometry_of",
+    "speed_of",
+)  # fmt: skip
+
+
+def _kind_of_derived(value: Any) -> str | None:
+    for kind in DERIVED_KINDS:
+        if (isinstance(value, dict) and kind in value) or hasattr(value, kind):
+            return kind
+    return None
+
+
+Derived: TypeAlias = Annotated[
+    Annotated[RateOf, Tag("rate_of")]
+    | Annotated[TorqueOf, Tag("torque_of")]
+    | Annotated[RollOf, Tag("roll_of")]
+    | Annotated[PitchOf, Tag("pitch_of")]
+    | Annotated[NormOf, Tag("norm_of")]
+    | Annotated[DiameterOf, Tag("diameter_of")]
+    | Annotated[OdometryOf, Tag("odometry_of")]
+    | Annotated[SpeedOf, Tag("speed_of")],
+    Discriminator(
+        _kind_of_derived,
+        custom_error_type="derived",
+        custom_error_message="expected a mapping with one of " + ", ".join(DERIVED_KINDS),
+    ),
+]
+
+
+def _one_stage_is_a_list(value: Any) -> Any:
+    return [value] if isinstance(value, dict) else value
+
+
+Stages = Annotated[tuple[Stage, ...], BeforeValidator(_one_stage_is_a_list), Field(min_length=1)]
+
+
+class Command(Frozen):
+    """A command's meaning beyond the chart.
+
+    Attributes:
+        asks_for: Condition on states; where it holds already the command is unneeded.
+        done: What shows that it has happened.
+        timeout: From acceptance; after it the command has failed.
+        nominal: How long it takes on paper, for backends in which nothing moves.
+        lets_go: Whether it may open the last confirmed clamp.
+    """
+
+    asks_for: str
+    done: Criterion
+    timeout: PositiveDuration
+    nominal: PositiveDuration
+    lets_go: bool = False
+    description: str = ""
+
+
+class SafeState(Frozen):
+    """Slots that the safe state sets to zero; every other keeps its last accepted value."""
+
+    zero: Annotated[tuple[Name, ...], Field(min_length=1)]
+
+
+class FaultRule(Frozen):
+    """A fault that the signals tell: a condition that has held for a time."""
+
+    code: FaultCode
+    when: str
+    held: Duration
+    message: str
+    catchable: bool = True
+    for_each: tuple[int, ...] = ()
+
+
+class DetectorPoint(Frozen):
+    """A wheel and how far beyond the crossing of the pipe axes it is, along the pipe."""
+
+    wheel: Name
+    passed: Length
+
+
+class DetectorDefinition(Frozen):
+    """Where a detector's word begins to hold, for either direction of travel."""
+
+    forward: DetectorPoint
+    backward: DetectorPoint
+
+
+class Detector(Frozen):
+    """The words a detector may say; a word is a level that is valid for a time."""
+
+    valid_for: PositiveDuration
+    words: Annotated[dict[Name, DetectorDefinition], Field(min_length=1)]
+
+
+class Profile(Frozen):
+    """A whole robot."""
+
+    format: Literal[1]
+    robot: Name
+    description: str
+    chart: str
+    body: Body
+    motors: dict[Name, Motor]
+    boards: Annotated[tuple[Board, ...], Field(min_length=1)]
+    link: LinkSettings
+    conversions: dict[Name, Conversion]
+    derived: dict[Name, Derived]
+    actuation: dict[Name, dict[Name, Stages]]
+    commands: dict[Name, Command]
+    aliases: dict[Name, Name] = {}
+    not_commands: dict[Name, str] = {}
+    safe_state: SafeState
+    faults: tuple[FaultRule, ...] = ()
+    detector: Detector
+    simulation: Simulation
+
+    @property
+    def slots(self) -> tuple[Slot, ...]:
+        """All slots in the order of the wire."""
+        return tuple(slot for board in self.boards for slot in board.slots)
