@@ -1,0 +1,161 @@
+"""A robot's folder becomes what the engine runs: profile and chart read, checked, resolved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from pirate_sm.engine.chart_table import ChartTable
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.loading.chart import ChartOutline, outline_chart
+from pirate_sm.loading.chart_cache import cached_table
+from pirate_sm.loading.problems import Problems
+from pirate_sm.loading.robot_actuation import resolve_actuation
+from pirate_sm.loading.robot_commands import resolve_commands, resolve_faults, resolve_parts
+from pirate_sm.loading.robot_signals import Signals, resolve_signals
+from pirate_sm.loading.robot_slots import resolve_slots
+from pirate_sm.loading.source import Document, read_document
+from pirate_sm.loading.validate import try_validate
+from pirate_sm.model.profile import Profile
+from pirate_sm.spelling import nearest, one_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+Polarity = Literal["normal", "mirrored"]
+
+PROFILE_FILE = "profile.yaml"
+
+
+@dataclass(frozen=True)
+class LoadedRobot:
+    """A robot as its files describe it, free of faults.
+
+    Attributes:
+        profile: What stands in the profile.
+        table: Its chart, explored.
+        documents: The files it was read from.
+        normal: What the engine runs in normal polarity.
+        mirrored: The same with every mirrored slot and wheel negated.
+    """
+
+    profile: Profile
+    table: ChartTable
+    documents: tuple[Document, ...]
+    normal: RobotSpec
+    mirrored: RobotSpec
+
+    def oriented(self, polarity: Polarity) -> RobotSpec:
+        """The robot in this polarity."""
+        return self.normal if polarity == "normal" else self.mirrored
+
+
+@lru_cache(maxsize=8)
+def load_robot(folder: Path) -> LoadedRobot:
+    """The robot in this folder is ready to run.
+
+    Args:
+        folder: Holds ``profile.yaml``, and the chart that it names.
+
+    Raises:
+        LoadError: Everything that is wrong with its files, each with its place.
+    """
+    document = read_document(folder / PROFILE_FILE)
+    problems = Problems(document)
+    profile = try_validate(document, Profile, problems)
+    if profile is None:
+        problems.raise_errors()
+        raise AssertionError("raise_errors raises here")
+    chart_document = read_document(folder / profile.chart)
+    outline = outline_chart(chart_document, problems)
+    if outline is not None:
+        _check_commands(profile, outline, problems)
+        _check_regions(profile, outline, problems)
+    problems.raise_errors()
+    assert outline is not None  # raise_errors has raised otherwise
+    table = cached_table(chart_document, outline, problems)
+    normal = _resolve(profile, table, "normal", problems)
+    problems.raise_errors()
+    mirrored = _resolve(profile, table, "mirrored", problems)
+    return LoadedRobot(profile, table, (document, chart_document), normal, mirrored)
+
+
+def _check_commands(profile: Profile, outline: ChartOutline, problems: Problems) -> None:
+    events, commands = set(outline.commands), profile.commands.keys()
+    for name in sorted(events - commands):
+        problems.add("robot.command", ("commands",), f"the chart's event '{name}' is missing here")
+    for name in commands - events:
+        _dangling(problems, ("commands", name), f"the chart has no event '{name}'", name, events)
+    for alias, name in profile.aliases.items():
+        if name not in commands:
+            _dangling(problems, ("aliases", alias), f"there is no command '{name}'", name, commands)
+        if alias in commands:
+            problems.add("robot.alias", ("aliases", alias), f"'{alias}' is a command", key=True)
+
+
+def _check_regions(profile: Profile, outline: ChartOutline, problems: Problems) -> None:
+    states = dict(zip(outline.regions, outline.states, strict=True))
+    for region in profile.actuation.keys() - states.keys():
+        _dangling(
+            problems, ("actuation", region), f"the chart has no region '{region}'", region, states
+        )
+    for region, names in states.items():
+        given = profile.actuation.get(region)
+        if given is None:
+            problems.add("robot.actuation", ("actuation",), f"region '{region}' is missing here")
+            continue
+        for name in given.keys() - set(names):
+            _dangling(
+                problems, ("actuation", region, name), f"{region} has no state '{name}'", name, names
+            )
+        for name in (name for name in names if name not in given):
+            problems.add(
+                "robot.actuation", ("actuation", region), f"{region}.{name} is missing here"
+            )
+
+
+def _dangling(
+    problems: Problems, path: tuple[str, ...], message: str, name: str, valid: Iterable[str]
+) -> None:
+    names = sorted(valid)
+    problems.add(
+        "robot.name", path, message,
+        expected=one_of(names), suggestion=nearest(name, names) or "", key=path[0] != "aliases",
+    )  # fmt: skip
+
+
+def _resolve(
+    profile: Profile, table: ChartTable, polarity: Polarity, problems: Problems
+) -> RobotSpec:
+    signals: Signals = resolve_signals(profile, table, polarity, problems)
+    slots = resolve_slots(profile, signals, problems)
+    parts, held, part_regions = resolve_parts(profile, table, signals, problems)
+    commands, unneeded = resolve_commands(profile, table, signals, problems)
+    faults = resolve_faults(profile, signals, problems)
+    zero = tuple(
+        slots.index(name, ("safe_state", "zero", number))
+        for number, name in enumerate(profile.safe_state.zero)
+    )
+    return RobotSpec(
+        name=profile.robot,
+        polarity=polarity,
+        table=table,
+        vocabulary=signals.vocabulary,
+        slots=slots.specs,
+        actuation=resolve_actuation(profile, table, slots, polarity, problems),
+        commands=commands,
+        parts=parts,
+        held=held,
+        part_regions=part_regions,
+        unneeded=unneeded,
+        safe_zero=zero,
+        boards=signals.boards(faults),
+        wheels=signals.wheels,
+        odometry=signals.first_of("odometry_of"),
+        speed=signals.first_of("speed_of"),
+        faults=faults,
+        link=signals.link,
+        detector_words=tuple(profile.detector.words),
+    )

@@ -1,0 +1,174 @@
+"""Commands, held parts and fault rules: conditions compiled, criteria resolved to indexes."""
+
+from __future__ import annotations
+
+from pirate_sm.engine.chart_table import ChartTable
+from pirate_sm.engine.robot import (
+    AcceptedSpec,
+    AlignedSpec,
+    BelowSpec,
+    CommandSpec,
+    CriterionSpec,
+    FaultSpec,
+    ReachedSpec,
+    StalledSpec,
+    StoppedSpec,
+    TurningSpec,
+)
+from pirate_sm.expressions import Expression, ExpressionError, NumberType, compile_condition
+from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.robot_signals import Signals
+from pirate_sm.model import criteria
+from pirate_sm.model import profile as model
+from pirate_sm.spelling import nearest, one_of
+
+
+def resolve_parts(
+    profile: model.Profile, table: ChartTable, signals: Signals, problems: Problems
+) -> tuple[tuple[str, ...], tuple[frozenset[int], ...], tuple[frozenset[int], ...]]:
+    """Names of the parts, which of them each configuration holds, and by which regions."""
+    conditions = []
+    for name, part in profile.body.parts.items():
+        path: Path = ("body", "parts", name, "held")
+        conditions.append(_on_states(part.held, table, signals, path, problems))
+        joints = [joint.name for joint in profile.body.joints]
+        if part.apex not in joints:
+            problems.add(
+                "robot.joint", ("body", "parts", name, "apex"), f"there is no joint '{part.apex}'",
+                expected=one_of(joints), suggestion=nearest(part.apex, joints) or "",
+            )  # fmt: skip
+    held = tuple(
+        frozenset(i for i, condition in enumerate(conditions) if _is_true(condition, states))
+        for states in table.configurations
+    )
+    regions = tuple(
+        frozenset(table.regions.index(name) for name in condition.names) if condition else frozenset()
+        for condition in conditions
+    )
+    return tuple(profile.body.parts), held, regions
+
+
+def resolve_commands(
+    profile: model.Profile, table: ChartTable, signals: Signals, problems: Problems
+) -> tuple[tuple[CommandSpec, ...], tuple[tuple[bool, ...], ...]]:
+    """Each command's criterion and limits; per configuration which commands are unneeded."""
+    specs, asks = [], []
+    for name in table.commands:
+        command = profile.commands[name]
+        path: Path = ("commands", name)
+        asks.append(
+            _on_states(command.asks_for, table, signals, (*path, "asks_for"), problems)
+        )
+        done = _criterion(profile, command.done, signals, (*path, "done"), problems)
+        specs.append(CommandSpec(name, done, command.timeout, command.nominal, command.lets_go))
+    unneeded = tuple(
+        tuple(_is_true(condition, states) for condition in asks) for states in table.configurations
+    )
+    return tuple(specs), unneeded
+
+
+def resolve_faults(
+    profile: model.Profile, signals: Signals, problems: Problems
+) -> tuple[FaultSpec, ...]:
+    """One rule per fault and, with ``for_each``, per number that is written out in it."""
+    rules = []
+    for number, fault in enumerate(profile.faults):
+        for index in fault.for_each or (None,):
+            when, message = fault.when, fault.message
+            if index is not None:
+                when, message = when.replace("{i}", str(index)), message.replace("{i}", str(index))
+            try:
+                condition = compile_condition(when, signals.vocabulary)
+            except ExpressionError as error:
+                problems.add_expression(("faults", number, "when"), error)
+                break
+            rules.append(FaultSpec(fault.code, message, condition, fault.held, fault.catchable))
+    return tuple(rules)
+
+
+def _on_states(
+    text: str, table: ChartTable, signals: Signals, path: Path, problems: Problems
+) -> Expression | None:
+    """A condition that only depends on the states of the regions."""
+    try:
+        condition = compile_condition(text, signals.vocabulary)
+    except ExpressionError as error:
+        problems.add_expression(path, error)
+        return None
+    others = sorted(condition.names - set(table.regions))
+    if others:
+        problems.add(
+            "robot.condition", path, f"this condition is about states, not about {', '.join(others)}",
+            expected=one_of(table.regions),
+        )  # fmt: skip
+        return None
+    return condition
+
+
+def _is_true(condition: Expression | None, states: tuple[str, ...]) -> bool:
+    return condition is not None and condition.evaluate((), states) is True
+
+
+def _criterion(  # noqa: PLR0911 - one return per kind
+    profile: model.Profile,
+    done: criteria.Criterion,
+    signals: Signals,
+    path: Path,
+    problems: Problems,
+) -> CriterionSpec:
+    wheels = signals.wheels
+    match done:
+        case criteria.Accepted():
+            return AcceptedSpec()
+        case criteria.Stalled():
+            rates = tuple(_rate(name, signals, path, problems) for name in done.joints)
+            torques = tuple(_torque(profile, name, signals, path, problems) for name in done.loaded)
+            return StalledSpec(rates, torques, done.torque, done.still, done.for_s)
+        case criteria.Reached():
+            for joint in profile.body.joints if done.or_still is not None else ():
+                _rate(joint.name, signals, path, problems)
+            return ReachedSpec(done.or_still or 0.0, done.loaded, done.for_s)
+        case criteria.Turning():
+            return TurningSpec(tuple((w.slot, w.speed) for w in wheels), done.above)
+        case criteria.Stopped():
+            return StoppedSpec(tuple(w.speed for w in wheels), done.below, done.for_s)
+        case criteria.Aligned():
+            pairs = [_angle_slot(profile, name, signals, path, problems) for name in done.slots]
+            return AlignedSpec(tuple(pair for pair in pairs if pair), done.within)
+        case criteria.Below():
+            numbers = tuple(signals.number(name, (*path, "signals")) for name in done.signals)
+            for name in done.signals:
+                kind = signals.vocabulary.types.get(name)
+                if isinstance(kind, NumberType) and kind.dimension != done.limit.dimension:
+                    problems.add("robot.criterion", (*path, "limit"), f"'{name}' is {kind}")
+            return BelowSpec(numbers, done.limit.value, done.for_s)
+
+
+def _rate(name: str, signals: Signals, path: Path, problems: Problems) -> int:
+    rate = signals.rate_of(name)
+    if rate < 0:
+        problems.add(
+            "robot.criterion", path,
+            f"whether '{name}' stands still needs a derived signal {{rate_of: {name}}}",
+        )  # fmt: skip
+    return rate
+
+
+def _torque(
+    profile: model.Profile, name: str, signals: Signals, path: Path, problems: Problems
+) -> int:
+    joint = next((each for each in profile.body.joints if each.name == name), None)
+    if joint is None or joint.torque is None:
+        problems.add("robot.criterion", path, f"'{name}' is no joint with a torque signal")
+        return -1
+    return signals.number(joint.torque, path)
+
+
+def _angle_slot(
+    profile: model.Profile, name: str, signals: Signals, path: Path, problems: Problems
+) -> tuple[int, int] | None:
+    for index, slot in enumerate(profile.slots):
+        if slot.name == name and slot.unit == "angle" and slot.roll:
+            return index, signals.number(slot.roll, path)
+    problems.add("robot.criterion", (*path, "slots"), f"'{name}' is no slot that takes an angle")
+    return None

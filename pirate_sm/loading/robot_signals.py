@@ -1,0 +1,309 @@
+"""Channels and derived signals become one vocabulary, and each board what its frame tells."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from pirate_sm.engine.chart_table import ChartTable
+from pirate_sm.engine.robot import BoardSpec, FaultSpec, LinkSpec, Vector, WheelSpec
+from pirate_sm.expressions import EnumType, ExpressionError, NumberType, Vocabulary, compile_expression
+from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.model import profile as model
+from pirate_sm.spelling import nearest, one_of
+from pirate_sm.units import ANGLE, CURRENT, DIMENSIONLESS, LENGTH, SPEED, TIME, TORQUE, Dimension
+
+SEGMENTS = ("Out", "Straight", "Joint")
+"""What the environment report may call the segment (thesis section 4-3-2)."""
+
+DETECTOR, SEGMENT = "detector", "segment"
+
+_NOTHING = Vocabulary({})
+
+
+@dataclass
+class Signals:
+    """The robot's vocabulary, and what is needed to fill it from frames.
+
+    Attributes:
+        vocabulary: Regions first, so that a configuration is the beginning of the words.
+        scales: Factor to SI of each conversion.
+    """
+
+    profile: model.Profile
+    problems: Problems
+    polarity: Literal["normal", "mirrored"]
+    vocabulary: Vocabulary = _NOTHING
+    scales: dict[str, tuple[float, Dimension]] = field(default_factory=dict)
+    wheels: tuple[WheelSpec, ...] = ()
+
+    @property
+    def link(self) -> LinkSpec:
+        """When signals are stale, boards silent, arrays sent again."""
+        link = self.profile.link
+        return LinkSpec(
+            link.stale_after, link.silent_after, link.resend_after, link.resend_limit
+        )
+
+    def number(self, name: str, path: Path, dimension: Dimension | None = None) -> int:
+        """The index of a numeric signal; -1 and a problem when there is none of that kind."""
+        names = self.vocabulary.numbers
+        if name not in names:
+            self.problems.add(
+                "robot.signal", path, f"there is no signal '{name}'",
+                suggestion=nearest(name, names) or "",
+            )  # fmt: skip
+            return -1
+        kind = self.vocabulary.types[name]
+        if dimension is not None and kind != NumberType(dimension):
+            self.problems.add(
+                "robot.signal", path, f"'{name}' is {kind}", expected=str(NumberType(dimension))
+            )
+        return names.index(name)
+
+    def constant(self, text: str, path: Path) -> tuple[float, Dimension]:
+        """The SI value and dimension of a constant expression such as ``360 deg / 4096``."""
+        try:
+            expression = compile_expression(text, _NOTHING)
+        except ExpressionError as error:
+            self.problems.add_expression(path, error)
+            return 0.0, DIMENSIONLESS
+        value = expression.evaluate((), ())
+        if not isinstance(expression.type, NumberType) or not isinstance(value, float):
+            self.problems.add("robot.scale", path, "expected a number with a unit")
+            return 0.0, DIMENSIONLESS
+        return value, expression.type.dimension
+
+    def first_of(self, kind: str) -> int:
+        """The index of the first derived signal of this kind; -1 without one."""
+        for name, derived in self.profile.derived.items():
+            if hasattr(derived, kind):
+                return self.vocabulary.numbers.index(name)
+        return -1
+
+    def rate_of(self, name: str) -> int:
+        """The index of the signal that is this one's rate; -1 without one."""
+        for rate, derived in self.profile.derived.items():
+            if isinstance(derived, model.RateOf) and derived.rate_of == name:
+                return self.vocabulary.numbers.index(rate)
+        return -1
+
+    def boards(self, faults: tuple[FaultSpec, ...]) -> Mapping[int, BoardSpec]:
+        """What each board that is listened to tells, and which fault rules it can change."""
+        listened = [
+            (number, board)
+            for number, board in enumerate(self.profile.boards)
+            if board.fitted and board.channels_fitted and any(c.signal for c in board.channels)
+        ]
+        names = self.vocabulary.numbers
+        shared = {self.first_of("odometry_of"), self.first_of("speed_of")}
+        found: dict[int, BoardSpec] = {}
+        for position, (number, board) in enumerate(listened):
+            own = self._board(number, board, position)
+            mine = {names[index] for index in own.numbers}
+            rules = tuple(
+                index
+                for index, fault in enumerate(faults)
+                if fault.when.names & mine
+                or not {names.index(n) for n in fault.when.names if n in names} - shared
+            )
+            found[board.id] = replace(own, faults=rules)
+        return found
+
+    def _board(self, number: int, board: model.Board, position: int) -> BoardSpec:
+        names = self.vocabulary.numbers
+        channels = tuple(
+            (place, names.index(channel.signal), self._scale(channel))
+            for place, channel in enumerate(board.channels)
+            if channel.signal
+        )
+        told = {names[target] for _, target, _ in channels}
+        rates: list[tuple[int, int]] = []
+        torques: list[tuple[int, int, float, int]] = []
+        vectors: list[Vector] = []
+        diameters: list[tuple[int, float, float, int]] = []
+        slots = [slot.name for slot in self.profile.slots]
+        for name, derived in self.profile.derived.items():
+            target = names.index(name)
+            match derived:
+                case model.RateOf(rate_of=source) if source in told:
+                    rates.append((names.index(source), target))
+                case model.TorqueOf(torque_of=source, slot=slot, scale=scale) if source in told:
+                    factor = self.constant(scale, ("derived", name, "scale"))[0]
+                    if slot in slots:
+                        torques.append((names.index(source), slots.index(slot), factor, target))
+                case model.RollOf() | model.PitchOf() | model.NormOf():
+                    how, sources = _vector(derived)
+                    if set(sources) <= told:
+                        vectors.append(Vector(how, tuple(map(names.index, sources)), target))
+                case model.DiameterOf(diameter_of=part):
+                    diameters += self._diameter(part, told, target)
+        wheels = tuple(w for w in self.wheels if names[w.angle] in told)
+        return BoardSpec(
+            board.id, board.module, position, channels, tuple(rates), tuple(torques),
+            tuple(vectors), tuple(diameters), wheels, (),
+        )  # fmt: skip
+
+    def _scale(self, channel: model.Channel) -> float:
+        return self.scales[channel.convert][0] if channel.convert else 1.0
+
+    def _diameter(
+        self, part: str, told: set[str], target: int
+    ) -> list[tuple[int, float, float, int]]:
+        body = self.profile.body
+        apex = body.parts[part].apex if part in body.parts else ""
+        if apex not in told:
+            return []
+        at = next((joint.wheel for joint in body.joints if joint.name == apex), "")
+        node = next((i for i, wheel in enumerate(body.wheels) if wheel.name == at), 0)
+        # Eq. 3-2 takes the V's two legs as equally long; one with a roll joint is no leg.
+        legs = [link for link in body.links[max(node - 1, 0) : node + 1] if link.roll is None]
+        length = (legs or [body.links[min(node, len(body.links) - 1)]])[0].length
+        index = self.vocabulary.numbers.index(apex)
+        return [(index, length, 2 * body.wheel_radius, target)]
+
+
+def resolve_signals(
+    profile: model.Profile,
+    table: ChartTable,
+    polarity: Literal["normal", "mirrored"],
+    problems: Problems,
+) -> Signals:
+    """Every signal has a type and an index, or the problems say why not."""
+    signals = Signals(profile, problems, polarity)
+    for name, conversion in profile.conversions.items():
+        path = ("conversions", name, "scale")
+        signals.scales[name] = signals.constant(conversion.scale, path)
+    types: dict[str, NumberType | EnumType] = {}
+    for region, states in zip(table.regions, table.states, strict=True):
+        types[region] = EnumType(states)
+    types[DETECTOR] = EnumType(tuple(profile.detector.words))
+    types[SEGMENT] = EnumType(SEGMENTS)
+    _measured(signals, types)
+    _derived(signals, types)
+    problems.raise_errors()
+    try:
+        signals.vocabulary = Vocabulary(types)
+    except ValueError as error:
+        problems.add("robot.signal", (), str(error))
+        problems.raise_errors()
+    signals.wheels = _wheels(signals)
+    return signals
+
+
+def _measured(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
+    for number, board in enumerate(signals.profile.boards):
+        for place, channel in enumerate(board.channels):
+            path: Path = ("boards", number, "channels", place)
+            convert = channel.convert
+            if convert is not None and convert not in signals.scales:
+                signals.problems.add(
+                    "robot.conversion", (*path, "convert"), f"there is no conversion '{convert}'",
+                    expected=one_of(signals.scales),
+                    suggestion=nearest(convert, signals.scales) or "",
+                )  # fmt: skip
+                continue
+            if channel.signal is None:
+                continue
+            if channel.signal in types:
+                signals.problems.add(
+                    "robot.signal", (*path, "signal"), f"'{channel.signal}' is told twice"
+                )
+            dimension = signals.scales[convert][1] if convert else DIMENSIONLESS
+            types[channel.signal] = NumberType(dimension)
+
+
+def _derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
+    profile = signals.profile
+    for name, derived in profile.derived.items():
+        path: Path = ("derived", name)
+        if name in types:
+            signals.problems.add("robot.signal", path, f"'{name}' is told twice", key=True)
+        for source in _sources(derived):
+            valid = _valid_sources(profile, derived, types)
+            if source not in valid:
+                signals.problems.add(
+                    "robot.signal", path, f"'{source}' is not known here",
+                    expected=one_of(sorted(valid)), suggestion=nearest(source, valid) or "",
+                )  # fmt: skip
+        types[name] = NumberType(_dimension(signals, derived, types, path))
+
+
+def _sources(derived: model.Derived) -> tuple[str, ...]:
+    value = getattr(derived, next(kind for kind in model.DERIVED_KINDS if hasattr(derived, kind)))
+    return (value,) if isinstance(value, str) else tuple(value)
+
+
+def _valid_sources(
+    profile: model.Profile, derived: model.Derived, types: Mapping[str, object]
+) -> list[str]:
+    match derived:
+        case model.DiameterOf():
+            return list(profile.body.parts)
+        case model.OdometryOf() | model.SpeedOf():
+            return [wheel.name for wheel in profile.body.wheels]
+        case _:
+            return [name for name, kind in types.items() if isinstance(kind, NumberType)]
+
+
+def _dimension(
+    signals: Signals,
+    derived: model.Derived,
+    types: Mapping[str, NumberType | EnumType],
+    path: Path,
+) -> Dimension:
+    def of(name: str) -> Dimension:
+        kind = types.get(name)
+        return kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
+
+    match derived:
+        case model.RateOf(rate_of=source):
+            return of(source) / TIME
+        case model.TorqueOf(torque_of=source, slot=slot, scale=scale):
+            dimension = signals.constant(scale, (*path, "scale"))[1] * of(source)
+            if of(source) != CURRENT or dimension != TORQUE:
+                signals.problems.add(
+                    "robot.scale", path, "a torque is a current times a scale such as '0.9 Nm/A'"
+                )
+            if slot not in [each.name for each in signals.profile.slots]:
+                signals.problems.add("robot.slot", (*path, "slot"), f"there is no slot '{slot}'")
+            return TORQUE
+        case model.RollOf() | model.PitchOf():
+            return ANGLE
+        case model.NormOf(norm_of=sources):
+            return of(sources[0])
+        case model.SpeedOf():
+            return SPEED
+        case _:
+            return LENGTH
+
+
+def _vector(derived: model.Derived) -> tuple[Literal["roll", "pitch", "norm"], tuple[str, ...]]:
+    match derived:
+        case model.RollOf(roll_of=sources):
+            return "roll", sources
+        case model.PitchOf(pitch_of=sources):
+            return "pitch", sources
+        case model.NormOf(norm_of=sources):
+            return "norm", sources
+    raise AssertionError(f"not a vector: {derived}")
+
+
+def _wheels(signals: Signals) -> tuple[WheelSpec, ...]:
+    profile = signals.profile
+    slots = {slot.wheel: index for index, slot in enumerate(profile.slots) if slot.wheel}
+    found = []
+    for number, wheel in enumerate(profile.body.wheels):
+        path: Path = ("body", "wheels", number)
+        angle = signals.number(wheel.angle, (*path, "angle"), ANGLE)
+        speed = signals.number(wheel.speed, (*path, "speed"), ANGLE / TIME)
+        if wheel.name not in slots:
+            signals.problems.add("robot.slot", path, f"no slot drives '{wheel.name}'")
+            continue
+        slot = slots[wheel.name]
+        mirrored = signals.polarity == "mirrored" and profile.slots[slot].mirrors
+        sign = -wheel.direction if mirrored else wheel.direction
+        found.append(WheelSpec(angle, speed, slot, profile.body.wheel_radius * sign))
+    return tuple(found)
+
