@@ -1,0 +1,694 @@
+"""The compiled part of the kinematic simulator: extended position-based dynamics in a plane.
+
+Everything numba compiles lives in this one module, because numba's cache does not notice edits in
+functions that are called from another file. `chain.py`, `geometry.py` and `channels.py` fill the
+arrays whose columns are named here.
+
+A substep is: motors, predict, iterate (joints, contacts, corners, links), velocity from
+displacement (XPBD, Macklin et al. 2016). Gradients are those of the substep's start: nothing turns
+by more than a few mrad in one. Impulses are in kg m, that is force times the squared step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+import numba
+import numpy as np
+
+from pirate_sm.backends.simulator.arrays import Floats, Ints, Words
+
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+# Columns of `body`, a row per wheel; joint columns are of the joint at that wheel, the link's
+# length is of the link from that wheel to the next one behind it.
+MASS_INV, MU_STATIC, MU_KINETIC, WHEEL_RATE, WHEEL_STALL, WHEEL_HOLD, MOTOR_LINK = range(7)
+JOINT_K, JOINT_RATE, JOINT_STALL, JOINT_FRICTION, JOINT_MIN, JOINT_MAX, JOINT_DAMPING = range(7, 14)
+LINK_LENGTH = 14
+BODY_COLUMNS = 15
+
+# Columns of `walls`: start, unit tangent, length, unit normal into the pipe; whether an inner
+# corner ends it, then the next wall's tangent and the bisector into the pipe.
+W_X, W_Y, W_TX, W_TY, W_LENGTH, W_NX, W_NY, W_CORNER, W_NEXT_TX, W_NEXT_TY, W_BX, W_BY = range(12)
+WALL_COLUMNS = 12
+
+# Columns of `legs`, the straight parts of the centre line: start, unit tangent, length, arc length
+# at the start, gravity along it, towards side A and along the normal of the plane.
+L_X, L_Y, L_TX, L_TY, L_LENGTH, L_S, L_GT, L_GN, L_GB = range(9)
+LEG_COLUMNS = 9
+
+# Entries of `world`: the step, the body's sizes, the contact, an obstacle, the roll joint, the
+# magnetic field in the axes of the drawing.
+DT, ITERATIONS, RADIUS, HALF_THICKNESS, CONTACT_COMPLIANCE, ANCHOR_MAX, DEPTH = range(7)
+BLOCK_NODE, BLOCK_X, BLOCK_Y, BLOCK_NX, BLOCK_NY = range(7, 12)
+ROLL_LINK, ROLL_TARGET, ROLL_RATE, MAG_X, MAG_Y, MAG_Z = range(12, 18)
+WORLD_ENTRIES = 18
+
+# Columns of `channels`: count = gain * quantity + offset + noise.
+C_SOURCE, C_GAIN, C_OFFSET, C_SIGMA, C_ABS = range(5)
+CHANNEL_COLUMNS = 5
+
+# Blocks of `state`, each as long as there are wheels times the number given, and of `out`.
+S_POSITION, S_VELOCITY, S_MOTOR, S_WHEEL, S_BEND, S_ANCHOR, S_TURNED, S_READ, S_ROLL = (
+    0, 2, 4, 5, 6, 7, 11, 12, 13,
+)  # fmt: skip
+PER_WHEEL = (
+    "bend", "bend_torque", "bend_current", "wheel", "turned", "drive", "press", "arc", "side",
+    "leg", "grip",
+)  # fmt: skip
+SINGLE = ("roll", "roll_current", "acc_x", "acc_y", "acc_z", "mag_x", "mag_y", "mag_z")
+
+# Scratch columns per wheel.
+(
+    X0, Y0, LEVER_X, LEVER_Y, GA_X, GA_Y, GM_X, GM_Y, GB_X, GB_Y, J_C, J_D, J_W, J_INV, J_LAM,
+    J_FRICTION, J_STOP, G_X, G_Y, SPIN, FORCE, SLOPE, LINK_SCALE,
+) = range(23)  # fmt: skip
+_NODE_COLUMNS = 23
+# Sums per wheel over the substeps of a call.
+T_PRESS, T_DRIVE, T_GRIP, T_TORQUE, T_CURRENT, _T_COLUMNS = range(6)
+# Scratch columns per contact, and per link at an inner corner.
+(
+    NX, NY, GAP, PUSH, GI_X, GI_Y, GO_X, GO_Y, N_INV, T_INV, ROLLING, TARGET, C_SLOPE, C_MU,
+    C_FORCE,
+) = range(15)  # fmt: skip
+_CONTACT_COLUMNS = 15
+K_NX, K_NY, K_SHARE, K_GAP, K_PUSH, K_INV, _K_COLUMNS = range(7)
+NODE, OTHER, KEY = range(3)
+
+_MARGIN_M = 0.002
+_WHEEL_FILTER = 0.5  # of x_velocity, a mean of angle differences (thesis B-11)
+# The motor side of a spring may wind this far beyond the joint's own end stop.
+_WINDING_RAD = 0.6
+
+
+def compiled(function: _F) -> _F:
+    """The function is compiled on its first call, and its machine code cached on disk."""
+    return cast(_F, numba.njit(cache=True, error_model="numpy")(function))
+
+
+@compiled
+def _gauss(rng: Words) -> float:
+    """One nearly normal number has been drawn (splitmix64, sum of four uniforms)."""
+    rng[0] += np.uint64(0x9E3779B97F4A7C15)
+    z = rng[0]
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    z = z ^ (z >> np.uint64(31))
+    mask = np.uint64(0xFFFF)
+    total = float(z & mask) + float((z >> np.uint64(16)) & mask)
+    total += float((z >> np.uint64(32)) & mask) + float(z >> np.uint64(48))
+    return (total - 131070.0) / 37837.0
+
+
+@compiled
+def _wall_contact(
+    x: float, y: float, wall: Floats, reach: float, depth: float, hit: Floats
+) -> bool:
+    """Whether a point is near a wall; `hit` then holds the normal there and the distance."""
+    dx = x - wall[W_X]
+    dy = y - wall[W_Y]
+    along = dx * wall[W_TX] + dy * wall[W_TY]
+    if along < 0.0:
+        return False
+    if along <= wall[W_LENGTH]:
+        hit[0] = wall[W_NX]
+        hit[1] = wall[W_NY]
+        hit[2] = dx * hit[0] + dy * hit[1]
+        return bool(-depth < hit[2] < reach)
+    if wall[W_CORNER] == 0.0:
+        return False
+    dx -= wall[W_LENGTH] * wall[W_TX]
+    dy -= wall[W_LENGTH] * wall[W_TY]
+    if dx * wall[W_NEXT_TX] + dy * wall[W_NEXT_TY] >= 0.0:
+        return False
+    away2 = dx * dx + dy * dy
+    if away2 >= reach * reach or away2 == 0.0:
+        return False
+    hit[2] = np.sqrt(away2)
+    hit[0] = dx / hit[2]
+    hit[1] = dy / hit[2]
+    return True
+
+
+@compiled
+def _find_contacts(
+    n: int, pos: Floats, walls: Floats, world: Floats, con: Floats, who: Ints, hit: Floats
+) -> int:
+    """Normals and gaps of all wheels near a wall or an obstacle are in `con`; how many."""
+    count = 0
+    reach = world[RADIUS] + _MARGIN_M
+    for i in range(n):
+        x = pos[i, 0]
+        y = pos[i, 1]
+        for k in range(walls.shape[0] + 1):
+            if k < walls.shape[0]:
+                near = _wall_contact(x, y, walls[k], reach, world[DEPTH], hit)
+            elif world[BLOCK_NODE] == i:
+                hit[0] = world[BLOCK_NX]
+                hit[1] = world[BLOCK_NY]
+                hit[2] = (x - world[BLOCK_X]) * hit[0] + (y - world[BLOCK_Y]) * hit[1]
+                near = hit[2] < reach
+            else:
+                near = False
+            if near and count < con.shape[0]:
+                con[count, NX] = hit[0]
+                con[count, NY] = hit[1]
+                con[count, GAP] = hit[2] - world[RADIUS]
+                who[count, NODE] = i
+                # Two walls of one side meet in a corner: a wheel may touch both.
+                who[count, KEY] = k % 4 if k < walls.shape[0] else -1
+                count += 1
+    return count
+
+
+@compiled
+def _prepare_contacts(
+    count: int, body: Floats, world: Floats, anchor: Floats, w: Floats, con: Floats, who: Ints
+) -> None:
+    """Gradients, masses, limits and targets of the contacts are set, impulses are zero.
+
+    The wheel's motor reacts on its link: rolling = t dp - r (d link angle + d wheel angle).
+    """
+    radius = world[RADIUS]
+    compliance = world[CONTACT_COMPLIANCE] / (world[DT] * world[DT])
+    for c in range(count):
+        i = who[c, NODE]
+        link = int(body[i, MOTOR_LINK])
+        hx = radius * w[link, LEVER_X]
+        hy = radius * w[link, LEVER_Y]
+        other = link
+        if link == i:
+            other = link + 1
+        else:
+            hx = -hx
+            hy = -hy
+        who[c, OTHER] = other
+        con[c, GI_X] = -con[c, NY] - hx
+        con[c, GI_Y] = con[c, NX] - hy
+        con[c, GO_X] = hx
+        con[c, GO_Y] = hy
+        con[c, PUSH] = 0.0
+        con[c, ROLLING] = 0.0
+        con[c, N_INV] = 1.0 / (body[i, MASS_INV] + compliance)
+        if who[c, KEY] < 0:
+            con[c, C_MU] = 0.0
+            continue
+        held = anchor[i, who[c, KEY]]
+        slipping = abs(held) >= 0.999 * world[ANCHOR_MAX]
+        con[c, C_MU] = body[i, MU_KINETIC] if slipping else body[i, MU_STATIC]
+        con[c, C_FORCE] = w[i, FORCE]
+        con[c, C_SLOPE] = w[i, SLOPE]
+        con[c, TARGET] = w[i, SPIN] * radius + held
+        mass_inv = body[i, MASS_INV] * (con[c, GI_X] ** 2 + con[c, GI_Y] ** 2)
+        mass_inv += body[other, MASS_INV] * (hx * hx + hy * hy)
+        con[c, T_INV] = 1.0 / (mass_inv + w[i, SLOPE])
+
+
+@compiled
+def _rolled(c: int, i: int, o: int, pos: Floats, w: Floats, con: Floats) -> float:
+    """How far the surface of a wheel without its motor would have moved along the wall."""
+    return float(
+        con[c, GI_X] * (pos[i, 0] - w[i, X0])
+        + con[c, GI_Y] * (pos[i, 1] - w[i, Y0])
+        + con[c, GO_X] * (pos[o, 0] - w[o, X0])
+        + con[c, GO_Y] * (pos[o, 1] - w[o, Y0])
+    )
+
+
+@compiled
+def _solve_contacts(
+    count: int, pos: Floats, body: Floats, compliance: float, w: Floats, con: Floats, who: Ints
+) -> None:
+    """Each contact has been pushed out and rolled once, friction within its cone."""
+    for c in range(count):
+        i = who[c, NODE]
+        inv = body[i, MASS_INV]
+        gap = con[c, GAP] + con[c, NX] * (pos[i, 0] - w[i, X0])
+        gap += con[c, NY] * (pos[i, 1] - w[i, Y0])
+        new = max(0.0, con[c, PUSH] - (gap + compliance * con[c, PUSH]) * con[c, N_INV])
+        step = inv * (new - con[c, PUSH])
+        con[c, PUSH] = new
+        pos[i, 0] += step * con[c, NX]
+        pos[i, 1] += step * con[c, NY]
+        limit = min(con[c, C_MU] * new, con[c, C_FORCE])
+        old = con[c, ROLLING]
+        if con[c, C_MU] == 0.0 or (limit == 0.0 and old == 0.0):
+            continue
+        o = who[c, OTHER]
+        left = con[c, TARGET] - _rolled(c, i, o, pos, w, con) - con[c, C_SLOPE] * old
+        new = min(max(old + left * con[c, T_INV], -limit), limit)
+        con[c, ROLLING] = new
+        step = inv * (new - old)
+        pos[i, 0] += step * con[c, GI_X]
+        pos[i, 1] += step * con[c, GI_Y]
+        step = body[o, MASS_INV] * (new - old)
+        pos[o, 0] += step * con[c, GO_X]
+        pos[o, 1] += step * con[c, GO_Y]
+
+
+@compiled
+def _corner(m: int, pos: Floats, wall: Floats, body: Floats, world: Floats, row: Floats) -> bool:
+    """Whether a link's body is near the inner corner that ends a wall; `row` is then set."""
+    cx = wall[W_X] + wall[W_LENGTH] * wall[W_TX] - pos[m, 0]
+    cy = wall[W_Y] + wall[W_LENGTH] * wall[W_TY] - pos[m, 1]
+    reach = body[m, LINK_LENGTH]
+    if cx * cx + cy * cy > 1.1 * reach * reach:
+        return False
+    ex = pos[m + 1, 0] - pos[m, 0]
+    ey = pos[m + 1, 1] - pos[m, 1]
+    length2 = ex * ex + ey * ey
+    share = (cx * ex + cy * ey) / length2
+    if share <= 0.0 or share >= 1.0:
+        return False
+    length = np.sqrt(length2)
+    nx = -ey / length
+    ny = ex / length
+    if nx * wall[W_BX] + ny * wall[W_BY] < 0.0:
+        nx = -nx
+        ny = -ny
+    gap = -(cx * nx + cy * ny) - world[HALF_THICKNESS]
+    if gap > _MARGIN_M or gap < -2.0 * world[HALF_THICKNESS]:
+        return False
+    row[K_NX] = nx
+    row[K_NY] = ny
+    row[K_SHARE] = share
+    row[K_GAP] = gap
+    row[K_PUSH] = 0.0
+    mass_inv = body[m, MASS_INV] * (1.0 - share) ** 2 + body[m + 1, MASS_INV] * share**2
+    row[K_INV] = 1.0 / (mass_inv + world[CONTACT_COMPLIANCE] / (world[DT] * world[DT]))
+    return True
+
+
+@compiled
+def _find_corners(
+    n: int, pos: Floats, walls: Floats, body: Floats, world: Floats, cor: Floats, who: Ints
+) -> int:
+    """Links near an inner corner are in `cor`; how many."""
+    count = 0
+    for k in range(walls.shape[0]):
+        if walls[k, W_CORNER] == 0.0:
+            continue
+        for m in range(n - 1):
+            if count < cor.shape[0] and _corner(m, pos, walls[k], body, world, cor[count]):
+                who[count] = m
+                count += 1
+    return count
+
+
+@compiled
+def _solve_corners(
+    count: int, pos: Floats, body: Floats, compliance: float, w: Floats, cor: Floats, who: Ints
+) -> None:
+    """Each link near an inner corner has been pushed clear of it once."""
+    for c in range(count):
+        m = who[c]
+        ahead = 1.0 - cor[c, K_SHARE]
+        behind = cor[c, K_SHARE]
+        gap = cor[c, K_GAP]
+        gap += cor[c, K_NX] * ahead * (pos[m, 0] - w[m, X0])
+        gap += cor[c, K_NY] * ahead * (pos[m, 1] - w[m, Y0])
+        gap += cor[c, K_NX] * behind * (pos[m + 1, 0] - w[m + 1, X0])
+        gap += cor[c, K_NY] * behind * (pos[m + 1, 1] - w[m + 1, Y0])
+        new = max(0.0, cor[c, K_PUSH] - (gap + compliance * cor[c, K_PUSH]) * cor[c, K_INV])
+        delta = new - cor[c, K_PUSH]
+        cor[c, K_PUSH] = new
+        pos[m, 0] += body[m, MASS_INV] * ahead * delta * cor[c, K_NX]
+        pos[m, 1] += body[m, MASS_INV] * ahead * delta * cor[c, K_NY]
+        pos[m + 1, 0] += body[m + 1, MASS_INV] * behind * delta * cor[c, K_NX]
+        pos[m + 1, 1] += body[m + 1, MASS_INV] * behind * delta * cor[c, K_NY]
+
+
+@compiled
+def _begin(
+    n: int, pos: Floats, bend: Floats, motor: Floats, command: Floats, body: Floats, world: Floats,
+    w: Floats, tally: Floats,
+) -> None:
+    """Angles and gradients are those of the positions, motors have turned for one substep.
+
+    A bend motor turns at rate * (duty - torque / stall torque) and is never driven back.
+    """  # fmt: skip
+    dt = world[DT]
+    before = 0.0
+    for i in range(n):
+        w[i, X0] = pos[i, 0]
+        w[i, Y0] = pos[i, 1]
+        if i == n - 1:
+            break
+        ex = pos[i, 0] - pos[i + 1, 0]
+        ey = pos[i, 1] - pos[i + 1, 1]
+        length2 = ex * ex + ey * ey
+        w[i, LEVER_X] = -ey / length2
+        w[i, LEVER_Y] = ex / length2
+        heading = np.arctan2(ey, ex)
+        change = heading - before - bend[i]
+        before = heading
+        if i == 0:
+            continue
+        if abs(change) > np.pi:
+            change -= 2.0 * np.pi * np.rint(change / (2.0 * np.pi))
+        bend[i] += change
+        duty = command[i]
+        rate = duty - body[i, JOINT_K] * (motor[i] - bend[i]) / body[i, JOINT_STALL]
+        rate = min(max(rate, min(duty, 0.0)), max(duty, 0.0))
+        turned = motor[i] + body[i, JOINT_RATE] * rate * dt
+        motor[i] = min(
+            max(turned, body[i, JOINT_MIN] - _WINDING_RAD), body[i, JOINT_MAX] + _WINDING_RAD
+        )
+        tally[i, T_CURRENT] += abs(duty - rate)
+        w[i, GA_X] = -w[i - 1, LEVER_X]
+        w[i, GA_Y] = -w[i - 1, LEVER_Y]
+        w[i, GB_X] = -w[i, LEVER_X]
+        w[i, GB_Y] = -w[i, LEVER_Y]
+        w[i, GM_X] = w[i, LEVER_X] + w[i - 1, LEVER_X]
+        w[i, GM_Y] = w[i, LEVER_Y] + w[i - 1, LEVER_Y]
+        w[i, J_W] = (
+            body[i - 1, MASS_INV] * (w[i, GA_X] ** 2 + w[i, GA_Y] ** 2)
+            + body[i, MASS_INV] * (w[i, GM_X] ** 2 + w[i, GM_Y] ** 2)
+            + body[i + 1, MASS_INV] * (w[i, GB_X] ** 2 + w[i, GB_Y] ** 2)
+        )
+        w[i, J_INV] = 1.0 / ((1.0 + w[i, J_D]) * w[i, J_W] + w[i, J_C])
+        w[i, J_LAM] = 0.0
+        w[i, J_FRICTION] = 0.0
+        w[i, J_STOP] = 0.0
+
+
+@compiled
+def _resist(i: int, turned: float, bend: float, body: Floats, dt2: float, w: Floats) -> float:
+    """Impulse that dry friction and end stops of a joint add after it has turned so far."""
+    added = 0.0
+    if body[i, JOINT_FRICTION] > 0.0:
+        limit = body[i, JOINT_FRICTION] * dt2
+        new = min(max(w[i, J_FRICTION] - turned / w[i, J_W], -limit), limit)
+        added = new - w[i, J_FRICTION]
+        w[i, J_FRICTION] = new
+    angle = bend + turned + added * w[i, J_W]
+    old = w[i, J_STOP]
+    if angle > body[i, JOINT_MAX] or old < 0.0:
+        w[i, J_STOP] = min(0.0, old - (angle - body[i, JOINT_MAX]) / w[i, J_W])
+    elif angle < body[i, JOINT_MIN] or old > 0.0:
+        w[i, J_STOP] = max(0.0, old - (angle - body[i, JOINT_MIN]) / w[i, J_W])
+    return float(added + w[i, J_STOP] - old)
+
+
+@compiled
+def _solve_joints(
+    n: int, pos: Floats, bend: Floats, motor: Floats, body: Floats, dt2: float, w: Floats
+) -> None:
+    """Each joint has been pulled towards its motor-side angle through its spring once."""
+    for i in range(1, n - 1):
+        turned = (
+            w[i, GA_X] * (pos[i - 1, 0] - w[i - 1, X0])
+            + w[i, GA_Y] * (pos[i - 1, 1] - w[i - 1, Y0])
+            + w[i, GM_X] * (pos[i, 0] - w[i, X0])
+            + w[i, GM_Y] * (pos[i, 1] - w[i, Y0])
+            + w[i, GB_X] * (pos[i + 1, 0] - w[i + 1, X0])
+            + w[i, GB_Y] * (pos[i + 1, 1] - w[i + 1, Y0])
+        )
+        left = motor[i] - bend[i] - turned * (1.0 + w[i, J_D]) - w[i, J_C] * w[i, J_LAM]
+        delta = left * w[i, J_INV]
+        w[i, J_LAM] += delta
+        turned += w[i, J_W] * delta
+        delta += _resist(i, turned, bend[i], body, dt2, w)
+        step = body[i - 1, MASS_INV] * delta
+        pos[i - 1, 0] += step * w[i, GA_X]
+        pos[i - 1, 1] += step * w[i, GA_Y]
+        step = body[i, MASS_INV] * delta
+        pos[i, 0] += step * w[i, GM_X]
+        pos[i, 1] += step * w[i, GM_Y]
+        step = body[i + 1, MASS_INV] * delta
+        pos[i + 1, 0] += step * w[i, GB_X]
+        pos[i + 1, 1] += step * w[i, GB_Y]
+
+
+@compiled
+def _solve_links(n: int, pos: Floats, body: Floats, w: Floats) -> None:
+    """Each link has been brought back to its length once."""
+    for m in range(n - 1):
+        dx = pos[m, 0] - pos[m + 1, 0]
+        dy = pos[m, 1] - pos[m + 1, 1]
+        # (d^2 - l^2) / 2l has the same root as d - l and needs no square root.
+        scale = (body[m, LINK_LENGTH] ** 2 - dx * dx - dy * dy) * w[m, LINK_SCALE]
+        ahead = scale * body[m, MASS_INV]
+        behind = scale * body[m + 1, MASS_INV]
+        pos[m, 0] += ahead * dx
+        pos[m, 1] += ahead * dy
+        pos[m + 1, 0] -= behind * dx
+        pos[m + 1, 1] -= behind * dy
+
+
+@compiled
+def _strongest(n: int, count: int, con: Floats, who: Ints, touch: Ints, tally: Floats) -> None:
+    """For each wheel, the wall contact that presses most is in `touch`, -1 without any."""
+    for i in range(n):
+        touch[i] = -1
+    for c in range(count):
+        i = who[c, NODE]
+        if con[c, PUSH] > 0.0 and who[c, KEY] >= 0:
+            tally[i, T_PRESS] += con[c, PUSH]
+            if touch[i] < 0 or con[c, PUSH] > con[touch[i], PUSH]:
+                touch[i] = c
+
+
+@compiled
+def _turn_wheels(
+    n: int, count: int, pos: Floats, wheel: Floats, anchor: Floats, world: Floats, w: Floats,
+    con: Floats, who: Ints, touch: Ints, tally: Floats,
+) -> None:
+    """Wheels have turned, and rolling that was left unsolved is carried on as the anchor.
+
+    Without the anchor a hold creeps and the driven distance is wrong by percents. A wheel whose
+    motor is overcome turns with the wall, one that slips turns with its motor.
+    """
+    radius = world[RADIUS]
+    bound = world[ANCHOR_MAX]
+    _strongest(n, count, con, who, touch, tally)
+    anchor[:] = 0.0
+    for c in range(count):
+        if con[c, PUSH] <= 0.0 or who[c, KEY] < 0:
+            continue
+        i = who[c, NODE]
+        rolled = _rolled(c, i, who[c, OTHER], pos, w, con)
+        force = con[c, ROLLING]
+        left = con[c, TARGET] - rolled - con[c, C_SLOPE] * force
+        tally[i, T_DRIVE] += abs(force)
+        tally[i, T_GRIP] += force
+        grips = con[c, C_FORCE] < con[c, C_MU] * con[c, PUSH]
+        stalled = grips and abs(force) >= 0.9999 * con[c, C_FORCE]
+        if not stalled:
+            anchor[i, who[c, KEY]] = min(max(left, -bound), bound)
+        if touch[i] == c:
+            slips = abs(left) >= bound and not stalled
+            wheel[i] += w[i, SPIN] - con[c, C_SLOPE] * force / radius if slips else rolled / radius
+    for i in range(n):
+        if touch[i] < 0:
+            wheel[i] += w[i, SPIN]
+
+
+@compiled
+def _project(n: int, pos: Floats, legs: Floats, out: Floats, base: int) -> None:
+    """Arc length, offset towards side A and leg of each wheel are in three blocks of `out`."""
+    for i in range(n):
+        best = np.inf
+        for k in range(legs.shape[0]):
+            dx = pos[i, 0] - legs[k, L_X]
+            dy = pos[i, 1] - legs[k, L_Y]
+            along = dx * legs[k, L_TX] + dy * legs[k, L_TY]
+            across = dy * legs[k, L_TX] - dx * legs[k, L_TY]
+            # The first and the last leg go on beyond the pipe's open ends.
+            if k > 0:
+                along = max(along, 0.0)
+            if k < legs.shape[0] - 1:
+                along = min(along, legs[k, L_LENGTH])
+            ax = dx - along * legs[k, L_TX]
+            ay = dy - along * legs[k, L_TY]
+            away2 = ax * ax + ay * ay
+            if away2 < best:
+                best = away2
+                out[base + i] = legs[k, L_S] + along
+                out[base + n + i] = across
+                out[base + 2 * n + i] = k
+
+
+@compiled
+def _prepare(
+    n: int, command: Floats, body: Floats, legs: Floats, world: Floats, roll: Floats, out: Floats,
+    w: Floats,
+) -> None:
+    """What stays the same for a whole call is set: gravity, motor limits, compliances."""
+    dt = world[DT]
+    radius = world[RADIUS]
+    for i in range(n):
+        leg = legs[int(out[9 * n + i])]
+        part = roll[1] if i <= world[ROLL_LINK] else roll[2]
+        across = leg[L_GN]
+        if part != 0.0:
+            across = leg[L_GN] * np.cos(part) - leg[L_GB] * np.sin(part)
+        w[i, G_X] = leg[L_GT] * leg[L_TX] - across * leg[L_TY]
+        w[i, G_Y] = leg[L_GT] * leg[L_TY] + across * leg[L_TX]
+        duty = command[n + i]
+        w[i, SPIN] = duty * body[i, WHEEL_RATE] * dt
+        w[i, SLOPE] = 0.0
+        w[i, FORCE] = body[i, WHEEL_HOLD] / radius * dt * dt
+        if duty != 0.0:
+            w[i, FORCE] = body[i, WHEEL_STALL] / radius * dt * dt
+            w[i, SLOPE] = body[i, WHEEL_RATE] * radius**2 / (body[i, WHEEL_STALL] * dt)
+        w[i, J_C] = 1.0 / (body[i, JOINT_K] * dt * dt)
+        w[i, J_D] = body[i, JOINT_DAMPING] / (body[i, JOINT_K] * dt)
+        if i < n - 1:
+            both = body[i, MASS_INV] + body[i + 1, MASS_INV]
+            w[i, LINK_SCALE] = 0.5 / (body[i, LINK_LENGTH] ** 2 * both)
+
+
+@compiled
+def _turn_roll(
+    n: int, roll: Floats, world: Floats, passed: float, tally: Floats, out: Floats
+) -> None:
+    """The roll joint has turned towards its target: the part that is held less gives way."""
+    k = len(PER_WHEEL) * n
+    reach = world[ROLL_RATE] * passed
+    turn = min(max(world[ROLL_TARGET] - roll[0], -reach), reach)
+    out[k + 1] = 0.0
+    if turn != 0.0:
+        balance = 0.0
+        for i in range(n):
+            balance += tally[i, T_PRESS] if i <= world[ROLL_LINK] else -tally[i, T_PRESS]
+        roll[0] += turn
+        if balance <= 0.0:
+            roll[1] += turn
+        else:
+            roll[2] -= turn
+        out[k + 1] = abs(turn) / reach
+    out[k] = roll[0]
+
+
+@compiled
+def _feel(
+    n: int, pos: Floats, accel_x: float, accel_y: float, legs: Floats, world: Floats, roll: Floats,
+    out: Floats, w: Floats,
+) -> None:
+    """The IMU's quantities are in `out`: specific force and field along forward, side B, up.
+
+    "Up" is the normal of the plane of the part ahead of the roll joint, which points up when the
+    pipe lies flat and the part has roll 0. In free fall the specific force is zero.
+    """  # fmt: skip
+    k = len(PER_WHEEL) * n
+    m = min(max(int(world[ROLL_LINK]), 0), n - 2)
+    leg = legs[int(out[9 * n + m])]
+    hx = pos[m, 0] - pos[m + 1, 0]
+    hy = pos[m, 1] - pos[m + 1, 1]
+    length = np.sqrt(hx * hx + hy * hy)
+    hx /= length
+    hy /= length
+    fx = accel_x - w[m, G_X]
+    fy = accel_y - w[m, G_Y]
+    cr = np.cos(roll[1])
+    sr = np.sin(roll[1])
+    out[k + 2] = fx * hx + fy * hy
+    out[k + 3] = fx * hy - fy * hx
+    out[k + 4] = leg[L_GN] * sr + leg[L_GB] * cr
+    across = world[MAG_X] * hy - world[MAG_Y] * hx
+    out[k + 5] = world[MAG_X] * hx + world[MAG_Y] * hy
+    out[k + 6] = across * cr - world[MAG_Z] * sr
+    out[k + 7] = across * sr + world[MAG_Z] * cr
+
+
+@compiled
+def _read(channels: Floats, first: int, last: int, out: Floats, raw: Floats, rng: Words) -> None:
+    """Fresh counts of the channels from `first` to before `last` are in `raw`."""
+    for c in range(first, last):
+        value = out[int(channels[c, C_SOURCE])]
+        if channels[c, C_ABS] != 0.0:
+            value = abs(value)
+        value = value * channels[c, C_GAIN] + channels[c, C_OFFSET]
+        if channels[c, C_SIGMA] > 0.0:
+            value += channels[c, C_SIGMA] * _gauss(rng)
+        raw[c] = np.rint(value)
+
+
+@compiled
+def advance(
+    state: Floats, command: Floats, body: Floats, walls: Floats, legs: Floats, world: Floats,
+    channels: Floats, out: Floats, raw: Floats, rng: Words, steps: int, first: int, last: int,
+) -> None:
+    """`steps` substeps have passed; `out` holds the quantities, `raw[first:last]` fresh counts.
+
+    Bitwise repeatable for equal inputs. SI units, `raw` in counts.
+
+    Args:
+        state: See `chain.ChainState`; changed.
+        command: Duty of the joint at each wheel, then of each wheel.
+        body: `(wheels, BODY_COLUMNS)`.
+        walls: `(2 * legs, WALL_COLUMNS)`, side A and side B of each leg in turn.
+        legs: `(legs, LEG_COLUMNS)`.
+        world: `(WORLD_ENTRIES,)`.
+        channels: `(channels, CHANNEL_COLUMNS)`.
+        out: Blocks `PER_WHEEL`, then `SINGLE`; its arc block must be that of the last call.
+        raw: `(channels,)`.
+        rng: `(1,)`, the generator's state.
+        steps: Substeps to pass; at least 1.
+        first: First channel to read.
+        last: Channel after the last one to read.
+    """  # fmt: skip
+    n = body.shape[0]
+    pos = state[: 2 * n].reshape(n, 2)
+    vel = state[2 * n : 4 * n].reshape(n, 2)
+    motor = state[S_MOTOR * n : S_WHEEL * n]
+    wheel = state[S_WHEEL * n : S_BEND * n]
+    bend = state[S_BEND * n : S_ANCHOR * n]
+    anchor = state[S_ANCHOR * n : S_TURNED * n].reshape(n, 4)
+    turned = state[S_TURNED * n : S_READ * n]
+    read = state[S_READ * n : S_ROLL * n]
+    roll = state[S_ROLL * n : S_ROLL * n + 3]
+    w = np.empty((n, _NODE_COLUMNS))
+    tally = np.zeros((n, _T_COLUMNS))
+    con = np.empty((3 * n, _CONTACT_COLUMNS))
+    who = np.empty((3 * n, 3), np.int64)
+    cor = np.empty((4, _K_COLUMNS))
+    at_corner = np.empty(4, np.int64)
+    touch = np.empty(n, np.int64)
+    hit = np.empty(3)
+    dt = world[DT]
+    compliance = world[CONTACT_COMPLIANCE] / (dt * dt)
+    imu = min(max(int(world[ROLL_LINK]), 0), n - 2)
+    vx = vel[imu, 0]
+    vy = vel[imu, 1]
+    _project(n, pos, legs, out, 7 * n)
+    _prepare(n, command, body, legs, world, roll, out, w)
+    for _ in range(steps):
+        _begin(n, pos, bend, motor, command, body, world, w, tally)
+        count = _find_contacts(n, pos, walls, world, con, who, hit)
+        _prepare_contacts(count, body, world, anchor, w, con, who)
+        corners = _find_corners(n, pos, walls, body, world, cor, at_corner)
+        for i in range(n):
+            pos[i, 0] += dt * (vel[i, 0] + dt * w[i, G_X])
+            pos[i, 1] += dt * (vel[i, 1] + dt * w[i, G_Y])
+        for _ in range(int(world[ITERATIONS])):
+            _solve_joints(n, pos, bend, motor, body, dt * dt, w)
+            _solve_contacts(count, pos, body, compliance, w, con, who)
+            _solve_corners(corners, pos, body, compliance, w, cor, at_corner)
+            _solve_links(n, pos, body, w)
+        for i in range(n):
+            vel[i, 0] = (pos[i, 0] - w[i, X0]) / dt
+            vel[i, 1] = (pos[i, 1] - w[i, Y0]) / dt
+            tally[i, T_TORQUE] += body[i, JOINT_K] * (motor[i] - bend[i])
+        _turn_wheels(n, count, pos, wheel, anchor, world, w, con, who, touch, tally)
+    _project(n, pos, legs, out, 7 * n)
+    passed = dt * steps
+    per_step = 1.0 / (dt * dt * steps)
+    for i in range(n):
+        turned[i] += _WHEEL_FILTER * (wheel[i] - read[i] - turned[i])
+        read[i] = wheel[i]
+        out[i] = bend[i]
+        out[n + i] = tally[i, T_TORQUE] / steps
+        out[2 * n + i] = tally[i, T_CURRENT] / steps
+        out[3 * n + i] = wheel[i]
+        out[4 * n + i] = turned[i]
+        out[5 * n + i] = tally[i, T_DRIVE] * per_step * world[RADIUS]
+        out[6 * n + i] = tally[i, T_PRESS] * per_step
+        out[10 * n + i] = tally[i, T_GRIP] * per_step
+    _turn_roll(n, roll, world, passed, tally, out)
+    accel_x = (vel[imu, 0] - vx) / passed
+    accel_y = (vel[imu, 1] - vy) / passed
+    _feel(n, pos, accel_x, accel_y, legs, world, roll, out, w)
+    _read(channels, first, last, out, raw, rng)
