@@ -262,7 +262,7 @@ def _fits(text: str, dimension: Dimension) -> bool:
 def _what(text: str, quantity: Quantity) -> str:
     shown = f"'{_short(text.strip())}'"
     if quantity.dimension == DIMENSIONLESS:
-        return shown if "%" in text else f"{shown} without a unit"
+        return f"{shown}, a ratio" if "%" in text else f"{shown} without a unit"
     return f"{shown}, {describe(quantity.dimension)}"
 
 

@@ -91,7 +91,7 @@ def compose(text: str) -> tuple[Node | None, tuple[Fault, ...]]:
     except _FatalError as stop:
         composer.faults.append(stop.fault)
     except yaml.MarkedYAMLError as error:
-        composer.faults.append(_syntax_fault(error))
+        composer.faults.append(_syntax_fault(error, composer.innermost))
     except (yaml.YAMLError, UnicodeError) as error:
         composer.faults.append(Fault("syntax", 1, 1, f"is not YAML: {error}"))
     return composer.root, tuple(composer.faults)
@@ -111,6 +111,11 @@ class _Composer:
         self._anchors: dict[str, Node | None] = {}  # None while the node is still being read
         self._aliases = 0
         self._documents = 0
+
+    @property
+    def innermost(self) -> Node | None:
+        """Return the mapping or list that was being read last, if one still is."""
+        return self._stack[-1].node if self._stack else None
 
     def take(self, event: yaml.Event) -> None:
         """Add one event to the tree."""
@@ -262,6 +267,8 @@ _ADVICE: Final = (
     ("entries are not allowed", "a '- ' cannot stand here", "list items on lines of their own"),
     ("tab character", "a tab cannot indent a line", "blanks"),
     ("unknown escape", "an unknown escape in double quotes", "single quotes, or '\\\\' for '\\'"),
+    ("flow node", "a value, or a closing bracket, is missing", ""),
+    ("node content", "no value can begin here", ""),
     ("flow sequence", "a '[' is not closed, or a ',' is missing", "',' or ']'"),
     ("flow mapping", "a '{' is not closed, or a ',' is missing", "',' or '}'"),
     ("end of stream", "a quote is not closed", "the closing quote"),
@@ -272,13 +279,16 @@ _ADVICE: Final = (
 )  # fmt: skip
 
 
-def _syntax_fault(error: yaml.MarkedYAMLError) -> Fault:
+def _syntax_fault(error: yaml.MarkedYAMLError, innermost: Node | None) -> Fault:
     """Return a syntax error in words that help someone who does not know YAML's grammar."""
     said = f"{error.context or ''} {error.problem or ''}"
-    mark = error.problem_mark or error.context_mark
-    if "flow" in said or "end of stream" in said:
-        mark = error.context_mark or mark
+    mark, opening = error.problem_mark or error.context_mark, error.context_mark
+    if "end of stream" in said and opening is not None:
+        mark = opening
     line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+    if "flow" in said and innermost is not None and line > innermost.line:
+        # What is not closed is noticed lines later, where nothing is wrong.
+        line, column = innermost.line, innermost.column
     if "cannot start any token" in said:
         return _bad_character(error, line, column)
     for needle, message, expected in _ADVICE:

@@ -42,11 +42,18 @@ def validate(document: Document, model: type[M], at: Path = ()) -> M:
 def try_validate(document: Document, model: type[M], problems: Problems, at: Path = ()) -> M | None:
     """Return the model that a document describes, or None after adding what is wrong."""
     try:
-        return model.model_validate(_part(document.data, at), context=dict(FROM_FILE))
+        # In a file a field has one name, its alias where it has one.
+        return model.model_validate(
+            _part(document.data, at), context=dict(FROM_FILE), by_alias=True, by_name=False
+        )
     except ValidationError as error:
         walk = SchemaWalk(model)
-        errors = [_Error(detail, walk.follow(detail["loc"])) for detail in error.errors()]
-        relevant = _relevant(errors)
+        errors = [
+            _Error(detail, walk.follow(detail["loc"]))
+            for detail in error.errors()
+            if not _is_echo(detail)
+        ]
+        relevant = _relevant(errors, walk)
         misspelt = {
             _meant(error, walk) for error in relevant if error.detail["type"] in _UNKNOWN_KEY
         }
@@ -56,6 +63,12 @@ def try_validate(document: Document, model: type[M], problems: Problems, at: Pat
             if kept.detail["type"] not in _MISSING_KEY or kept.trail.path not in misspelt:
                 _report(kept, walk, about, at)
         return None
+
+
+def _is_echo(detail: ErrorDetails) -> bool:
+    """Return whether a list is called too short only because its faulty entries do not count."""
+    minimum = detail.get("ctx", {}).get("min_length", 0)
+    return detail["type"] == "too_short" and len(detail["input"]) >= minimum
 
 
 def _meant(error: _Error, walk: SchemaWalk) -> Path:
@@ -80,7 +93,7 @@ class _Error:
     wording: Wording | None = None
 
 
-def _relevant(errors: list[_Error]) -> list[_Error]:
+def _relevant(errors: list[_Error], walk: SchemaWalk) -> list[_Error]:
     """Return the errors without those of union branches that were never meant."""
     kept = [error for error in errors if not error.trail.branches]
     unions: dict[Path, dict[str, list[_Error]]] = {}
@@ -90,15 +103,16 @@ def _relevant(errors: list[_Error]) -> list[_Error]:
             stripped = replace(error, trail=replace(error.trail, branches=tuple(inner)))
             unions.setdefault(point, {}).setdefault(label, []).append(stripped)
     for point, branches in unions.items():
-        kept += _best_branch(point, [_relevant(branch) for branch in branches.values()])
+        relevant = [_relevant(branch, walk) for branch in branches.values()]
+        kept += _best_branch(point, relevant, walk)
     return kept
 
 
-def _best_branch(point: Path, branches: list[list[_Error]]) -> list[_Error]:
+def _best_branch(point: Path, branches: list[list[_Error]], walk: SchemaWalk) -> list[_Error]:
     """Return the errors of the branch that was most likely meant.
 
     A branch that wants another kind of value altogether was not meant; of the others, the one
-    with the fewest errors was.
+    with the fewest errors was, where a misspelt key counts less than an unknown one.
     """
     meant = [
         branch
@@ -106,11 +120,17 @@ def _best_branch(point: Path, branches: list[list[_Error]]) -> list[_Error]:
         if not any(error.trail.path == point and wanted_kind(error.detail) for error in branch)
     ]
     if meant:
-        return min(meant, key=len)
+        return min(meant, key=lambda branch: len(branch) - _misspelt(branch, walk))
     first = branches[0][0]
     kinds = [wanted_kind(error.detail) for branch in branches for error in branch]
     wording = merged([kind for kind in kinds if kind], first.detail["input"])
     return [replace(first, wording=wording)]
+
+
+def _misspelt(errors: list[_Error], walk: SchemaWalk) -> int:
+    """Return how many of the errors are keys that are close to a known one."""
+    unknown = [error for error in errors if error.detail["type"] in _UNKNOWN_KEY]
+    return sum(_meant(error, walk) != error.trail.path for error in unknown)
 
 
 def _report(error: _Error, walk: SchemaWalk, problems: Problems, at: Path) -> None:
@@ -125,10 +145,10 @@ def _report(error: _Error, walk: SchemaWalk, problems: Problems, at: Path) -> No
         code, message, expected, suggestion = error.wording or word(
             error.detail, error.trail.schema
         )
-        if kind == "union_tag_invalid":
-            path = (*path, _discriminator(error.detail))
         # What is wrong with a mapping as a whole is best shown at its name.
         key = error.trail.key or isinstance(error.detail["input"], dict)
+        if kind == "union_tag_invalid":
+            path, key = (*path, _discriminator(error.detail)), False
         problems.add(code, path, message, expected=expected, suggestion=suggestion, key=key)
 
 

@@ -1,0 +1,35 @@
+"""The nearest valid name for a misspelt one."""
+
+from __future__ import annotations
+
+import pytest
+
+from pirate_sm.spelling import nearest, one_of
+
+NAMES = ["GripNose", "GripTail", "Halt", "go_on"]
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("GripNoze", "GripNose"),
+        ("gripnose", "GripNose"),
+        ("HALT", "Halt"),
+        ("go-on", "go_on"),
+        ("go on", "go_on"),
+        ("entirely else", None),
+        ("x" * 10_000, None),
+    ],
+)
+def test_nearest_finds_what_was_probably_meant(written: str, meant: str | None) -> None:
+    assert nearest(written, NAMES) == meant
+
+
+def test_nearest_of_nothing_is_nothing() -> None:
+    assert nearest("Halt", []) is None
+
+
+def test_lists_of_names_stay_readable() -> None:
+    assert one_of(["a"]) == "a"
+    assert one_of(["a", "b"]) == "one of a, b"
+    assert one_of([str(number) for number in range(20)], limit=2) == "one of 0, 1, … (18 more)"
