@@ -1,0 +1,366 @@
+"""The engine: ``step(state, event, now) -> (state, effects)``; same inputs, same effects, always.
+
+At every input and deadline, in this order (rule 6): abort, fault, completion of the command under
+way, the wait's triggers as listed, then time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf, isnan
+from typing import Any
+
+from pirate_sm.engine import machine, pausing
+from pirate_sm.engine.faults import Found, listen, look, no_faults
+from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline
+from pirate_sm.engine.machine import RobotState
+from pirate_sm.engine.program import Program
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.sensing import forget_stale, nothing_known, observe
+from pirate_sm.engine.state import EngineState, MissionState
+from pirate_sm.model import events
+from pirate_sm.model.effects import (
+    CommandStatus,
+    Detected,
+    Effect,
+    Ended,
+    Environment,
+    Fault,
+    Log,
+    WakeAt,
+)
+
+Effects = tuple[Effect, ...]
+
+
+class Engine:
+    """Runs one mission on one robot. Holds nothing that changes: all of that is in the state.
+
+    Args:
+        robot: What runs.
+        program: What it shall do.
+        nominal: Take commands as done after their nominal duration, for a backend in which
+            nothing moves and no sensor speaks.
+    """
+
+    def __init__(self, robot: RobotSpec, program: Program, *, nominal: bool) -> None:
+        self.robot = robot
+        self.program = program
+        self.nominal = nominal
+        self._setting = Setting(robot, program)
+        self._known_faults = robot.fault_codes()
+
+    def start(self, now_s: float = 0.0) -> tuple[EngineState, Effects]:
+        """The mission has begun; its first effects are returned with the first state."""
+        robot = machine.at_rest_in(self.robot, self.program.start_configuration)
+        sensing = nothing_known(self.robot)
+        sensing = sensing._replace(heard_s=(now_s,) * len(sensing.heard_s), checked_s=now_s)
+        words = (*machine.states_of(self.robot, robot), None, None)
+        mission = MissionState(self.program.start, offset_s=now_s)
+        state = EngineState(robot, sensing, mission, no_faults(self.robot), words)
+        effects: list[Effect] = [machine.state_change(self.robot, robot)]
+        return self._settle(state, now_s, effects)
+
+    def step(
+        self, state: EngineState, event: events.Event, now_s: float
+    ) -> tuple[EngineState, Effects]:
+        """The event has had all its consequences at this moment.
+
+        Args:
+            state: What was; unchanged.
+            event: What has happened.
+            now_s: When, in seconds since the run began; must not go back.
+
+        Returns:
+            The new state and the effects in order. After an ``Ended`` there are none any more.
+        """
+        if state.mission.ended:
+            return state, ()
+        effects: list[Effect] = []
+        if type(event) is events.SensorFrame:
+            state = self._frame(state, event, now_s, effects)
+        else:
+            state = _ON[type(event)](self, state, event, now_s, effects)
+        return self._settle(state, now_s, effects)
+
+    def signals(self, state: EngineState) -> dict[str, float]:
+        """Every signal in SI by its name; NaN where it is unknown."""
+        return dict(zip(self.robot.vocabulary.numbers, state.sensing.numbers, strict=True))
+
+    def safe_values(self, state: EngineState) -> tuple[float, ...]:
+        """The safe array, for a last resort when no step can be made any more."""
+        return machine.safe_values(self.robot, state.robot)
+
+    # --- events -----------------------------------------------------------------------------
+
+    def _frame(
+        self, state: EngineState, event: events.SensorFrame, now: float, effects: list[Effect]
+    ) -> EngineState:
+        board = self.robot.boards.get(event.board)
+        if board is None:
+            return state
+        sensing = observe(self.robot, state.sensing, event, state.robot.values, now)
+        faults, found = look(self.robot, state.faults, board, sensing, state.words, now)
+        state = EngineState(
+            state.robot, sensing, state.mission, faults, state.words,
+            state.word_until_s, state.wake_at_s,
+        )  # fmt: skip
+        for fault in found:
+            state = self._fault(state, fault, now, effects)
+        return state
+
+    def _tick(
+        self, state: EngineState, event: events.Tick, now: float, effects: list[Effect]
+    ) -> EngineState:
+        return state
+
+    def _word(
+        self, state: EngineState, event: events.DetectorWord, now: float, effects: list[Effect]
+    ) -> EngineState:
+        if event.word not in self.robot.detector_words:
+            effects.append(Log("warning", f"the detector said '{event.word}', an unknown word"))
+            return state
+        state = state._replace(word_until_s=now + event.valid_for_s)
+        if state.words[-2] == event.word:
+            return state
+        effects.append(Detected(event.word))
+        return state._replace(words=(*state.words[:-2], event.word, state.words[-1]))
+
+    def _environment(
+        self, state: EngineState, event: events.EnvironmentReport, now: float, effects: list[Effect]
+    ) -> EngineState:
+        effects.append(Environment(*event))
+        return state._replace(words=(*state.words[:-1], event.segment))
+
+    def _submitted(
+        self, state: EngineState, event: events.SubmitResult, now: float, effects: list[Effect]
+    ) -> EngineState:
+        flight = state.robot.flight
+        robot, finished = machine.resolve(self.robot, state.robot, event, now, effects)
+        state = self._moved(state, robot)
+        if finished is not None:
+            state = state._replace(mission=state.mission._replace(result=finished))
+        lost = (
+            flight is not None
+            and event.status == "unknown"
+            and event.setpoint_id == flight.setpoint_id
+            and flight.tries > self.robot.link.resend_limit
+        )
+        if lost:
+            message = f"setpoints were not confirmed after {self.robot.link.resend_limit} repeats"
+            state = self._fault(state, Found("link.no_echo", message, False), now, effects)
+        return state
+
+    def _fault_report(
+        self, state: EngineState, event: events.FaultReport, now: float, effects: list[Effect]
+    ) -> EngineState:
+        catchable = self._known_faults.get(event.code, True)
+        return self._fault(state, Found(event.code, event.message, catchable), now, effects)
+
+    def _operator(
+        self, state: EngineState, event: events.OperatorCommand, now: float, effects: list[Effect]
+    ) -> EngineState:
+        index = self.robot.table.command_index.get(event.command)
+        if index is None:
+            reason = "impossible: there is no such command"
+        elif state.robot.motion is not None or state.robot.flight is not None:
+            reason = "impossible: another command is under way"
+        elif state.mission.ending is not None:
+            reason = "impossible: the mission is ending"
+        else:
+            reason = machine.refusal(self.robot, state.robot, index)
+        if reason or index is None:
+            effects.append(CommandStatus(event.command, "refused", reason))
+            return state
+        robot = machine.begin(self.robot, state.robot, state.sensing, index, None, "", effects)
+        return state._replace(robot=robot)
+
+    def _answer(
+        self, state: EngineState, event: events.Answer, now: float, effects: list[Effect]
+    ) -> EngineState:
+        return state._replace(mission=state.mission._replace(answer=event.choice))
+
+    def _skip(
+        self, state: EngineState, event: events.Skip, now: float, effects: list[Effect]
+    ) -> EngineState:
+        return state._replace(mission=state.mission._replace(skipped=event.trigger))
+
+    def _abort(
+        self, state: EngineState, event: events.Abort, now: float, effects: list[Effect]
+    ) -> EngineState:
+        return end(self._setting, state, "interrupted", event.reason, "", now, effects)
+
+    # --- what follows -------------------------------------------------------------------------
+
+    def _settle(
+        self, state: EngineState, now: float, effects: list[Effect]
+    ) -> tuple[EngineState, Effects]:
+        robot_before, mission_before = state.robot, state.mission
+        if now >= state.wake_at_s or now - state.sensing.checked_s >= self._listen_every_s:
+            state = self._housekeep(state, now, effects)
+        if state.mission.ending is not None:
+            state = self._finish_ending(state, now, effects)
+        else:
+            state = self._go_on(state, now, effects)
+        mission = state.mission
+        if mission.answer is not None or mission.skipped is not None:
+            state = state._replace(mission=mission._replace(answer=None, skipped=None))
+        changed = state.robot is not robot_before or state.mission is not mission_before
+        if changed or effects or now >= state.wake_at_s:
+            state = self._set_wake(state, effects)
+        return state, tuple(effects)
+
+    def _go_on(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
+        if not (state.mission.before_pause and state.mission.before_pause.suspended):
+            state = self._watch(state, now, effects)
+        if state.mission.diverting is not None:
+            state = self._divert(state, now, effects)
+        state = pausing.begin_if_wanted(self.robot, state, now, effects)
+        if state.mission.clock(now) >= self.program.time_limit_s and not state.mission.ending:
+            message = f"the mission's time limit of {self.program.time_limit_s:g} s has passed"
+            state = end(self._setting, state, "failed", message, "", now, effects)
+        state = advance(self._setting, state, now, effects)
+        return pausing.begin_if_wanted(self.robot, state, now, effects)
+
+    def _watch(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
+        if state.robot.motion is None:
+            return state
+        robot, finished = machine.watch(
+            self.robot, state.robot, state.sensing, now, self.nominal, effects
+        )
+        if robot is not state.robot:
+            state = self._moved(state, robot)
+        if finished is not None:
+            state = state._replace(mission=state.mission._replace(result=finished))
+        return state
+
+    def _moved(self, state: EngineState, robot: RobotState) -> EngineState:
+        """The words say the configuration that the robot has now."""
+        if robot.configuration == state.robot.configuration:
+            return state._replace(robot=robot)
+        words = (*machine.states_of(self.robot, robot), *state.words[-2:])
+        return state._replace(robot=robot, words=words)
+
+    def _fault(
+        self, state: EngineState, fault: Found, now: float, effects: list[Effect]
+    ) -> EngineState:
+        """The fault is handled as the mission says, or the mission ends (rule 10)."""
+        mission = state.mission
+        if mission.ending or mission.ended:
+            effects.append(Fault(fault.code, fault.message, "stop"))
+            return state
+        handler = self.program.handler(mission.pc, fault.code) if fault.catchable else None
+        cause = f"{fault.code}: {fault.message}"
+        if handler is not None and handler.go is None:
+            effects.append(Fault(fault.code, fault.message, "continue"))
+            return state
+        if handler is None or mission.handling or mission.diverting:
+            effects.append(Fault(fault.code, fault.message, "stop"))
+            return end(self._setting, state, "fault", cause, "", now, effects)
+        effects.append(Fault(fault.code, fault.message, handler.go_name))
+        mission = mission._replace(diverting=handler, stopped=False, cause=cause)
+        return state._replace(mission=mission)
+
+    def _divert(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
+        """Once the array in flight is resolved and the wheels are stopped, the handler begins."""
+        mission, robot = state.mission, state.robot
+        handler = mission.diverting
+        if handler is None or handler.go is None or robot.flight is not None:
+            return state
+        if not mission.stopped:
+            if robot.motion is not None:
+                robot = machine.fail(self.robot, robot, f"interrupted by {mission.cause}", effects)
+            robot = machine.doubt(self.robot, robot)
+            effects.append(machine.state_change(self.robot, robot))
+            robot = machine.stop(self.robot, robot, state.sensing, effects)
+            return state._replace(robot=robot, mission=mission._replace(stopped=True))
+        mission = mission.at(handler.go)
+        return state._replace(
+            mission=mission._replace(diverting=None, stopped=False, handling=handler.go_name)
+        )
+
+    def _housekeep(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
+        """What grows old has been looked at: signals, boards, the detector's word, the flight."""
+        if now >= state.word_until_s:
+            words = (*state.words[:-2], None, state.words[-1])
+            state = state._replace(words=words, word_until_s=inf)
+        robot = machine.resend(state.robot, now, effects)
+        if robot is not state.robot:
+            state = state._replace(robot=robot)
+        if self.nominal or now - state.sensing.checked_s < self._listen_every_s:
+            return state
+        state = state._replace(sensing=forget_stale(self.robot, state.sensing, now))
+        faults, found = listen(self.robot, state.faults, state.sensing, now)
+        state = state._replace(faults=faults)
+        for fault in found:
+            state = self._fault(state, fault, now, effects)
+        return state
+
+    def _finish_ending(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
+        """The run is over once the safe array's fate is known, or has been awaited long enough."""
+        ending = state.mission.ending
+        if ending is None:
+            return state
+        message = ending.message
+        if state.robot.flight is not None:
+            if now < ending.give_up_s:
+                return state
+            message += " (the safe setpoints were not confirmed)"
+        effects.append(Ended(ending.outcome, message, ending.end))
+        return state._replace(mission=state.mission._replace(ended=True))
+
+    def _set_wake(self, state: EngineState, effects: list[Effect]) -> EngineState:
+        """Who drives the engine knows when time alone will change something."""
+        if state.mission.ended:
+            return state
+        wake = min(
+            machine.next_deadline(self.robot, state.robot, self.nominal),
+            next_deadline(self._setting, state),
+            state.word_until_s,
+        )
+        if not self.nominal:
+            wake = min(wake, state.sensing.checked_s + self._listen_every_s)
+        if wake == state.wake_at_s or isnan(wake):
+            return state
+        effects.append(WakeAt(wake))
+        return state._replace(wake_at_s=wake)
+
+    @property
+    def _listen_every_s(self) -> float:
+        return self.robot.link.stale_after_s / 2
+
+
+_Handler = Callable[[Engine, EngineState, Any, float, list[Effect]], EngineState]
+
+
+def _pause(
+    engine: Engine, state: EngineState, event: events.Pause, now: float, effects: list[Effect]
+) -> EngineState:
+    return pausing.want(state)
+
+
+def _resume(
+    engine: Engine,
+    state: EngineState,
+    event: events.Resume | events.Step,
+    now: float,
+    effects: list[Effect],
+) -> EngineState:
+    one_step = isinstance(event, events.Step)
+    return pausing.resume(engine.robot, state, now, one_step, effects)
+
+
+_ON: dict[type, _Handler] = {
+    events.Tick: Engine._tick,
+    events.DetectorWord: Engine._word,
+    events.EnvironmentReport: Engine._environment,
+    events.SubmitResult: Engine._submitted,
+    events.FaultReport: Engine._fault_report,
+    events.OperatorCommand: Engine._operator,
+    events.Answer: Engine._answer,
+    events.Skip: Engine._skip,
+    events.Abort: Engine._abort,
+    events.Pause: _pause,
+    events.Resume: _resume,
+    events.Step: _resume,
+}

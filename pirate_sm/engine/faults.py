@@ -1,0 +1,100 @@
+"""Faults that the signals tell: rules of the profile, silent boards, channels without a value."""
+
+from __future__ import annotations
+
+from math import isnan, nan
+from typing import NamedTuple
+
+from pirate_sm.engine.robot import BoardSpec, RobotSpec
+from pirate_sm.engine.sensing import Sensing
+from pirate_sm.engine.state import FaultState, Words
+
+
+class Found(NamedTuple):
+    """A fault that has just come to be."""
+
+    code: str
+    message: str
+    catchable: bool
+
+
+def no_faults(robot: RobotSpec) -> FaultState:
+    """Nothing is wrong yet."""
+    return FaultState((nan,) * len(robot.faults))
+
+
+def look(
+    robot: RobotSpec,
+    faults: FaultState,
+    board: BoardSpec,
+    sensing: Sensing,
+    words: Words,
+    now: float,
+) -> tuple[FaultState, tuple[Found, ...]]:
+    """The rules that the board's signals can change have been looked at.
+
+    A rule is raised once when its condition has held long enough, and again only after it has
+    been untrue or unknown in between.
+    """
+    numbers = sensing.numbers
+    since: list[float] | None = None
+    raised = faults.raised
+    found: list[Found] = []
+    for index in board.faults:
+        rule = robot.faults[index]
+        began = faults.since[index]
+        if rule.when.evaluate(numbers, words) is not True:
+            if not isnan(began):
+                since = list(faults.since) if since is None else since
+                since[index] = nan
+                raised -= {index}
+            continue
+        if isnan(began):
+            since = list(faults.since) if since is None else since
+            since[index] = began = now
+        if index not in raised and now - began >= rule.held_s:
+            raised |= {index}
+            found.append(Found(rule.code, rule.message, rule.catchable))
+    blind = faults.blind
+    for _, target, _ in board.channels:
+        if isnan(numbers[target]) != (target in blind):
+            blind ^= {target}
+            if target in blind:
+                name = robot.vocabulary.numbers[target]
+                found.append(Found("sensor.silent", f"{name} has no value", True))
+    if since is None and raised is faults.raised and blind is faults.blind:
+        silent = faults.silent
+        if board.position in silent:
+            faults = faults._replace(silent=silent - {board.position})
+        return faults, ()
+    times = faults.since if since is None else tuple(since)
+    return FaultState(times, raised, faults.silent - {board.position}, blind), tuple(found)
+
+
+def listen(
+    robot: RobotSpec, faults: FaultState, sensing: Sensing, now: float
+) -> tuple[FaultState, tuple[Found, ...]]:
+    """Boards that have been silent for too long are reported, once; all of them are the link."""
+    limit = now - robot.link.silent_after_s
+    silent = frozenset(
+        board.position
+        for board in robot.boards.values()
+        if sensing.heard_s[board.position] <= limit
+    )
+    new = silent - faults.silent
+    if not new:
+        return faults, ()
+    faults = faults._replace(silent=silent | faults.silent)
+    if len(silent) == len(robot.boards):
+        message = f"no board has reported for {robot.link.silent_after_s:g} s"
+        return faults, (Found("link.silent", message, False),)
+    return faults, tuple(
+        Found(
+            "sensor.silent",
+            f"board {board.id} ({board.module}) has not reported for "
+            f"{robot.link.silent_after_s:g} s",
+            True,
+        )
+        for board in robot.boards.values()
+        if board.position in new
+    )

@@ -1,0 +1,345 @@
+"""The mission's instructions, one function per kind; each either moves on or waits.
+
+Rule numbers in comments are those of ``docs/missions.md``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf, isnan, nan
+from typing import Any, NamedTuple
+
+from pirate_sm.engine import machine
+from pirate_sm.engine.program import (
+    STOP,
+    Branch,
+    Do,
+    Enter,
+    Finish,
+    Program,
+    Question,
+    Raise,
+    Require,
+    Say,
+    Wait,
+)
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.state import Ending, EngineState, MissionState, Words
+from pirate_sm.model.effects import (
+    Ask,
+    CommandStatus,
+    Effect,
+    Ended,
+    Log,
+    Outcome,
+    PhaseChange,
+    TriggerFired,
+    WaitArmed,
+)
+
+MOST_INSTRUCTIONS = 10_000
+"""More in one moment means that phases go round without ever waiting."""
+
+SAFE_STOP_LIMIT_S = 2.0
+"""How long the fate of the safe array is awaited before the run ends without knowing it."""
+
+
+class Setting(NamedTuple):
+    """What does not change during a run."""
+
+    robot: RobotSpec
+    program: Program
+
+
+def advance(setting: Setting, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
+    """The mission has gone on as far as it can at this moment."""
+    instructions = setting.program.instructions
+    for _ in range(MOST_INSTRUCTIONS):
+        mission = state.mission
+        if mission.ending or mission.diverting or mission.paused or mission.pause_wanted:
+            return state
+        instruction = instructions[mission.pc]
+        after = _KINDS[type(instruction)](setting, state, instruction, now, effects)
+        if after.mission.pc == mission.pc and after.mission.begun:
+            return after
+        if after is state:
+            return state
+        state = after
+    message = "the phases go round without ever waiting"
+    return end(setting, state, "failed", message, "", now, effects)
+
+
+def end(
+    setting: Setting,
+    state: EngineState,
+    outcome: Outcome,
+    message: str,
+    name: str,
+    now: float,
+    effects: list[Effect],
+) -> EngineState:
+    """The safe stop is under way, or the run is over where nothing has ever been sent (rule 11)."""
+    if state.mission.ending or state.mission.ended:
+        return state
+    robot = state.robot
+    if robot.motion is not None:
+        motion = robot.motion
+        command = setting.robot.commands[motion.command].name
+        effects.append(CommandStatus(command, "failed", "the mission ended", motion.place))
+        robot = robot._replace(motion=None)
+    started_at_rest = setting.program.start_configuration == setting.robot.table.initial
+    if not robot.sent and started_at_rest:
+        effects.append(Ended(outcome, message, name))
+        return state._replace(mission=state.mission._replace(ended=True), robot=robot)
+    doubted = machine.doubt(setting.robot, robot)
+    if doubted.marks != robot.marks:
+        effects.append(machine.state_change(setting.robot, doubted))
+    robot = machine.stop(setting.robot, doubted, state.sensing, effects)
+    ending = Ending(outcome, message, name, now + SAFE_STOP_LIMIT_S)
+    return state._replace(robot=robot, mission=state.mission._replace(ending=ending))
+
+
+def fail(
+    setting: Setting,
+    state: EngineState,
+    cause: str,
+    target: int,
+    now: float,
+    effects: list[Effect],
+) -> EngineState:
+    """The failure has gone to its handler; without one the mission has failed (rule 4)."""
+    mission = state.mission._replace(cause=cause)
+    if target == STOP:
+        state = state._replace(mission=mission)
+        return end(setting, state, "failed", cause, "", now, effects)
+    effects.append(Log("warning", cause))
+    return state._replace(mission=_moved(mission, target))
+
+
+def next_deadline(setting: Setting, state: EngineState) -> float:
+    """When time alone takes the mission on, in run time."""
+    mission = state.mission
+    if mission.ending:
+        return mission.ending.give_up_s
+    if mission.paused or mission.ended:
+        return inf
+    deadline = setting.program.time_limit_s
+    instruction = setting.program.instructions[mission.pc]
+    if mission.begun and isinstance(instruction, Wait):
+        deadline = min(deadline, mission.armed_s + instruction.within_s)
+        for trigger, since in zip(instruction.triggers, mission.since, strict=True):
+            if trigger.after_s is not None:
+                deadline = min(deadline, mission.armed_s + trigger.after_s)
+            elif not isnan(since):
+                deadline = min(deadline, since + trigger.held_s)
+    elif mission.begun and isinstance(instruction, Question):
+        deadline = min(deadline, mission.armed_s + instruction.timeout_s)
+    return deadline + mission.offset_s
+
+
+def _moved(mission: MissionState, target: int) -> MissionState:
+    mission = mission.at(target)
+    if mission.one_step:
+        return mission._replace(one_step=False, pause_wanted=True)
+    return mission
+
+
+def _go(state: EngineState, target: int) -> EngineState:
+    return state._replace(mission=_moved(state.mission, target))
+
+
+def _enter(
+    setting: Setting, state: EngineState, it: Enter, now: float, effects: list[Effect]
+) -> EngineState:
+    effects.append(PhaseChange(it.phase))
+    mission = state.mission
+    handling = mission.handling
+    if handling and it.phase != handling and not it.phase.startswith(f"{handling}/"):
+        mission = mission._replace(handling="")
+    return state._replace(mission=mission.at(it.next))
+
+
+def _do(
+    setting: Setting, state: EngineState, it: Do, now: float, effects: list[Effect]
+) -> EngineState:
+    mission = state.mission
+    name = setting.robot.commands[it.command].name
+    if mission.begun:
+        return _awaited(setting, state, it, name, now, effects)
+    if state.robot.flight is not None or state.robot.motion is not None:
+        return state  # the array in flight is resolved first
+    reason = machine.refusal(setting.robot, state.robot, it.command)
+    if reason.startswith("unneeded") and it.skip_unneeded:
+        effects.append(CommandStatus(name, "skipped", reason, it.place))
+        return _go(state, it.next)
+    if reason:
+        effects.append(CommandStatus(name, "refused", reason, it.place))
+        cause = f"{name} ({it.place}) was refused as {reason}"
+        return fail(setting, state, cause, it.failed, now, effects)
+    robot = machine.begin(
+        setting.robot, state.robot, state.sensing, it.command, it.timeout_s, it.place, effects
+    )
+    return state._replace(robot=robot, mission=mission._replace(begun=True, result=None))
+
+
+def _awaited(
+    setting: Setting, state: EngineState, it: Do, name: str, now: float, effects: list[Effect]
+) -> EngineState:
+    mission = state.mission
+    if mission.skipped is not None and state.robot.motion is not None:
+        robot = machine.skip(setting.robot, state.robot, effects)
+        return _go(state._replace(robot=robot), it.next)
+    if mission.result is None:
+        return state
+    if mission.result.done:
+        return _go(state, it.next)
+    if mission.tries < it.retries:
+        again = mission._replace(begun=False, result=None, tries=mission.tries + 1)
+        return state._replace(mission=again)
+    cause = f"{name} ({it.place}) failed: {mission.result.reason}"
+    return fail(setting, state, cause, it.failed, now, effects)
+
+
+def _branch(
+    setting: Setting, state: EngineState, it: Branch, now: float, effects: list[Effect]
+) -> EngineState:
+    value = it.condition.evaluate(state.sensing.numbers, state.words)
+    if value is None:
+        effects.append(Log("warning", f"{it.place}: '{it.condition.text}' is unknown, not taken"))
+    return _go(state, it.if_true if value is True else it.if_false)
+
+
+def _require(
+    setting: Setting, state: EngineState, it: Require, now: float, effects: list[Effect]
+) -> EngineState:
+    names = machine.states_of(setting.robot, state.robot)
+    doubtful = machine.unconfirmed(setting.robot, state.robot)
+    wrong = [
+        f"{setting.robot.regions[region]} is {names[region]}"
+        + (" unconfirmed" if setting.robot.regions[region] in doubtful else "")
+        + f", not {wanted}"
+        for region, wanted in it.states
+        if names[region] != wanted or setting.robot.regions[region] in doubtful
+    ]
+    if not wrong:
+        return _go(state, it.next)
+    cause = f"{it.what} ({it.place}) cannot begin: {'; '.join(wrong)}"
+    return fail(setting, state, cause, it.failed, now, effects)
+
+
+def _wait(
+    setting: Setting, state: EngineState, it: Wait, now: float, effects: list[Effect]
+) -> EngineState:
+    mission = state.mission
+    clock = mission.clock(now)
+    if not mission.begun:
+        since = (nan,) * len(it.triggers)
+        mission = mission._replace(begun=True, armed_s=clock, since=since)
+        deadline = clock + it.within_s + mission.offset_s
+        names = tuple(trigger.name for trigger in it.triggers)
+        texts = tuple(trigger.text for trigger in it.triggers)
+        effects.append(WaitArmed(it.phase, names, texts, deadline))
+        state = state._replace(mission=mission)
+    since, fired, reason = _look(it, mission, state.sensing.numbers, state.words, clock)
+    if fired >= 0:
+        trigger = it.triggers[fired]
+        effects.append(TriggerFired(it.phase, trigger.name, trigger.go_name, reason))
+        return _go(state, trigger.go)
+    if clock >= mission.armed_s + it.within_s:
+        cause = f"the wait of {it.phase} ({it.place}) lasted longer than {it.within_s:g} s"
+        effects.append(TriggerFired(it.phase, "within", it.within_name, cause))
+        mission = mission._replace(cause=cause)
+        return state._replace(mission=_moved(mission, it.within))
+    if since is mission.since:
+        return state
+    return state._replace(mission=mission._replace(since=since))
+
+
+def _look(
+    it: Wait, mission: MissionState, numbers: tuple[float, ...], words: Words, clock: float
+) -> tuple[tuple[float, ...], int, str]:
+    """Since when each condition is true; the first trigger that fires (-1: none), and why."""
+    since: list[float] | None = None
+    if mission.skipped is not None:
+        for index, trigger in enumerate(it.triggers):
+            if mission.skipped in {"", trigger.name}:
+                return mission.since, index, "taken by the operator"
+    for index, trigger in enumerate(it.triggers):
+        if trigger.condition is None:
+            if trigger.after_s is not None and clock >= mission.armed_s + trigger.after_s:
+                return mission.since, index, f"{trigger.after_s:g} s have passed"
+            if trigger.answer and trigger.answer == mission.answer:
+                return mission.since, index, "the operator's answer"
+            continue
+        began = mission.since[index] if since is None else since[index]
+        if trigger.condition.evaluate(numbers, words) is True:
+            if isnan(began):
+                since = list(mission.since) if since is None else since
+                since[index] = began = clock
+            if clock - began >= trigger.held_s:  # rule 7
+                return mission.since, index, trigger.text
+        elif not isnan(began):
+            since = list(mission.since) if since is None else since
+            since[index] = nan
+    return (mission.since if since is None else tuple(since)), -1, ""
+
+
+def _question(
+    setting: Setting, state: EngineState, it: Question, now: float, effects: list[Effect]
+) -> EngineState:
+    mission = state.mission
+    clock = mission.clock(now)
+    choices = tuple(choice for choice, _ in it.choices)
+    if not mission.begun:
+        effects.append(Ask(it.text, choices))
+        return state._replace(mission=mission._replace(begun=True, armed_s=clock))
+    answer = choices[0] if mission.skipped is not None else mission.answer
+    if answer is not None:
+        for choice, target in it.choices:
+            if choice == answer:
+                effects.append(Ask("", ()))
+                mission = mission._replace(cause=f"the operator answered '{answer}' ({it.place})")
+                return state._replace(mission=_moved(mission, target))
+        effects.append(Log("warning", f"'{answer}' is no answer to '{it.text}'"))
+        return state._replace(mission=mission._replace(answer=None))
+    if clock >= mission.armed_s + it.timeout_s:
+        effects.append(Ask("", ()))
+        cause = f"'{it.text}' ({it.place}) was not answered within {it.timeout_s:g} s"
+        return fail(setting, state, cause, it.failed, now, effects)
+    return state
+
+
+def _say(
+    setting: Setting, state: EngineState, it: Say, now: float, effects: list[Effect]
+) -> EngineState:
+    effects.append(Log(it.level, it.message.replace("{cause}", state.mission.cause)))
+    return _go(state, it.next)
+
+
+def _raise(
+    setting: Setting, state: EngineState, it: Raise, now: float, effects: list[Effect]
+) -> EngineState:
+    cause = it.message.replace("{cause}", state.mission.cause)
+    return fail(setting, state, f"{cause} ({it.place})", it.failed, now, effects)
+
+
+def _finish(
+    setting: Setting, state: EngineState, it: Finish, now: float, effects: list[Effect]
+) -> EngineState:
+    message = it.message.replace("{cause}", state.mission.cause or "no failure")
+    return end(setting, state, it.outcome, message, it.end, now, effects)
+
+
+_Kind = Callable[[Setting, EngineState, Any, float, list[Effect]], EngineState]
+
+_KINDS: dict[type, _Kind] = {
+    Enter: _enter,
+    Do: _do,
+    Branch: _branch,
+    Require: _require,
+    Wait: _wait,
+    Question: _question,
+    Say: _say,
+    Raise: _raise,
+    Finish: _finish,
+}

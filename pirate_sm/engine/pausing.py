@@ -1,0 +1,68 @@
+"""Pause and resume: wheels stopped, deadlines frozen, actuation asserted again afterwards."""
+
+from __future__ import annotations
+
+from math import nan
+
+from pirate_sm.engine import machine
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.state import BeforePause, EngineState
+from pirate_sm.model.effects import Effect, Log
+
+
+def want(state: EngineState) -> EngineState:
+    """The mission pauses as soon as no array is in flight."""
+    mission = state.mission
+    if mission.paused or mission.ending:
+        return state
+    return state._replace(mission=mission._replace(pause_wanted=True))
+
+
+def begin_if_wanted(
+    robot: RobotSpec, state: EngineState, now: float, effects: list[Effect]
+) -> EngineState:
+    """A wanted pause has begun, unless an array is still in flight."""
+    mission, body = state.mission, state.robot
+    if not mission.pause_wanted or mission.ending or mission.diverting or body.flight:
+        return state
+    before = BeforePause(body.values, body.loops, body.configuration, body.motion is not None)
+    if machine.safe_values(robot, body) != body.values or body.loops:
+        body = machine.stop(robot, body, state.sensing, effects)
+    effects.append(Log("info", "paused: wheels stopped, deadlines frozen"))
+    paused = mission._replace(pause_wanted=False, paused_s=now, before_pause=before)
+    return state._replace(robot=body, mission=paused)
+
+
+def resume(
+    robot: RobotSpec, state: EngineState, now: float, one_step: bool, effects: list[Effect]
+) -> EngineState:
+    """The mission goes on where it was, all its deadlines later by the length of the pause.
+
+    In another configuration than before the pause it stays paused: its actuation must not be
+    asserted there.
+    """
+    mission, body = state.mission, state.robot
+    before = mission.before_pause
+    if before is None:
+        return state._replace(mission=mission._replace(pause_wanted=one_step))
+    if body.flight or body.configuration != before.configuration:
+        reason = (
+            "setpoints are in flight" if body.flight else "the configuration has been changed"
+        )
+        effects.append(Log("warning", f"still paused: {reason}"))
+        return state
+    length = now - mission.paused_s
+    if body.motion is not None:
+        motion = body.motion._replace(
+            accepted_s=body.motion.accepted_s + length,
+            deadline_s=body.motion.deadline_s + length,
+            since_s=nan,
+        )
+        body = body._replace(motion=motion)
+    if before.values != body.values or before.loops:
+        body = machine.reassert(body, before.values, before.loops, effects)
+    effects.append(Log("info", "resumed"))
+    running = mission._replace(
+        paused_s=nan, offset_s=mission.offset_s + length, before_pause=None, one_step=one_step
+    )
+    return state._replace(robot=body, mission=running)

@@ -1,0 +1,166 @@
+"""A mission as the interpreter runs it: a flat list of instructions, targets resolved to indexes.
+
+Calls are inlined and repeats unrolled (:mod:`pirate_sm.loading.program`), so a program has no
+variables and no stack: the program counter alone says where it is, and a checker can walk it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, TypeAlias
+
+from pirate_sm.expressions import Expression
+
+STOP = -1
+"""A failure's target when nothing handles it: the safe stop, mission failed."""
+
+
+class Enter(NamedTuple):
+    """Begins a phase."""
+
+    phase: str
+    next: int
+
+
+class Do(NamedTuple):
+    """Gives a command and awaits that it is done.
+
+    Attributes:
+        timeout_s: In place of the robot's own; None for that.
+        retries: How often the same command is sent again after a failure.
+        skip_unneeded: Whether an unneeded command counts as done.
+        failed: Where a failure leads.
+        place: Where it stands, ``file:line:col``.
+    """
+
+    command: int
+    timeout_s: float | None
+    retries: int
+    skip_unneeded: bool
+    next: int
+    failed: int
+    place: str
+
+
+class Branch(NamedTuple):
+    """Goes one way or the other; an unknown condition goes the false way and says so."""
+
+    condition: Expression
+    if_true: int
+    if_false: int
+    place: str
+
+
+class Require(NamedTuple):
+    """Fails unless the robot is, confirmed, in these states: (region, state name)."""
+
+    states: tuple[tuple[int, str], ...]
+    what: str
+    next: int
+    failed: int
+    place: str
+
+
+class TriggerSpec(NamedTuple):
+    """One thing that a wait waits for; exactly one of the three is given.
+
+    Attributes:
+        condition: Must have been true for ``held_s``.
+        after_s: Seconds since the wait was armed.
+        answer: The operator's word.
+    """
+
+    name: str
+    text: str
+    go: int
+    go_name: str
+    condition: Expression | None = None
+    held_s: float = 0.0
+    after_s: float | None = None
+    answer: str = ""
+
+
+class Wait(NamedTuple):
+    """Waits for one of the triggers, at most ``within_s``."""
+
+    phase: str
+    triggers: tuple[TriggerSpec, ...]
+    within_s: float
+    within: int
+    within_name: str
+    place: str
+
+
+class Question(NamedTuple):
+    """Asks the operator; each choice has its target."""
+
+    text: str
+    choices: tuple[tuple[str, int], ...]
+    timeout_s: float
+    failed: int
+    place: str
+
+
+class Say(NamedTuple):
+    """Logs a line."""
+
+    level: Literal["info", "warning"]
+    message: str
+    next: int
+
+
+class Raise(NamedTuple):
+    """Ends an inlined mission, or an answer, with a failure."""
+
+    message: str
+    failed: int
+    place: str
+
+
+class Finish(NamedTuple):
+    """Ends the mission."""
+
+    outcome: Literal["succeeded", "failed"]
+    message: str
+    end: str
+
+
+Instruction: TypeAlias = Enter | Do | Branch | Require | Wait | Question | Say | Raise | Finish
+
+
+class HandlerSpec(NamedTuple):
+    """What to do about a fault; ``go`` is None to only log it."""
+
+    code: str
+    go: int | None
+    go_name: str
+
+
+@dataclass(frozen=True)
+class Program:
+    """A whole mission.
+
+    Attributes:
+        start: Index of the first instruction.
+        start_configuration: Index of the configuration the robot must be in.
+        handlers: Per instruction the fault handlers in force, innermost first.
+        phases: Names of the phases in the order of the file; inlined ones are ``caller/callee``.
+        phase_of: Per instruction the name of its phase.
+        time_limit_s: Longest run; infinite without one.
+    """
+
+    mission: str
+    instructions: tuple[Instruction, ...]
+    start: int
+    start_configuration: int
+    handlers: tuple[tuple[HandlerSpec, ...], ...]
+    phases: tuple[str, ...]
+    phase_of: tuple[str, ...]
+    ends: tuple[str, ...]
+    time_limit_s: float
+
+    def handler(self, at: int, code: str) -> HandlerSpec | None:
+        """The innermost handler for a fault at this instruction."""
+        if not 0 <= at < len(self.handlers):
+            return None
+        return next((each for each in self.handlers[at] if each.code == code), None)

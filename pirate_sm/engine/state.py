@@ -1,0 +1,125 @@
+"""What the engine remembers between two events; all of it immutable."""
+
+from __future__ import annotations
+
+from math import inf, isnan, nan
+from typing import NamedTuple
+
+from pirate_sm.engine.done import Loop
+from pirate_sm.engine.machine import Finished, RobotState
+from pirate_sm.engine.program import HandlerSpec
+from pirate_sm.engine.sensing import Sensing
+from pirate_sm.model.effects import Outcome
+
+Words = tuple[str | None, ...]
+
+
+class Ending(NamedTuple):
+    """The run is ending: the safe array has been sent.
+
+    Attributes:
+        give_up_s: When it ends even though the array's fate is not known.
+    """
+
+    outcome: Outcome
+    message: str
+    end: str
+    give_up_s: float
+
+
+class BeforePause(NamedTuple):
+    """What was in force when a pause began, to be asserted again."""
+
+    values: tuple[float, ...]
+    loops: tuple[Loop, ...]
+    configuration: int
+    suspended: bool
+
+
+class MissionState(NamedTuple):
+    """Where the mission is.
+
+    Attributes:
+        pc: Index of the current instruction.
+        begun: Whether it has begun: its command is given, its wait armed, its question asked.
+        tries: How often its command has been tried again.
+        armed_s: Mission time at which it began.
+        since: Per trigger the mission time since which its condition has been true, else NaN.
+        result: How its command ended, once it has.
+        answer: What the operator has just answered; ``skipped`` what he has just passed over.
+        cause: Why the last failure or fault happened.
+        handling: Phase that handles a fault; empty when none does.
+        diverting: Where a fault leads once the wheels are stopped; ``stopped`` when they are.
+        offset_s: How long the mission has been paused in all.
+        paused_s: When the present pause began, NaN while running.
+        pause_wanted: Whether it shall pause as soon as no array is in flight.
+        one_step: Whether it shall pause again after this instruction.
+    """
+
+    pc: int
+    begun: bool = False
+    tries: int = 0
+    armed_s: float = 0.0
+    since: tuple[float, ...] = ()
+    result: Finished | None = None
+    answer: str | None = None
+    skipped: str | None = None
+    cause: str = ""
+    handling: str = ""
+    diverting: HandlerSpec | None = None
+    stopped: bool = False
+    offset_s: float = 0.0
+    paused_s: float = nan
+    pause_wanted: bool = False
+    one_step: bool = False
+    before_pause: BeforePause | None = None
+    ending: Ending | None = None
+    ended: bool = False
+
+    @property
+    def paused(self) -> bool:
+        """Whether the mission stands still by the operator's wish."""
+        return not isnan(self.paused_s)
+
+    def clock(self, now: float) -> float:
+        """Mission time: it stands still during a pause."""
+        return (self.paused_s if self.paused else now) - self.offset_s
+
+    def at(self, pc: int) -> MissionState:
+        """The mission before its instruction at ``pc``."""
+        return self._replace(
+            pc=pc, begun=False, tries=0, since=(), result=None, answer=None, skipped=None
+        )
+
+
+class FaultState(NamedTuple):
+    """Which fault rules hold, since when, and which have been raised.
+
+    Attributes:
+        since: Per rule, NaN while its condition does not hold.
+        raised: Rules raised and not yet untrue again.
+        silent: Boards reported as silent; ``blind``: numbers reported as having no value.
+    """
+
+    since: tuple[float, ...]
+    raised: frozenset[int] = frozenset()
+    silent: frozenset[int] = frozenset()
+    blind: frozenset[int] = frozenset()
+
+
+class EngineState(NamedTuple):
+    """Everything the engine remembers.
+
+    Attributes:
+        words: State of each region, then the detector's word and the segment; None is unknown.
+        word_until_s: Until when the detector's word is valid.
+        wake_at_s: When time alone will change something.
+    """
+
+    robot: RobotState
+    sensing: Sensing
+    mission: MissionState
+    faults: FaultState
+    words: Words
+    word_until_s: float = inf
+    wake_at_s: float = inf
