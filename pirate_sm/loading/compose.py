@@ -13,6 +13,7 @@ from pirate_sm.loading.scalars import CORE_PREFIX, ScalarError, resolve_plain, r
 
 DEEPEST_NESTING: Final = 32
 MOST_ALIASES: Final = 100
+MOST_FAULTS: Final = 200
 MOST_NODES: Final = 100_000  # with every alias counted as what it stands for
 
 # libyaml is about ten times as fast; a build of PyYAML without it says the same more slowly.
@@ -119,6 +120,8 @@ class _Composer:
 
     def take(self, event: yaml.Event) -> None:
         """Add one event to the tree."""
+        if len(self.faults) >= MOST_FAULTS:
+            raise _FatalError(_fault("more", event, "too many faults to read on"))
         if isinstance(event, yaml.ScalarEvent):
             self._add(self._scalar(event), event.anchor)
         elif isinstance(event, yaml.MappingStartEvent):

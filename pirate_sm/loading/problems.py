@@ -13,6 +13,8 @@ from pirate_sm.expressions import ExpressionError
 Path: TypeAlias = tuple[str | int, ...]
 
 _EXCERPT_WIDTH = 100
+_LONGEST_MESSAGE = 300
+_MOST_SHOWN = 50
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -59,17 +61,22 @@ class Problem:
     def render(self) -> str:
         """Return the problem as lines of plain text: place and message, the line, hints."""
         warning = "warning: " if self.severity is Severity.WARNING else ""
-        lines = [f"{self.place}: {warning}{self.message}"]
+        lines = [f"{self.place}: {warning}{_cut(self.message)}"]
         if self.excerpt.strip():
             lines += _marked(self.excerpt, self.place.column)
         if self.expected:
-            lines.append(f"  expected {self.expected}")
+            lines.append(f"  expected {_cut(self.expected)}")
         if self.suggestion:
-            lines.append(f"  did you mean '{self.suggestion}'?")
+            lines.append(f"  did you mean '{_cut(self.suggestion)}'?")
         return "\n".join(lines)
 
     def __str__(self) -> str:
         return self.render()
+
+
+def _cut(text: str) -> str:
+    """Return text that a message can hold: names in a hostile file can be a megabyte long."""
+    return text if len(text) <= _LONGEST_MESSAGE else f"{text[: _LONGEST_MESSAGE - 1]}…"
 
 
 def _marked(line: str, column: int) -> list[str]:
@@ -92,7 +99,10 @@ class LoadError(PirateError):
 
     def __init__(self, problems: Iterable[Problem]) -> None:
         self.problems = tuple(sorted(problems, key=lambda problem: problem.place))
-        super().__init__("\n".join(problem.render() for problem in self.problems))
+        lines = [problem.render() for problem in self.problems[:_MOST_SHOWN]]
+        if len(self.problems) > _MOST_SHOWN:
+            lines.append(f"… and {len(self.problems) - _MOST_SHOWN} more problems")
+        super().__init__("\n".join(lines))
 
 
 class Locator(Protocol):
@@ -112,18 +122,17 @@ class Problems:
 
     def __init__(self, document: Locator | None = None) -> None:
         self._document = document
-        self._found: list[Problem] = []
+        self._found: dict[Problem, None] = {}  # in the order of their discovery, each once
 
     def about(self, document: Locator) -> Problems:
-        """Return a collector for another document that adds to the same list."""
+        """Return a collector for another document that adds to the same problems."""
         view = Problems(document)
         view._found = self._found
         return view
 
     def put(self, problem: Problem) -> None:
         """Add a problem that knows its place, unless the same stands there already."""
-        if problem not in self._found:
-            self._found.append(problem)
+        self._found[problem] = None
 
     def add(
         self,

@@ -17,6 +17,7 @@ from pirate_sm.spelling import nearest, one_of
 
 M = TypeVar("M", bound=BaseModel)
 
+_MOST_ERRORS = 200
 _UNKNOWN_KEY = ("extra_forbidden", "unexpected_keyword_argument")
 _MISSING_KEY = ("missing", "missing_argument", "missing_keyword_only_argument")
 
@@ -48,11 +49,8 @@ def try_validate(document: Document, model: type[M], problems: Problems, at: Pat
         )
     except ValidationError as error:
         walk = SchemaWalk(model)
-        errors = [
-            _Error(detail, walk.follow(detail["loc"]))
-            for detail in error.errors()
-            if not _is_echo(detail)
-        ]
+        details = [detail for detail in error.errors(include_url=False) if not _is_echo(detail)]
+        errors = [_Error(detail, walk.follow(detail["loc"])) for detail in details[:_MOST_ERRORS]]
         relevant = _relevant(errors, walk)
         misspelt = {
             _meant(error, walk) for error in relevant if error.detail["type"] in _UNKNOWN_KEY
@@ -62,6 +60,8 @@ def try_validate(document: Document, model: type[M], problems: Problems, at: Pat
             # A misspelt key is not missing as well.
             if kept.detail["type"] not in _MISSING_KEY or kept.trail.path not in misspelt:
                 _report(kept, walk, about, at)
+        if len(details) > _MOST_ERRORS:
+            about.add("more", at, f"{len(details) - _MOST_ERRORS} more errors are not shown")
         return None
 
 

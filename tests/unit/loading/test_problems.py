@@ -97,6 +97,18 @@ def test_the_same_problem_is_said_once() -> None:
     assert len(problems.all) == 1
 
 
+def test_a_message_stays_readable_whatever_a_file_holds() -> None:
+    problems = [
+        Problem("tag", Place("f", line + 1, 1), "x" * 1_000_000, "y" * 1_000_000, "z" * 1_000_000)
+        for line in range(100)
+    ]
+    error = LoadError(problems)
+
+    assert len(error.problems) == 100
+    assert len(str(error)) < 60_000
+    assert str(error).endswith("… and 50 more problems")
+
+
 def test_warnings_alone_keep_nothing_from_loading() -> None:
     problems = Problems(DOCUMENT)
     problems.add("old", (), "an old word", severity=Severity.WARNING)

@@ -177,6 +177,13 @@ def test_all_that_is_wrong_before_a_syntax_error_is_said_with_it() -> None:
     assert places_of("a: 1\na: 2\nb: [") == [("duplicate-key", 2, 1), ("syntax", 3, 4)]
 
 
+def test_reading_ends_after_many_faults() -> None:
+    codes = [code for code, _, _ in places_of("a: 1\n" * 100_000)]
+
+    assert len(codes) == 201
+    assert codes[-1] == "more"
+
+
 def test_both_places_of_a_duplicate_key_are_named() -> None:
     (problem,) = problems_of("a:\n  b: 1\n  b: 2")
 

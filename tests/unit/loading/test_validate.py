@@ -249,6 +249,13 @@ def test_text_that_a_comma_cut_is_explained() -> None:
     assert any("in quotes" in found.expected for found in problems)
 
 
+def test_very_many_errors_are_cut() -> None:
+    problems = faults("do: [" + "{}, " * 5_000 + "]")
+
+    assert len(problems) == 201
+    assert any(found.message == "4800 more errors are not shown" for found in problems)
+
+
 def test_a_part_of_a_document_can_be_taken() -> None:
     document = parse_document("pipes:\n  - {straight: 1 m}\n  - {straight: 1 s}\n", "m.yaml")
     problems = Problems()
