@@ -1,0 +1,115 @@
+"""Who stands beside a mission and tells the engine something: a script, an operator."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import inf
+from typing import NamedTuple, Protocol
+
+from pirate_sm.model.effects import (
+    Ask,
+    Effect,
+    Ended,
+    PhaseChange,
+    TriggerFired,
+    WaitArmed,
+)
+from pirate_sm.model.events import Answer, Event, Skip
+
+FIRST_TRIGGER_AFTER_S = 1.0
+
+
+class Companion(Protocol):
+    """Sees what the engine does and speaks up at times of its own choosing.
+
+    Attributes:
+        due_s: Mission time at which it wants to be asked next; infinite: not before ``react``.
+        listening: Whether a person is being waited for, so that time must not run ahead of theirs.
+    """
+
+    due_s: float
+    listening: bool
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """It knows what has just happened."""
+        ...
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """What it has to say at ``due_s``, which it has moved on; often nothing."""
+        ...
+
+
+class Firing(NamedTuple):
+    """One entry of a script: in a wait that has this trigger, take it.
+
+    Attributes:
+        trigger: Name of the trigger, or ``within`` to let the time limit pass.
+        after_s: How long after the wait was armed.
+        phase: Only in this phase; empty for any.
+    """
+
+    trigger: str
+    after_s: float = FIRST_TRIGGER_AFTER_S
+    phase: str = ""
+
+
+class TriggerScript:
+    """Fires triggers where nothing real can: as listed, else the first one of each wait.
+
+    The first entry that fits a wait is used up by it.
+    """
+
+    listening = False
+
+    def __init__(self, firings: Iterable[Firing] = ()) -> None:
+        self.due_s = inf
+        self.unused = list(firings)
+        self._trigger = ""
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """The trigger of a wait that has begun is planned, that of one that is over is not."""
+        for effect in effects:
+            if isinstance(effect, WaitArmed):
+                self._plan(effect, now_s)
+            elif isinstance(effect, TriggerFired | PhaseChange | Ended):
+                self.due_s = inf
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """The planned trigger."""
+        self.due_s = inf
+        return (Skip(self._trigger),)
+
+    def _plan(self, wait: WaitArmed, now_s: float) -> None:
+        for firing in self.unused:
+            if firing.phase in ("", wait.phase) and firing.trigger in (*wait.triggers, "within"):
+                self.unused.remove(firing)
+                self._trigger = firing.trigger
+                self.due_s = inf if firing.trigger == "within" else now_s + firing.after_s
+                return
+        if wait.triggers:
+            # A wait that is shorter than our usual second still sees its trigger.
+            after_s = min(FIRST_TRIGGER_AFTER_S, (wait.deadline_s - now_s) / 2)
+            self._trigger, self.due_s = wait.triggers[0], now_s + after_s
+
+
+class FirstChoice:
+    """Answers every question at once with the expected answer, where nobody can be asked."""
+
+    listening = False
+
+    def __init__(self) -> None:
+        self.due_s = inf
+        self._choice = ""
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """The first choice of a question is ready; a withdrawn question needs none."""
+        for effect in effects:
+            if isinstance(effect, Ask):
+                asked = bool(effect.question and effect.choices)
+                self._choice = effect.choices[0] if asked else ""
+                self.due_s = now_s if asked else inf
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """The answer."""
+        self.due_s = inf
+        return (Answer(self._choice),)
