@@ -109,7 +109,9 @@ def _regions(data: Any, problems: Problems) -> Mapping[str, Any] | None:
     """The mapping of regions under the one parallel state."""
     top = data.get("states") if isinstance(data, dict) else None
     if not isinstance(top, dict) or len(top) != 1:
-        problems.add("chart.shape", (), "a chart has `states` with exactly one parallel state in it")
+        problems.add(
+            "chart.shape", (), "a chart has `states` with exactly one parallel state in it"
+        )
         return None
     name, body = next(iter(top.items()))
     regions = body.get("states") if isinstance(body, dict) else None
@@ -122,7 +124,9 @@ def _regions(data: Any, problems: Problems) -> Mapping[str, Any] | None:
     for region, inside in regions.items():
         states = inside.get("states") if isinstance(inside, dict) else None
         if not isinstance(states, dict) or not states:
-            problems.add("chart.shape", ("states", name, "states", region), "a region needs `states`")
+            problems.add(
+                "chart.shape", ("states", name, "states", region), "a region needs `states`"
+            )
             return None
     return {f"{name}": regions}
 
@@ -213,7 +217,9 @@ def _check_guard(transition: Transition, known: list[str], problems: Problems) -
     try:
         guard = ast.parse(transition.guard.strip(), mode="eval")
     except SyntaxError:
-        problems.add("chart.guard", path, "this guard cannot be read", expected="In('…') with and, or, not")
+        problems.add(
+            "chart.guard", path, "this guard cannot be read", expected="In('…') with and, or, not"
+        )
         return
     foreign = [node for node in ast.walk(guard.body) if not _is_guard_node(node)]
     if foreign:
@@ -277,7 +283,9 @@ def _reason(outline: ChartOutline, states: Configuration, command: str) -> str:
 
 def _denials(guard: ast.expr, active: set[str]) -> list[str]:
     """The conjuncts of a guard that are false in this configuration."""
-    parts = guard.values if isinstance(guard, ast.BoolOp) and isinstance(guard.op, ast.And) else [guard]
+    parts = (
+        guard.values if isinstance(guard, ast.BoolOp) and isinstance(guard.op, ast.And) else [guard]
+    )
     return [f"guard {ast.unparse(part)}" for part in parts if not _holds(part, active)]
 
 

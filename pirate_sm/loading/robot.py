@@ -108,7 +108,11 @@ def _check_regions(profile: Profile, outline: ChartOutline, problems: Problems) 
             continue
         for name in given.keys() - set(names):
             _dangling(
-                problems, ("actuation", region, name), f"{region} has no state '{name}'", name, names
+                problems,
+                ("actuation", region, name),
+                f"{region} has no state '{name}'",
+                name,
+                names,
             )
         for name in (name for name in names if name not in given):
             problems.add(

@@ -42,7 +42,9 @@ def resolve_parts(
         for states in table.configurations
     )
     regions = tuple(
-        frozenset(table.regions.index(name) for name in condition.names) if condition else frozenset()
+        frozenset(table.regions.index(name) for name in condition.names)
+        if condition
+        else frozenset()
         for condition in conditions
     )
     return tuple(profile.body.parts), held, regions
@@ -56,9 +58,7 @@ def resolve_commands(
     for name in table.commands:
         command = profile.commands[name]
         path: Path = ("commands", name)
-        asks.append(
-            _on_states(command.asks_for, table, signals, (*path, "asks_for"), problems)
-        )
+        asks.append(_on_states(command.asks_for, table, signals, (*path, "asks_for"), problems))
         done = _criterion(profile, command.done, signals, (*path, "done"), problems)
         specs.append(CommandSpec(name, done, command.timeout, command.nominal, command.lets_go))
     unneeded = tuple(

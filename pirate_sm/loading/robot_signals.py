@@ -8,7 +8,13 @@ from typing import Literal
 
 from pirate_sm.engine.chart_table import ChartTable
 from pirate_sm.engine.robot import BoardSpec, FaultSpec, LinkSpec, Vector, WheelSpec
-from pirate_sm.expressions import EnumType, ExpressionError, NumberType, Vocabulary, compile_expression
+from pirate_sm.expressions import (
+    EnumType,
+    ExpressionError,
+    NumberType,
+    Vocabulary,
+    compile_expression,
+)
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.model import profile as model
 from pirate_sm.spelling import nearest, one_of
@@ -42,9 +48,7 @@ class Signals:
     def link(self) -> LinkSpec:
         """When signals are stale, boards silent, arrays sent again."""
         link = self.profile.link
-        return LinkSpec(
-            link.stale_after, link.silent_after, link.resend_after, link.resend_limit
-        )
+        return LinkSpec(link.stale_after, link.silent_after, link.resend_after, link.resend_limit)
 
     def number(self, name: str, path: Path, dimension: Dimension | None = None) -> int:
         """The index of a numeric signal; -1 and a problem when there is none of that kind."""
@@ -306,4 +310,3 @@ def _wheels(signals: Signals) -> tuple[WheelSpec, ...]:
         sign = -wheel.direction if mirrored else wheel.direction
         found.append(WheelSpec(angle, speed, slot, profile.body.wheel_radius * sign))
     return tuple(found)
-

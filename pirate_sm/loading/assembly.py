@@ -1,0 +1,83 @@
+"""Instructions are written in order with labels for targets; at the end labels become indexes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from pirate_sm.engine.program import HandlerSpec, Instruction
+
+MOST_INSTRUCTIONS = 20_000
+"""Repeats are unrolled and calls inlined; a mission that becomes larger is refused."""
+
+
+class Label:
+    """A target that may not have its place yet."""
+
+    __slots__ = ("index",)
+
+    def __init__(self) -> None:
+        self.index = -2
+
+    @property
+    def placed(self) -> bool:
+        """Whether an instruction stands at it."""
+        return self.index >= 0
+
+
+class TooLongError(Exception):
+    """The program has become longer than ``MOST_INSTRUCTIONS``."""
+
+
+Handlers = tuple[tuple[str, Label | None, str], ...]
+"""Fault code, target (None: only log), name of the target."""
+
+
+@dataclass
+class Assembly:
+    """The program being written."""
+
+    _kinds: list[type[Any]] = field(default_factory=list)
+    _fields: list[dict[str, Any]] = field(default_factory=list)
+    _handlers: list[Handlers] = field(default_factory=list)
+    _phases: list[str] = field(default_factory=list)
+
+    def mark(self, label: Label) -> None:
+        """The label stands at the next instruction."""
+        label.index = len(self._kinds)
+
+    def emit(self, kind: type[Any], phase: str, handlers: Handlers, /, **fields: Any) -> None:
+        """An instruction has been added; its fields may hold labels, also inside tuples.
+
+        Raises:
+            TooLongError: The program is too long.
+        """
+        if len(self._kinds) >= MOST_INSTRUCTIONS:
+            raise TooLongError
+        self._kinds.append(kind)
+        self._fields.append(fields)
+        self._handlers.append(handlers)
+        self._phases.append(phase)
+
+    def finished(
+        self,
+    ) -> tuple[tuple[Instruction, ...], tuple[tuple[HandlerSpec, ...], ...], tuple[str, ...]]:
+        """Instructions, the fault handlers of each, and its phase; no label is left."""
+        instructions = tuple(
+            kind(**{name: _resolved(value) for name, value in fields.items()})
+            for kind, fields in zip(self._kinds, self._fields, strict=True)
+        )
+        handlers = tuple(
+            tuple(HandlerSpec(code, _resolved(label), name) for code, label, name in each)
+            for each in self._handlers
+        )
+        return instructions, handlers, tuple(self._phases)
+
+
+def _resolved(value: Any) -> Any:
+    if isinstance(value, Label):
+        return value.index
+    if isinstance(value, tuple):
+        items = [_resolved(item) for item in value]
+        return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
+    return value

@@ -1,0 +1,83 @@
+"""The states that a mission begins in: checked by name, and that the chart can reach them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from pirate_sm.engine.chart_table import ChartTable
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.scope import Source
+from pirate_sm.spelling import nearest, one_of
+
+
+def start_configuration(
+    source: Source, table: ChartTable, states: Mapping[str, str] | None, problems: Problems
+) -> int:
+    """The index of the configuration that the mission begins in (rule 2).
+
+    Regions that ``starts_in`` does not name are in their initial state.
+
+    Raises:
+        UsageError: ``states``, given on the command line, do not fit.
+    """
+    if states is not None:
+        return _declared(table, states)
+    about = problems.about(source.document)
+    wanted = dict(zip(table.regions, table.configurations[table.initial], strict=True))
+    for region, state in (source.mission.starts_in or {}).items():
+        if _check(table, region, state, ("starts_in", region), about):
+            wanted[region] = state
+    index = table.index_of(tuple(wanted.values()))
+    if index is None:
+        shown = ", ".join(f"{region} {state}" for region, state in wanted.items())
+        about.add("mission.start", ("starts_in",), f"no commands lead to {shown}")
+        return table.initial
+    return index
+
+
+def required_states(
+    source: Source, table: ChartTable, problems: Problems
+) -> tuple[tuple[int, str], ...]:
+    """What a called mission requires: what it names, or the whole initial configuration."""
+    named = source.mission.starts_in
+    if named is None:
+        return tuple(enumerate(table.configurations[table.initial]))
+    return tuple(
+        (table.regions.index(region), state)
+        for region, state in named.items()
+        if _check(table, region, state, ("starts_in", region), problems)
+    )
+
+
+def _check(table: ChartTable, region: str, state: str, path: Path, problems: Problems) -> bool:
+    if region not in table.regions:
+        problems.add(
+            "mission.start", path, f"there is no region '{region}'",
+            expected=one_of(table.regions), suggestion=nearest(region, table.regions) or "",
+            key=True,
+        )  # fmt: skip
+        return False
+    names = table.states[table.regions.index(region)]
+    if state not in names:
+        problems.add(
+            "mission.start", path, f"{region} has no state '{state}'",
+            expected=one_of(names), suggestion=nearest(state, names) or "",
+        )  # fmt: skip
+        return False
+    return True
+
+
+def _declared(table: ChartTable, states: Mapping[str, str]) -> int:
+    wanted = dict(zip(table.regions, table.configurations[table.initial], strict=True))
+    for region, state in states.items():
+        if region not in wanted:
+            raise UsageError(f"there is no region '{region}': {one_of(table.regions)}")
+        names = table.states[table.regions.index(region)]
+        if state not in names:
+            raise UsageError(f"{region} has no state '{state}': {one_of(names)}")
+        wanted[region] = state
+    index = table.index_of(tuple(wanted.values()))
+    if index is None:
+        raise UsageError("no commands lead to the states that were declared")
+    return index

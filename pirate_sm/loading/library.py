@@ -1,0 +1,111 @@
+"""Robots, missions and pipes are found by the name of their file, or by a path.
+
+What is shipped stands inside the installed package, or at the root of a source tree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.robot import PROFILE_FILE
+from pirate_sm.spelling import nearest, one_of
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+SUFFIXES = (".yaml", ".yml")
+
+
+def shipped() -> Path:
+    """The folder that holds what is shipped: ``sequences`` and ``hardware_profiles``."""
+    packaged = _PACKAGE / "_data"
+    return packaged if packaged.is_dir() else _PACKAGE.parent
+
+
+def robots() -> list[Path]:
+    """The folders of the shipped robots."""
+    root = shipped() / "hardware_profiles"
+    return sorted(path.parent for path in root.glob(f"*/{PROFILE_FILE}"))
+
+
+def missions() -> list[Path]:
+    """The files of the shipped missions."""
+    return sorted((shipped() / "sequences").glob("*.yaml"))
+
+
+def pipes() -> list[Path]:
+    """The files of the shipped pipes."""
+    return sorted((shipped() / "sequences" / "pipes").glob("*.yaml"))
+
+
+def find_robot(name: str, beside: Path | None = None) -> Path:
+    """The folder of the robot of this name or path.
+
+    Args:
+        name: A shipped robot's name, or the path of a folder or of the profile in it.
+        beside: A folder from which relative paths are tried first.
+
+    Raises:
+        UsageError: There is none.
+    """
+    for path in _candidates(name, beside):
+        if path.is_dir() and (path / PROFILE_FILE).is_file():
+            return path.resolve()
+        if path.name == PROFILE_FILE and path.is_file():
+            return path.parent.resolve()
+    if _is_path(name):
+        raise UsageError(f"there is no robot at '{name}': expected a folder with {PROFILE_FILE}")
+    return _by_name("robot", name, {path.name: path for path in robots()})
+
+
+def find_mission(name: str, beside: Path | None = None) -> Path:
+    """The file of the mission of this name or path; a path need not exist.
+
+    Raises:
+        UsageError: There is no mission of this name.
+    """
+    return _find_file("mission", name, beside, missions())
+
+
+def find_pipe(name: str, beside: Path | None = None) -> Path:
+    """The file of the pipe of this name or path; a path need not exist.
+
+    Raises:
+        UsageError: There is no pipe of this name.
+    """
+    folders = [] if beside is None else [beside, beside / "pipes"]
+    return _find_file("pipe", name, folders, pipes())
+
+
+def _find_file(
+    kind: str, name: str, beside: Path | Iterable[Path] | None, known: Iterable[Path]
+) -> Path:
+    folders = [beside] if isinstance(beside, Path) else list(beside or ())
+    if _is_path(name):
+        for folder in folders:
+            if (folder / name).is_file():
+                return folder / name
+        return Path(name)
+    for folder in folders:
+        for suffix in SUFFIXES:
+            if (folder / f"{name}{suffix}").is_file():
+                return folder / f"{name}{suffix}"
+    return _by_name(kind, name, {path.stem: path for path in known})
+
+
+def _candidates(name: str, beside: Path | None) -> list[Path]:
+    if not _is_path(name):
+        return [] if beside is None else [beside / name]
+    return [Path(name)] if beside is None else [beside / name, Path(name)]
+
+
+def _is_path(name: str) -> bool:
+    return "/" in name or name.endswith(SUFFIXES) or name in {".", ".."}
+
+
+def _by_name(kind: str, name: str, known: dict[str, Path]) -> Path:
+    if name in known:
+        return known[name]
+    close = nearest(name, known)
+    hint = f"; did you mean '{close}'?" if close else f"; known: {one_of(sorted(known))}"
+    raise UsageError(f"there is no {kind} '{name}'{hint}")

@@ -1,0 +1,147 @@
+"""A mission file, its robot, its pipe and the missions it calls become one program."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+
+from pirate_sm.engine.program import Program
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import library, parameters
+from pirate_sm.loading.pipe import check_fit, load_pipe
+from pirate_sm.loading.problems import LoadError, Problems
+from pirate_sm.loading.program import build_program
+from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.loading.scope import Source
+from pirate_sm.loading.source import Document, read_document
+from pirate_sm.loading.validate import validate
+from pirate_sm.model.mission import Mission
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.spelling import nearest, one_of
+from pirate_sm.units import Quantity, QuantityError
+
+
+@dataclass(frozen=True)
+class LoadedMission:
+    """Everything that a run needs, free of faults.
+
+    Attributes:
+        files: Hash of every file it was made from, by the name it was read under.
+        parameters: The values in force, as messages write them.
+    """
+
+    mission: Mission
+    loaded_robot: LoadedRobot
+    robot: RobotSpec
+    program: Program
+    pipe: Pipe | None
+    pipe_name: str
+    files: Mapping[str, str]
+    parameters: Mapping[str, str]
+
+
+def load_mission(
+    path: Path,
+    *,
+    robot: str | None = None,
+    pipe: str | None = None,
+    settings: Mapping[str, str] | None = None,
+    start_phase: str | None = None,
+    states: Mapping[str, str] | None = None,
+) -> LoadedMission:
+    """The mission is ready to run.
+
+    Args:
+        path: The mission's file.
+        robot: Name or path of a robot, in place of the mission's own.
+        pipe: Name or path of a pipe, in place of the mission's own.
+        settings: Values of parameters, as text.
+        start_phase: The phase to begin with, in place of the mission's own.
+        states: State names by region that the robot is in, in place of ``starts_in``.
+
+    Raises:
+        LoadError: Everything that is wrong with the files.
+        UsageError: An argument does not fit.
+    """
+    document = read_document(path)
+    mission = validate(document, Mission)
+    folder = path.resolve().parent
+    loaded = load_robot(_robot_folder(robot, mission, document, folder))
+    problems = Problems(document)
+    chosen, pipe_name, pipe_document = _pipe(pipe, mission, document, folder, problems)
+    if chosen is not None:
+        check_fit(chosen, loaded.profile, pipe_document, problems)
+    values = _values(mission, settings or {}, problems)
+    spec = loaded.oriented(mission.polarity)
+    if start_phase is not None and start_phase not in mission.phases:
+        raise _unknown("phase", start_phase, mission.phases)
+    source = Source(mission, document, path)
+    program, called = build_program(source, loaded, values, start_phase, states, problems)
+    problems.raise_errors()
+    documents = {each.name: each for each in (document, *loaded.documents, *called, pipe_document)}
+    return LoadedMission(
+        mission, loaded, spec, program, chosen, pipe_name,
+        {name: _hash(each) for name, each in documents.items()},
+        {name: parameters.written(value) for name, value in values.items()},
+    )  # fmt: skip
+
+
+def _robot_folder(
+    robot: str | None, mission: Mission, document: Document, folder: Path
+) -> Path:
+    if robot is not None:
+        return library.find_robot(robot)
+    try:
+        return library.find_robot(mission.robot, folder)
+    except UsageError as error:
+        problems = Problems(document)
+        problems.add("mission.robot", ("robot",), str(error))
+        raise LoadError(problems.all) from None
+
+
+def _pipe(
+    pipe: str | None, mission: Mission, document: Document, folder: Path, problems: Problems
+) -> tuple[Pipe | None, str, Document]:
+    if pipe is not None:
+        found, source = load_pipe(library.find_pipe(pipe, Path.cwd()))
+        return found, found.pipe or pipe, source
+    if isinstance(mission.pipe, Pipe):
+        return mission.pipe, mission.pipe.pipe or mission.mission, document
+    if mission.pipe is None:
+        return None, "", document
+    try:
+        found, source = load_pipe(library.find_pipe(mission.pipe, folder))
+    except UsageError as error:
+        problems.add("mission.pipe", ("pipe",), str(error))
+        return None, mission.pipe, document
+    return found, found.pipe or mission.pipe, source
+
+
+def _values(
+    mission: Mission, settings: Mapping[str, str], problems: Problems
+) -> dict[str, Quantity]:
+    values = parameters.defaults(mission.parameters, problems)
+    for name, text in settings.items():
+        if name not in mission.parameters:
+            raise _unknown("parameter", name, mission.parameters)
+        try:
+            values[name] = parameters.read_value(mission.parameters[name], text)
+        except QuantityError as error:
+            raise UsageError(f"--set {name}={text}: {error}") from None
+    for name in mission.parameters.keys() - values.keys():
+        if mission.parameters[name].default is None:
+            raise UsageError(f"parameter '{name}' has no default: give it with --set {name}=…")
+    return values
+
+
+def _unknown(kind: str, name: str, known: Mapping[str, object]) -> UsageError:
+    close = nearest(name, known)
+    hint = f"did you mean '{close}'?" if close else (one_of(known) if known else "it has none")
+    return UsageError(f"the mission has no {kind} '{name}': {hint}")
+
+
+def _hash(document: Document) -> str:
+    return sha256(document.text.encode()).hexdigest()

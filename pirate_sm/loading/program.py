@@ -1,0 +1,365 @@
+"""A mission, with the missions it calls, becomes one flat program; every name is resolved here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import inf
+from pathlib import Path as FilePath
+
+from pirate_sm.engine import program as out
+from pirate_sm.engine.program import Program
+from pirate_sm.errors import PirateError
+from pirate_sm.loading import library, parameters
+from pirate_sm.loading.assembly import MOST_INSTRUCTIONS, Assembly, Label, TooLongError
+from pirate_sm.loading.configuration import required_states, start_configuration
+from pirate_sm.loading.problems import LoadError, Path, Problems
+from pirate_sm.loading.robot import LoadedRobot
+from pirate_sm.loading.scope import Scope, Source
+from pirate_sm.loading.source import Document, read_document
+from pirate_sm.loading.validate import validate
+from pirate_sm.model import mission as model
+from pirate_sm.units import Quantity
+
+DEEPEST_CALL = 16
+
+
+def build_program(
+    source: Source,
+    robot: LoadedRobot,
+    values: Mapping[str, Quantity],
+    start_phase: str | None,
+    states: Mapping[str, str] | None,
+    problems: Problems,
+) -> tuple[Program, tuple[Document, ...]]:
+    """The mission's program, and the files of the missions that it calls.
+
+    Raises:
+        LoadError: Something in it cannot be resolved; holds all that is wrong.
+        UsageError: ``states`` do not fit the robot.
+    """
+    mission = source.mission
+    at_start = start_configuration(source, robot.table, states, problems)
+    compiler = _Compiler(robot, Assembly())
+    scope = Scope(
+        source, robot.profile, robot.oriented(mission.polarity), problems.about(source.document),
+        "", values, _labels(mission), out.STOP, (), (source.path.resolve(),),
+    )  # fmt: skip
+    start = scope.target(start_phase or mission.start, ("start",))
+    limit = scope.duration(mission.time_limit, ("time_limit",))
+    try:
+        compiler.ends(scope)
+        compiler.phases(scope)
+    except TooLongError:
+        problems.add(
+            "mission.too_long", (),
+            f"with its repeats and calls written out it has more than {MOST_INSTRUCTIONS} steps",
+        )  # fmt: skip
+    problems.raise_errors()
+    instructions, handlers, phase_of = compiler.assembly.finished()
+    program = Program(
+        mission.mission, instructions, start.index, at_start, handlers, tuple(compiler.names),
+        phase_of, tuple(mission.ends), inf if limit is None else limit,
+    )  # fmt: skip
+    return program, tuple(compiler.files.values())
+
+
+def _labels(mission: model.Mission) -> dict[str, Label]:
+    return {name: Label() for name in (*mission.phases, *mission.ends)}
+
+
+@dataclass
+class _Compiler:
+    """Writes instructions; holds what is the same for a mission and all that it calls."""
+
+    robot: LoadedRobot
+    assembly: Assembly
+    names: list[str] = field(default_factory=list)
+    files: dict[FilePath, Document] = field(default_factory=dict)
+    called: dict[FilePath, Source] = field(default_factory=dict)
+
+    def ends(self, scope: Scope) -> None:
+        """The ends of a mission that nobody calls finish it."""
+        for name, end in scope.source.mission.ends.items():
+            self.assembly.mark(scope.targets[name])
+            outcome = "failed" if end.succeed is None else "succeeded"
+            message = scope.message(_said(end), ("ends", name))
+            self.assembly.emit(
+                out.Finish, "", scope.outer, outcome=outcome, message=message, end=name
+            )
+
+    def phases(self, scope: Scope) -> None:
+        """Every phase of the scope's mission stands in the program."""
+        handlers = scope.handlers
+        clash = scope.source.mission.phases.keys() & scope.source.mission.ends.keys()
+        for name in sorted(clash):
+            scope.problems.add("mission.name", ("ends", name), f"'{name}' is a phase too", key=True)
+        for name, phase in scope.source.mission.phases.items():
+            inside = replace(scope, phase=name)
+            self.names.append(inside.full_phase)
+            _PhaseWriter(self, inside, handlers).write(phase, ("phases", name))
+
+    def source(self, name: str, scope: Scope, path: Path) -> Source | None:
+        """The called mission, read once; None after saying why it cannot be used."""
+        try:
+            file = library.find_mission(name, scope.source.path.resolve().parent).resolve()
+            if file not in self.called:
+                document = read_document(file, _shown(file))
+                self.files[file] = document
+                self.called[file] = Source(validate(document, model.Mission), document, file)
+        except LoadError as error:
+            for problem in error.problems:
+                scope.problems.put(problem)
+            return None
+        except PirateError as error:
+            scope.problems.add("mission.call", path, str(error))
+            return None
+        if file in scope.calls:
+            chain = " → ".join(each.stem for each in (*scope.calls, file))
+            scope.problems.add("mission.recursion", path, f"a mission cannot call itself: {chain}")
+            return None
+        if len(scope.calls) >= DEEPEST_CALL:
+            scope.problems.add("mission.depth", path, f"calls are nested more than {DEEPEST_CALL}")
+            return None
+        return self.called[file]
+
+
+def _shown(file: FilePath) -> str:
+    """The file as a person would name it from here."""
+    here = FilePath.cwd()
+    return str(file.relative_to(here)) if file.is_relative_to(here) else str(file)
+
+
+def _said(end: model.End) -> str:
+    return end.fail if end.succeed is None else end.succeed  # type: ignore[return-value]
+
+
+@dataclass
+class _PhaseWriter:
+    """Writes the instructions of one phase."""
+
+    compiler: _Compiler
+    scope: Scope
+    handlers: tuple[tuple[str, Label | None, str], ...]
+
+    def write(self, phase: model.Phase, path: Path) -> None:
+        """The phase's entry, steps and wait stand in the program."""
+        scope = self.scope
+        self.compiler.assembly.mark(scope.targets[scope.phase])
+        steps, wait = Label(), Label()
+        self._emit(out.Enter, phase=scope.full_phase, next=steps)
+        self.compiler.assembly.mark(steps)
+        after = wait if phase.wait else scope.target(phase.go or "", (*path, "go"))
+        self._steps(phase.do, (*path, "do"), after)
+        if not phase.do and not phase.wait:
+            self._jump(after)
+        if phase.wait:
+            self.compiler.assembly.mark(wait)
+            self._wait(phase, path)
+
+    def _emit(self, kind: type[object], **fields: object) -> None:
+        self.compiler.assembly.emit(kind, self.scope.full_phase, self.handlers, **fields)
+
+    def _wait(self, phase: model.Phase, path: Path) -> None:
+        scope = self.scope
+        within, target, name = inf, Label(), ""
+        if phase.within is not None:
+            at = (*path, "within")
+            within = scope.duration(phase.within.time, (*at, "time")) or 0.0
+            target, name = scope.target(phase.within.go, (*at, "go")), phase.within.go
+        triggers = tuple(
+            self._trigger(trigger, (*path, "wait", number))
+            for number, trigger in enumerate(phase.wait)
+        )
+        self._emit(
+            out.Wait, phase=scope.full_phase, triggers=triggers, within_s=within, within=target,
+            within_name=name, place=scope.place((*path, "wait")),
+        )  # fmt: skip
+
+    def _trigger(self, trigger: model.Trigger, path: Path) -> out.TriggerSpec:
+        scope = self.scope
+        name = trigger.name or trigger.go
+        go = scope.target(trigger.go, (*path, "go"))
+        spec = out.TriggerSpec(name, "", go, trigger.go)  # type: ignore[arg-type]
+        if isinstance(trigger, model.ConditionTrigger):
+            held = scope.duration(trigger.held, (*path, "held")) or 0.0
+            condition = scope.condition(trigger.when, (*path, "when"))
+            text = trigger.when + (f" for {held:g} s" if held else "")
+            return spec._replace(text=text, condition=condition, held_s=held)
+        if isinstance(trigger, model.TimeTrigger):
+            after = scope.duration(trigger.after, (*path, "after")) or 0.0
+            return spec._replace(text=f"after {after:g} s", after_s=after)
+        return spec._replace(text=f"operator: {trigger.operator}", answer=trigger.operator)
+
+    def _steps(self, steps: Sequence[model.Step], path: Path, after: Label) -> None:
+        for number, step in enumerate(steps):
+            following = Label() if number + 1 < len(steps) else after
+            self._step(step, (*path, number), following)
+            if following is not after:
+                self.compiler.assembly.mark(following)
+
+    def _step(self, step: model.Step, path: Path, after: Label) -> None:
+        if step.condition is not None:
+            body = Label()
+            self._branch(step.condition, (*path, "if"), body, after)
+            self.compiler.assembly.mark(body)
+        match step:
+            case model.CommandStep():
+                self._command(step, path, after)
+            case model.CallStep():
+                self._call(step, path, after)
+            case model.RepeatStep():
+                self._repeat(step, path, after)
+            case model.ChooseStep():
+                self._choose(step, path, after)
+            case model.AskStep():
+                self._ask(step, path, after)
+            case model.LogStep():
+                message = self.scope.message(step.log, (*path, "log"))
+                self._emit(out.Say, level=step.level, message=message, next=after)
+
+    def _branch(self, text: str, path: Path, if_true: Label, if_false: Label) -> None:
+        condition = self.scope.condition(text, path)
+        self._emit(
+            out.Branch, condition=condition, if_true=if_true, if_false=if_false,
+            place=self.scope.place(path),
+        )  # fmt: skip
+
+    def _command(self, step: model.CommandStep, path: Path, after: Label) -> None:
+        scope = self.scope
+        self._emit(
+            out.Do,
+            command=scope.command(step.command, (*path, "command")),
+            timeout_s=scope.duration(step.timeout, (*path, "timeout")),
+            retries=scope.count(step.retry, (*path, "retry")),
+            skip_unneeded=step.unneeded == "skip",
+            next=after,
+            failed=scope.failure(step.on_failure, path),
+            place=scope.place(path),
+        )
+
+    def _repeat(self, step: model.RepeatStep, path: Path, after: Label) -> None:
+        times = self.scope.count(step.repeat.times, (*path, "repeat", "times"))
+        if times < 1:
+            self.scope.problems.add(
+                "mission.repeat", (*path, "repeat", "times"), "repeat at least once"
+            )
+        inside = self.scope if step.on_failure is None else self._failing(step, path)
+        writer = _PhaseWriter(self.compiler, inside, self.handlers)
+        for turn in range(times):
+            following = Label() if turn + 1 < times else after
+            writer._steps(step.repeat.do, (*path, "repeat", "do"), following)
+            if following is not after:
+                self.compiler.assembly.mark(following)
+
+    def _failing(self, step: model.RepeatStep | model.ChooseStep, path: Path) -> Scope:
+        """The scope inside a step whose own ``on_failure`` comes before the phase's."""
+        return replace(self.scope, inner=self.scope.failure(step.on_failure, path))
+
+    def _choose(self, step: model.ChooseStep, path: Path, after: Label) -> None:
+        inside = self.scope if step.on_failure is None else self._failing(step, path)
+        writer = _PhaseWriter(self.compiler, inside, self.handlers)
+        for number, choice in enumerate(step.choose):
+            at = (*path, "choose", number)
+            body, other = Label(), Label()
+            self._branch(choice.condition, (*at, "if"), body, other)
+            self._block(writer, body, choice.do, (*at, "do"), after)
+            self.compiler.assembly.mark(other)
+        self._block(writer, Label(), step.otherwise, (*path, "else"), after)
+
+    def _block(
+        self,
+        writer: _PhaseWriter,
+        label: Label,
+        steps: Sequence[model.Step],
+        path: Path,
+        after: Label,
+    ) -> None:
+        self.compiler.assembly.mark(label)
+        if steps:
+            writer._steps(steps, path, after)
+        else:
+            self._jump(after)
+
+    def _jump(self, after: Label) -> None:
+        self._emit(out.Require, states=(), what="", next=after, failed=after, place="")
+
+    def _ask(self, step: model.AskStep, path: Path, after: Label) -> None:
+        scope = self.scope
+        failed = scope.failure(step.on_failure, path)
+        question = Label()
+        self.compiler.assembly.mark(question)
+        refused: list[tuple[Label, str]] = []
+        choices: list[tuple[str, Label]] = []
+        for choice, leads in step.choices.items():
+            if leads == model.CONTINUE:
+                choices.append((choice, after))
+            elif leads == model.FAIL:
+                refused.append((Label(), choice))
+                choices.append((choice, refused[-1][0]))
+            else:
+                choices.append((choice, scope.target(leads, (*path, "choices", choice))))
+        timeout = scope.duration(step.timeout, (*path, "timeout"))
+        text = scope.message(step.ask, (*path, "ask"))
+        self._emit(
+            out.Question, text=text, choices=tuple(choices), failed=failed,
+            timeout_s=inf if timeout is None else timeout, place=scope.place(path),
+        )  # fmt: skip
+        for label, choice in refused:
+            self.compiler.assembly.mark(label)
+            message = f"the operator answered '{choice}' to '{text}'"
+            self._emit(out.Raise, message=message, failed=failed, place=scope.place(path))
+
+    def _call(self, step: model.CallStep, path: Path, after: Label) -> None:
+        scope = self.scope
+        source = self.compiler.source(step.call, scope, (*path, "call"))
+        if source is None:
+            return
+        self._check_call(source.mission, (*path, "call"))
+        failed = scope.failure(step.on_failure, path)
+        values = self._arguments(step, source, path)
+        inside = replace(
+            scope, source=source, problems=scope.problems.about(source.document), values=values,
+            prefix=f"{scope.full_phase}/{source.mission.mission}.", targets=_labels(source.mission),
+            caller=failed, outer=self.handlers, calls=(*scope.calls, source.path), phase="",
+            inner=None,
+        )  # fmt: skip
+        begin = inside.target(source.mission.start, ("start",))
+        self._emit(
+            out.Require, states=required_states(source, scope.robot.table, inside.problems),
+            what=f"mission {source.mission.mission}", next=begin, failed=failed,
+            place=scope.place(path),
+        )  # fmt: skip
+        for name, end in source.mission.ends.items():
+            self.compiler.assembly.mark(inside.targets[name])
+            message = f"{source.mission.mission}: {inside.message(_said(end), ('ends', name))}"
+            if end.succeed is not None:
+                self._emit(out.Say, level="info", message=message, next=after)
+            else:
+                self._emit(out.Raise, message=message, failed=failed, place=scope.place(path))
+        self.compiler.phases(inside)
+
+    def _arguments(self, step: model.CallStep, source: Source, path: Path) -> dict[str, Quantity]:
+        scope, mission = self.scope, source.mission
+        at = (*path, "with")
+        values = parameters.defaults(mission.parameters, scope.problems.about(source.document))
+        given = {name: scope.argument(v, (*at, name)) for name, v in step.arguments.items()}
+        values |= parameters.given(mission.parameters, given, at, scope.problems)
+        for name in mission.parameters.keys() - values.keys():
+            if name not in step.arguments and mission.parameters[name].default is None:
+                scope.problems.add(
+                    "mission.parameter", path, f"'{mission.mission}' needs the parameter '{name}'"
+                )
+        return values
+
+    def _check_call(self, mission: model.Mission, path: Path) -> None:
+        own = self.scope.source.mission
+        if mission.polarity != own.polarity:
+            self.scope.problems.add(
+                "mission.polarity", path,
+                f"'{mission.mission}' is {mission.polarity}, this mission is {own.polarity}",
+            )  # fmt: skip
+        if mission.robot != own.robot:
+            self.scope.problems.add(
+                "mission.robot", path, f"'{mission.mission}' is for the robot '{mission.robot}'"
+            )

@@ -1,0 +1,188 @@
+"""What the names in a mission mean: commands, phases, conditions, parameters, durations."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.expressions import Expression, ExpressionError, compile_condition
+from pirate_sm.loading.assembly import Handlers, Label
+from pirate_sm.loading.parameters import written
+from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.source import Document
+from pirate_sm.model.mission import Mission
+from pirate_sm.model.profile import Profile
+from pirate_sm.model.quantities import Parameter
+from pirate_sm.spelling import nearest, one_of
+from pirate_sm.units import DIMENSIONLESS, TIME, Quantity, describe
+
+_FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
+CAUSE = "cause"
+
+
+@dataclass(frozen=True)
+class Source:
+    """A mission, its file, and the path of it."""
+
+    mission: Mission
+    document: Document
+    path: FilePath
+
+
+@dataclass(frozen=True)
+class Scope:
+    """One mission being compiled, with everything its names can mean.
+
+    Attributes:
+        prefix: Comes before the names of its phases: empty, or ``phase/called.``.
+        values: Its parameters.
+        targets: Labels of its phases and ends.
+        caller: Where a failure goes that it does not handle itself.
+        outer: Fault handlers of its callers.
+        calls: Paths of the files being inlined, outermost first.
+        phase: Name of the phase being compiled.
+        inner: Where a failure leads inside a step that says so.
+    """
+
+    source: Source
+    profile: Profile
+    robot: RobotSpec
+    problems: Problems
+    prefix: str
+    values: Mapping[str, Quantity]
+    targets: Mapping[str, Label]
+    caller: Label | int
+    outer: Handlers
+    calls: tuple[FilePath, ...]
+    phase: str = ""
+    inner: Label | int | None = None
+
+    @property
+    def full_phase(self) -> str:
+        """The phase's name after those of the callers."""
+        return f"{self.prefix}{self.phase}"
+
+    def place(self, path: Path) -> str:
+        """``file:line:col`` of a part of the mission."""
+        return str(self.source.document.place_of(path))
+
+    def target(self, name: str, path: Path) -> Label:
+        """The label of a phase or end; a problem when there is none of that name."""
+        label = self.targets.get(name)
+        if label is None:
+            self._unknown("phase or end", name, self.targets, path)
+            return Label()
+        return label
+
+    def failure(self, own: str | None, path: Path) -> Label | int:
+        """Where a failure leads: the nearest ``on_failure`` (rule 4).
+
+        The phase that handles the mission's failures does not handle its own.
+        """
+        mission = self.source.mission
+        phase = mission.phases.get(self.phase)
+        if own is not None:
+            return self.target(own, (*path, "on_failure"))
+        if self.inner is not None:
+            return self.inner
+        if phase is not None and phase.on_failure is not None:
+            at = ("phases", self.phase, "on_failure")
+            if phase.on_failure == self.phase:
+                self.problems.add("mission.loop", at, "a phase cannot handle its own failures")
+            return self.target(phase.on_failure, at)
+        if mission.on_failure is not None and mission.on_failure != self.phase:
+            return self.target(mission.on_failure, ("on_failure",))
+        return self.caller
+
+    @property
+    def handlers(self) -> Handlers:
+        """The fault handlers in force: the mission's own, then those of its callers."""
+        known = self.robot.fault_codes()
+        own: list[tuple[str, Label | None, str]] = []
+        for number, handler in enumerate(self.source.mission.on_fault):
+            path: Path = ("on_fault", number)
+            go = self.target(handler.go, (*path, "go")) if handler.go else None
+            for code in handler.fault:
+                if code not in known:
+                    self._unknown("fault", code, known, (*path, "fault"))
+                elif not known[code]:
+                    self.problems.add(
+                        "mission.fault", (*path, "fault"), f"'{code}' cannot be caught"
+                    )
+                own.append((code, go, f"{self.prefix}{handler.go}" if handler.go else ""))
+        return (*own, *self.outer)
+
+    def command(self, name: str, path: Path) -> int:
+        """The index of a command, also by an alias; a problem when there is none."""
+        profile, table = self.profile, self.robot.table
+        name = profile.aliases.get(name, name)
+        if name in table.command_index:
+            return table.command_index[name]
+        if name in profile.not_commands:
+            why = profile.not_commands[name]
+            self.problems.add("mission.command", path, f"'{name}' is not a command: {why}")
+            return 0
+        self._unknown("command", name, [*table.commands, *profile.aliases], path)
+        return 0
+
+    def condition(self, text: str, path: Path) -> Expression | None:
+        """A compiled condition, or None after saying what is wrong with it."""
+        try:
+            return compile_condition(text, self.robot.vocabulary, dict(self.values))
+        except ExpressionError as error:
+            self.problems.add_expression(path, error)
+            return None
+
+    def duration(self, value: float | Parameter | None, path: Path) -> float | None:
+        """Seconds; a parameter has its value."""
+        if not isinstance(value, Parameter):
+            return value
+        quantity = self._value(value.name, path)
+        if quantity.dimension != TIME:
+            kind = describe(quantity.dimension)
+            self.problems.add(
+                "mission.parameter", path, f"${value.name} is {kind}", expected="a duration"
+            )
+        return quantity.value
+
+    def count(self, value: int | Parameter, path: Path) -> int:
+        """A whole number; a parameter has its value."""
+        if not isinstance(value, Parameter):
+            return value
+        quantity = self._value(value.name, path)
+        if quantity.dimension != DIMENSIONLESS or quantity.value != int(quantity.value):
+            self.problems.add(
+                "mission.parameter", path, f"${value.name} is no count", expected="a whole number"
+            )
+        return int(quantity.value)
+
+    def message(self, text: str, path: Path) -> str:
+        """The text with parameters written out; ``{cause}`` stays."""
+        for name in _FIELD.findall(text):
+            if name != CAUSE and name not in self.source.mission.parameters:
+                self._unknown("parameter", name, [*self.source.mission.parameters, CAUSE], path)
+        shown = {name: written(value) for name, value in self.values.items()}
+        return _FIELD.sub(lambda match: shown.get(match.group(1), match.group(0)), text)
+
+    def argument(self, value: str | float, path: Path) -> Quantity | str | float:
+        """An argument of a call; ``$name`` is the caller's parameter."""
+        if isinstance(value, str) and value.startswith("$"):
+            return self._value(value[1:], path)
+        return value
+
+    def _value(self, name: str, path: Path) -> Quantity:
+        if name in self.values:
+            return self.values[name]
+        self._unknown("parameter", name, self.source.mission.parameters, path)
+        return Quantity(1.0, TIME)
+
+    def _unknown(self, kind: str, name: str, known: object, path: Path) -> None:
+        names = list(known)  # type: ignore[call-overload]
+        self.problems.add(
+            "mission.name", path, f"there is no {kind} '{name}'",
+            expected=one_of(names) if names else f"no {kind} at all",
+            suggestion=nearest(name, names) or "",
+        )  # fmt: skip
