@@ -7,7 +7,16 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from pirate_sm.model.base import Frozen, Name
-from pirate_sm.model.quantities import Acceleration, Angle, Current, Duration, Length, Number, Ratio
+from pirate_sm.model.quantities import (
+    Acceleration,
+    Angle,
+    Current,
+    Duration,
+    Length,
+    Number,
+    Ratio,
+    Torque,
+)
 
 
 class Friction(Frozen):
@@ -33,22 +42,23 @@ class Defect(Frozen):
         kind: What goes wrong.
         wheels: Wheels it acts on.
         joint: Joint it acts on.
-        boards: Boards it acts on.
+        signals: Signals whose channels it acts on.
+        raw: Counts that the channels of these signals show, or jump by.
+        boards: Boards it acts on; none named means all.
         after: How long after the start it begins.
         every: Mean time between two occurrences.
         lasting: How long one occurrence lasts.
-        angle: Size of a jump or value of a stuck sensor.
-        factor: Multiplier, of friction or noise.
-        share: Share of messages concerned.
+        friction: Dry friction of a stiff joint, drag of a dead wheel.
+        share: Share of messages lost.
     """
 
     kind: Literal[
         "dead_wheel",
-        "sensor_drop",
+        "stiff_joint",
         "sensor_stuck",
+        "sensor_drop",
         "sensor_spike",
         "zero_jump",
-        "stiff_joint",
         "silent_bay",
         "lost_messages",
         "stale_repeats",
@@ -57,13 +67,14 @@ class Defect(Frozen):
     description: str
     wheels: tuple[Name, ...] = ()
     joint: Name | None = None
+    signals: tuple[Name, ...] = ()
+    raw: dict[Name, Number] = {}
     boards: tuple[int, ...] = ()
     after: Duration = 0.0
     every: Duration = 0.0
     lasting: Duration = 0.0
-    angle: Angle | None = None
-    factor: Annotated[Number, Field(gt=0)] = 1.0
-    share: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
+    friction: Annotated[Torque, Field(ge=0)] = 0.0
+    share: Annotated[Ratio, Field(ge=0, le=0.5)] = 0.0
 
 
 class Simulation(Frozen):
