@@ -21,13 +21,19 @@ class Backend(Protocol):
     """
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """What users call it."""
+        ...
 
     @property
-    def completion(self) -> Completion: ...
+    def completion(self) -> Completion:
+        """How commands are seen to be done."""
+        ...
 
     @property
-    def real_time(self) -> bool: ...
+    def real_time(self) -> bool:
+        """Whether time passes by itself."""
+        ...
 
     def open(self) -> Sequence[Event]:
         """The backend is ready, nothing has moved, and what it knows already is returned.

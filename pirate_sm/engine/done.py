@@ -70,7 +70,10 @@ def holds(
         case ReachedSpec():
             return all(
                 loop.arrived(numbers)
-                or (abs(numbers[loop.rate]) < criterion.still and loop.pushes(numbers, setpoints, criterion.loaded))
+                or (
+                    abs(numbers[loop.rate]) < criterion.still
+                    and loop.pushes(numbers, setpoints, criterion.loaded)
+                )
                 for loop in loops
             )
         case TurningSpec():
@@ -98,7 +101,9 @@ def must_hold_s(criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, .
     return getattr(criterion, "for_s", 0.0)
 
 
-def told(robot: RobotSpec, criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]) -> str:
+def told(
+    robot: RobotSpec, criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]
+) -> str:
     """In words, what showed that the command is done; which joints a wall has stopped."""
     if isinstance(criterion, ReachedSpec):
         names = robot.vocabulary.numbers

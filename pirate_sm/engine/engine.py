@@ -10,12 +10,12 @@ from collections.abc import Callable
 from math import inf, isnan
 from typing import Any
 
-from pirate_sm.engine import machine, pausing
+from pirate_sm.engine import machine, pausing, robot_state
 from pirate_sm.engine.faults import Found, listen, look, no_faults
 from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline
-from pirate_sm.engine.machine import RobotState
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot_state import RobotState
 from pirate_sm.engine.sensing import forget_stale, nothing_known, observe
 from pirate_sm.engine.state import EngineState, MissionState
 from pirate_sm.model import events
@@ -52,13 +52,13 @@ class Engine:
 
     def start(self, now_s: float = 0.0) -> tuple[EngineState, Effects]:
         """The mission has begun; its first effects are returned with the first state."""
-        robot = machine.at_rest_in(self.robot, self.program.start_configuration)
+        robot = robot_state.at_rest_in(self.robot, self.program.start_configuration)
         sensing = nothing_known(self.robot)
         sensing = sensing._replace(heard_s=(now_s,) * len(sensing.heard_s), checked_s=now_s)
-        words = (*machine.states_of(self.robot, robot), None, None)
+        words = (*robot_state.states_of(self.robot, robot), None, None)
         mission = MissionState(self.program.start, offset_s=now_s)
         state = EngineState(robot, sensing, mission, no_faults(self.robot), words)
-        effects: list[Effect] = [machine.state_change(self.robot, robot)]
+        effects: list[Effect] = [robot_state.state_change(self.robot, robot)]
         return self._settle(state, now_s, effects)
 
     def step(
@@ -89,7 +89,7 @@ class Engine:
 
     def safe_values(self, state: EngineState) -> tuple[float, ...]:
         """The safe array, for a last resort when no step can be made any more."""
-        return machine.safe_values(self.robot, state.robot)
+        return robot_state.safe_values(self.robot, state.robot)
 
     # --- events -----------------------------------------------------------------------------
 
@@ -168,7 +168,7 @@ class Engine:
         elif state.mission.ending is not None:
             reason = "impossible: the mission is ending"
         else:
-            reason = machine.refusal(self.robot, state.robot, index)
+            reason = robot_state.refusal(self.robot, state.robot, index)
         if reason or index is None:
             effects.append(CommandStatus(event.command, "refused", reason))
             return state
@@ -238,7 +238,7 @@ class Engine:
         """The words say the configuration that the robot has now."""
         if robot.configuration == state.robot.configuration:
             return state._replace(robot=robot)
-        words = (*machine.states_of(self.robot, robot), *state.words[-2:])
+        words = (*robot_state.states_of(self.robot, robot), *state.words[-2:])
         return state._replace(robot=robot, words=words)
 
     def _fault(
@@ -271,7 +271,7 @@ class Engine:
             if robot.motion is not None:
                 robot = machine.fail(self.robot, robot, f"interrupted by {mission.cause}", effects)
             robot = machine.doubt(self.robot, robot)
-            effects.append(machine.state_change(self.robot, robot))
+            effects.append(robot_state.state_change(self.robot, robot))
             robot = machine.stop(self.robot, robot, state.sensing, effects)
             return state._replace(robot=robot, mission=mission._replace(stopped=True))
         mission = mission.at(handler.go)
@@ -314,7 +314,7 @@ class Engine:
         if state.mission.ended:
             return state
         wake = min(
-            machine.next_deadline(self.robot, state.robot, self.nominal),
+            robot_state.next_deadline(self.robot, state.robot, self.nominal),
             next_deadline(self._setting, state),
             state.word_until_s,
         )

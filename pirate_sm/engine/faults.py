@@ -55,20 +55,27 @@ def look(
         if index not in raised and now - began >= rule.held_s:
             raised |= {index}
             found.append(Found(rule.code, rule.message, rule.catchable))
-    blind = faults.blind
+    blind, unseen = _blind(robot, faults.blind, board, numbers)
+    found += unseen
+    silent = faults.silent - {board.position} if faults.silent else faults.silent
+    if since is None and raised is faults.raised and blind is faults.blind:
+        return (faults if silent == faults.silent else faults._replace(silent=silent)), ()
+    times = faults.since if since is None else tuple(since)
+    return FaultState(times, raised, silent, blind), tuple(found)
+
+
+def _blind(
+    robot: RobotSpec, blind: frozenset[int], board: BoardSpec, numbers: tuple[float, ...]
+) -> tuple[frozenset[int], list[Found]]:
+    """Which channels have no value, and a fault for each that has just lost its own."""
+    found: list[Found] = []
     for _, target, _ in board.channels:
         if isnan(numbers[target]) != (target in blind):
             blind ^= {target}
             if target in blind:
                 name = robot.vocabulary.numbers[target]
                 found.append(Found("sensor.silent", f"{name} has no value", True))
-    if since is None and raised is faults.raised and blind is faults.blind:
-        silent = faults.silent
-        if board.position in silent:
-            faults = faults._replace(silent=silent - {board.position})
-        return faults, ()
-    times = faults.since if since is None else tuple(since)
-    return FaultState(times, raised, faults.silent - {board.position}, blind), tuple(found)
+    return blind, found
 
 
 def listen(

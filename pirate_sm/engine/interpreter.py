@@ -9,7 +9,7 @@ from collections.abc import Callable
 from math import inf, isnan, nan
 from typing import Any, NamedTuple
 
-from pirate_sm.engine import machine
+from pirate_sm.engine import machine, robot_state
 from pirate_sm.engine.program import (
     STOP,
     Branch,
@@ -21,6 +21,7 @@ from pirate_sm.engine.program import (
     Raise,
     Require,
     Say,
+    TriggerSpec,
     Wait,
 )
 from pirate_sm.engine.robot import RobotSpec
@@ -93,7 +94,7 @@ def end(
         return state._replace(mission=state.mission._replace(ended=True), robot=robot)
     doubted = machine.doubt(setting.robot, robot)
     if doubted.marks != robot.marks:
-        effects.append(machine.state_change(setting.robot, doubted))
+        effects.append(robot_state.state_change(setting.robot, doubted))
     robot = machine.stop(setting.robot, doubted, state.sensing, effects)
     ending = Ending(outcome, message, name, now + SAFE_STOP_LIMIT_S)
     return state._replace(robot=robot, mission=state.mission._replace(ending=ending))
@@ -168,7 +169,7 @@ def _do(
         return _awaited(setting, state, it, name, now, effects)
     if state.robot.flight is not None or state.robot.motion is not None:
         return state  # the array in flight is resolved first
-    reason = machine.refusal(setting.robot, state.robot, it.command)
+    reason = robot_state.refusal(setting.robot, state.robot, it.command)
     if reason.startswith("unneeded") and it.skip_unneeded:
         effects.append(CommandStatus(name, "skipped", reason, it.place))
         return _go(state, it.next)
@@ -212,8 +213,8 @@ def _branch(
 def _require(
     setting: Setting, state: EngineState, it: Require, now: float, effects: list[Effect]
 ) -> EngineState:
-    names = machine.states_of(setting.robot, state.robot)
-    doubtful = machine.unconfirmed(setting.robot, state.robot)
+    names = robot_state.states_of(setting.robot, state.robot)
+    doubtful = robot_state.unconfirmed(setting.robot, state.robot)
     wrong = [
         f"{setting.robot.regions[region]} is {names[region]}"
         + (" unconfirmed" if setting.robot.regions[region] in doubtful else "")
@@ -259,29 +260,33 @@ def _look(
     it: Wait, mission: MissionState, numbers: tuple[float, ...], words: Words, clock: float
 ) -> tuple[tuple[float, ...], int, str]:
     """Since when each condition is true; the first trigger that fires (-1: none), and why."""
-    since: list[float] | None = None
     if mission.skipped is not None:
         for index, trigger in enumerate(it.triggers):
             if mission.skipped in {"", trigger.name}:
                 return mission.since, index, "taken by the operator"
+    since = mission.since
     for index, trigger in enumerate(it.triggers):
         if trigger.condition is None:
-            if trigger.after_s is not None and clock >= mission.armed_s + trigger.after_s:
-                return mission.since, index, f"{trigger.after_s:g} s have passed"
-            if trigger.answer and trigger.answer == mission.answer:
-                return mission.since, index, "the operator's answer"
+            if _is_time(trigger, mission, clock):
+                return since, index, trigger.text
             continue
-        began = mission.since[index] if since is None else since[index]
+        began = since[index]
         if trigger.condition.evaluate(numbers, words) is True:
-            if isnan(began):
-                since = list(mission.since) if since is None else since
-                since[index] = began = clock
+            began = clock if isnan(began) else began
             if clock - began >= trigger.held_s:  # rule 7
-                return mission.since, index, trigger.text
-        elif not isnan(began):
-            since = list(mission.since) if since is None else since
-            since[index] = nan
-    return (mission.since if since is None else tuple(since)), -1, ""
+                return since, index, trigger.text
+        else:
+            began = nan
+        if began != since[index] and not (isnan(began) and isnan(since[index])):
+            since = (*since[:index], began, *since[index + 1 :])
+    return since, -1, ""
+
+
+def _is_time(trigger: TriggerSpec, mission: MissionState, clock: float) -> bool:
+    """Whether a trigger without a condition fires: its time has come, or its answer."""
+    if trigger.after_s is not None:
+        return clock >= mission.armed_s + trigger.after_s
+    return trigger.answer == mission.answer
 
 
 def _question(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import nan
 
-from pirate_sm.engine import machine
+from pirate_sm.engine import machine, robot_state
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.state import BeforePause, EngineState
 from pirate_sm.model.effects import Effect, Log
@@ -26,7 +26,7 @@ def begin_if_wanted(
     if not mission.pause_wanted or mission.ending or mission.diverting or body.flight:
         return state
     before = BeforePause(body.values, body.loops, body.configuration, body.motion is not None)
-    if machine.safe_values(robot, body) != body.values or body.loops:
+    if robot_state.safe_values(robot, body) != body.values or body.loops:
         body = machine.stop(robot, body, state.sensing, effects)
     effects.append(Log("info", "paused: wheels stopped, deadlines frozen"))
     paused = mission._replace(pause_wanted=False, paused_s=now, before_pause=before)
@@ -46,9 +46,7 @@ def resume(
     if before is None:
         return state._replace(mission=mission._replace(pause_wanted=one_step))
     if body.flight or body.configuration != before.configuration:
-        reason = (
-            "setpoints are in flight" if body.flight else "the configuration has been changed"
-        )
+        reason = "setpoints are in flight" if body.flight else "the configuration has been changed"
         effects.append(Log("warning", f"still paused: {reason}"))
         return state
     length = now - mission.paused_s

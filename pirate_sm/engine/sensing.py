@@ -114,7 +114,7 @@ def _roll_on(
         speeds = [
             numbers[wheel.speed] * wheel.metres_per_rad
             for wheel in robot.wheels
-            if numbers[wheel.speed] == numbers[wheel.speed]  # noqa: PLR0124
+            if numbers[wheel.speed] == numbers[wheel.speed]
         ]
         driven, total = len(speeds), sum(speeds)
     if robot.speed >= 0:

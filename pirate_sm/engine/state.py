@@ -6,8 +6,8 @@ from math import inf, isnan, nan
 from typing import NamedTuple
 
 from pirate_sm.engine.done import Loop
-from pirate_sm.engine.machine import Finished, RobotState
 from pirate_sm.engine.program import HandlerSpec
+from pirate_sm.engine.robot_state import Finished, RobotState
 from pirate_sm.engine.sensing import Sensing
 from pirate_sm.model.effects import Outcome
 

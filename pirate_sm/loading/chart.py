@@ -230,7 +230,8 @@ def _check_guard(transition: Transition, known: list[str], problems: Problems) -
 
 def _is_guard_node(node: ast.AST) -> bool:
     allowed = (
-        ast.BoolOp, ast.And, ast.Or, ast.UnaryOp, ast.Not, ast.Call, ast.Load, ast.Name, ast.Constant,
+        ast.BoolOp, ast.And, ast.Or, ast.UnaryOp, ast.Not,
+        ast.Call, ast.Load, ast.Name, ast.Constant,
     )  # fmt: skip
     if isinstance(node, ast.Name):
         return node.id == "In" or not node.id.startswith("_")

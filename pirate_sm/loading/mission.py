@@ -89,9 +89,7 @@ def load_mission(
     )  # fmt: skip
 
 
-def _robot_folder(
-    robot: str | None, mission: Mission, document: Document, folder: Path
-) -> Path:
+def _robot_folder(robot: str | None, mission: Mission, document: Document, folder: Path) -> Path:
     if robot is not None:
         return library.find_robot(robot)
     try:

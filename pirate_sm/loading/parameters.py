@@ -40,13 +40,11 @@ def read_value(definition: ParameterDefinition, value: ParameterValue) -> Quanti
         QuantityError: It is not.
     """
     quantity = _read(definition.type, value)
-    for name, bound, outside in (
-        ("min", definition.min, lambda low: quantity.value < low),
-        ("max", definition.max, lambda high: quantity.value > high),
-    ):
-        if bound is not None and outside(_read(definition.type, bound).value):
-            word = "less" if name == "min" else "more"
-            raise QuantityError(f"{value} is {word} than the {name} of {bound}")
+    low, high = definition.min, definition.max
+    if low is not None and quantity.value < _read(definition.type, low).value:
+        raise QuantityError(f"{value} is less than the min of {low}")
+    if high is not None and quantity.value > _read(definition.type, high).value:
+        raise QuantityError(f"{value} is more than the max of {high}")
     return quantity
 
 
@@ -62,9 +60,7 @@ def _read(kind: str, value: ParameterValue) -> Quantity:
     return Quantity(read_quantity(str(value), dimension), dimension)
 
 
-def defaults(
-    definitions: Mapping[str, ParameterDefinition], problems: Problems
-) -> Values:
+def defaults(definitions: Mapping[str, ParameterDefinition], problems: Problems) -> Values:
     """The defaults in SI; a default or limit that does not fit is a problem at its place."""
     values: Values = {}
     for name, definition in definitions.items():
@@ -110,9 +106,7 @@ def given(
     return values
 
 
-def read_argument(
-    definition: ParameterDefinition, argument: Quantity | ParameterValue
-) -> Quantity:
+def read_argument(definition: ParameterDefinition, argument: Quantity | ParameterValue) -> Quantity:
     """An argument, written out or handed on from a caller's parameter, in SI.
 
     Raises:
@@ -129,6 +123,6 @@ def read_argument(
 
 def written(quantity: Quantity) -> str:
     """The value as messages write it."""
-    if quantity.dimension == TIME and quantity.value >= 60 and quantity.value % 60 == 0:  # noqa: PLR2004
+    if quantity.dimension == TIME and quantity.value >= 60 and quantity.value % 60 == 0:
         return f"{quantity.value / 60:g} min"
     return format_quantity(quantity.value, quantity.dimension)

@@ -98,7 +98,7 @@ def _on_states(
     others = sorted(condition.names - set(table.regions))
     if others:
         problems.add(
-            "robot.condition", path, f"this condition is about states, not about {', '.join(others)}",
+            "robot.condition", path, f"only states count here, not {', '.join(others)}",
             expected=one_of(table.regions),
         )  # fmt: skip
         return None
@@ -109,7 +109,7 @@ def _is_true(condition: Expression | None, states: tuple[str, ...]) -> bool:
     return condition is not None and condition.evaluate((), states) is True
 
 
-def _criterion(  # noqa: PLR0911 - one return per kind
+def _criterion(
     profile: model.Profile,
     done: criteria.Criterion,
     signals: Signals,

@@ -1,0 +1,190 @@
+"""The robot as far as it has been commanded, and what can be asked of that; changes nothing."""
+
+from __future__ import annotations
+
+from math import inf, isnan, nan
+from typing import Literal, NamedTuple
+
+from pirate_sm.engine.chart_table import Configuration
+from pirate_sm.engine.done import Loop
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.model.effects import StateChange
+
+Numbers = tuple[float, ...]
+Purpose = Literal["gate", "loop", "stop"]
+
+
+class Mark(NamedTuple):
+    """A region's state, or a part's clamp, that ``command`` made and that is not confirmed."""
+
+    kind: Literal["region", "part"]
+    which: int
+    command: int
+
+
+class Flight(NamedTuple):
+    """An array whose fate is not known yet.
+
+    Attributes:
+        purpose: ``gate``: a command's first array, moves the chart when accepted. ``stop``: wheels
+            zero. ``loop``: anything else.
+        resend_at_s: When the same array is sent again, infinite while a result is awaited.
+    """
+
+    setpoint_id: int
+    values: Numbers
+    purpose: Purpose
+    tries: int = 1
+    resend_at_s: float = inf
+
+
+class Motion(NamedTuple):
+    """A command under way.
+
+    Attributes:
+        command: Index of the command.
+        target: The configuration that acceptance leads to.
+        accepted_s: NaN until the array is accepted.
+        deadline_s: When it has failed; infinite until accepted.
+        since_s: Since when its criterion has been true, NaN while it is not.
+        stage: Which stage of its actuation is in force.
+    """
+
+    command: int
+    target: int
+    timeout_s: float
+    place: str
+    accepted_s: float = nan
+    deadline_s: float = inf
+    since_s: float = nan
+    stage: int = 0
+
+
+class Finished(NamedTuple):
+    """How a command ended."""
+
+    done: bool
+    reason: str
+
+
+class RobotState(NamedTuple):
+    """The robot as far as it has been commanded.
+
+    Attributes:
+        configuration: Index into the chart's table.
+        marks: What is not confirmed.
+        values: Setpoints in force: the last accepted array.
+        next_id: Id of the next new array.
+        sent: Whether anything has ever been sent.
+    """
+
+    configuration: int
+    values: Numbers
+    marks: frozenset[Mark] = frozenset()
+    next_id: int = 1
+    flight: Flight | None = None
+    motion: Motion | None = None
+    loops: tuple[Loop, ...] = ()
+    sent: bool = False
+
+    @property
+    def latest(self) -> Numbers:
+        """The newest values, whether accepted yet or not."""
+        return self.flight.values if self.flight else self.values
+
+
+def at_rest_in(robot: RobotSpec, configuration: int) -> RobotState:
+    """A robot that is in this configuration, confirmed, and has not been sent anything."""
+    values = [0.0] * len(robot.slots)
+    for region, state in enumerate(robot.table.configurations[configuration]):
+        for write in robot.actuation[region][state][-1]:
+            if write.how == "set":
+                values[write.slot] = write.value
+            elif write.how == "keep" and robot.slots[write.slot].unit == "angle":
+                values[write.slot] = nan  # known once measured
+    return RobotState(configuration, tuple(values))
+
+
+def unconfirmed(robot: RobotSpec, state: RobotState) -> tuple[str, ...]:
+    """Names of the regions whose state is not confirmed, in the order of the chart."""
+    regions = {mark.which for mark in state.marks if mark.kind == "region"}
+    for mark in state.marks:
+        if mark.kind == "part":
+            regions |= robot.part_regions[mark.which]
+    return tuple(name for index, name in enumerate(robot.regions) if index in regions)
+
+
+def states_of(robot: RobotSpec, state: RobotState) -> Configuration:
+    """The state name of each region."""
+    return robot.table.configurations[state.configuration]
+
+
+def state_change(robot: RobotSpec, state: RobotState) -> StateChange:
+    """The effect that tells the configuration and what of it is unconfirmed."""
+    return StateChange(states_of(robot, state), unconfirmed(robot, state))
+
+
+def confirmed_parts(robot: RobotSpec, state: RobotState) -> frozenset[int]:
+    """Parts whose clamp has been seen to hold."""
+    marked = {mark.which for mark in state.marks if mark.kind == "part"}
+    return robot.held[state.configuration] - marked
+
+
+def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
+    """Why the command would be refused now, beginning with *unneeded* or *impossible*; or empty.
+
+    A command is possible when it moves the chart and does not let go of the last confirmed
+    clamp. One that moves nothing is a retry when it left something unconfirmed.
+    """
+    here = state.configuration
+    target = robot.table.follow(here, command)
+    if target == here:
+        if any(mark.command == command for mark in state.marks):
+            return ""
+        if robot.unneeded[here][command]:
+            return "unneeded: it is so already"
+        return f"impossible: {robot.table.why_not(here, command)}"
+    confirmed = confirmed_parts(robot, state)
+    if confirmed and not confirmed & robot.held[target] and not robot.commands[command].lets_go:
+        parts = ", ".join(robot.parts[part] for part in sorted(confirmed))
+        return f"impossible: it would let go of the last confirmed clamp ({parts})"
+    return ""
+
+
+def safe_values(robot: RobotSpec, state: RobotState) -> Numbers:
+    """The safe state: the last accepted actuation, wheels at zero, position loops stopped."""
+    values = list(known_values(state.values, state.values, robot))
+    for slot in robot.safe_zero:
+        values[slot] = 0.0
+    for loop in state.loops:
+        values[loop.slot] = 0.0
+    return tuple(values)
+
+
+def next_deadline(robot: RobotSpec, state: RobotState, nominal: bool) -> float:
+    """When time alone can change something: a timeout, a resend, a criterion held long enough."""
+    deadline = state.flight.resend_at_s if state.flight else inf
+    motion = state.motion
+    if motion is None or isnan(motion.accepted_s):
+        return deadline
+    spec = robot.commands[motion.command]
+    if nominal:
+        return min(deadline, motion.accepted_s + spec.nominal_s)
+    if not isnan(motion.since_s):
+        deadline = min(deadline, motion.since_s + getattr(spec.done, "for_s", 0.0))
+    return min(deadline, motion.deadline_s)
+
+
+def known_values(
+    values: Numbers, numbers: Numbers, robot: RobotSpec, *, measured: bool = False
+) -> Numbers:
+    """Values without the unknown: an angle to be kept is the measured one, or 0 [decided]."""
+    if not any(isnan(value) for value in values):
+        return values
+    filled = list(values)
+    for index, value in enumerate(values):
+        if isnan(value):
+            angle = robot.slots[index].angle
+            seen = numbers[angle] if measured and angle >= 0 else nan
+            filled[index] = 0.0 if isnan(seen) else seen
+    return tuple(filled)
