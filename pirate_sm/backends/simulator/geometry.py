@@ -14,6 +14,7 @@ import numpy as np
 
 from pirate_sm.backends.simulator import kernel
 from pirate_sm.backends.simulator.arrays import Floats
+from pirate_sm.errors import UsageError
 
 GRAVITY_M_S2 = 9.81
 
@@ -106,7 +107,7 @@ class Pipe:
         wall_array: Walls for the kernel, `(2 * legs, kernel.WALL_COLUMNS)`.
 
     Raises:
-        ValueError: A straight is too short for the mitres at its ends, or a bend is too sharp.
+        UsageError: A straight is too short for the mitres at its ends, or a bend is too sharp.
     """
 
     def __init__(self, shape: PipeShape) -> None:
@@ -183,10 +184,10 @@ def _check(shape: PipeShape, legs: Sequence[Leg]) -> None:
         after = 0.0
         if leg.bend is not None:
             if not 0.0 < abs(leg.bend.angle_rad) <= math.radians(120):
-                raise ValueError(f"mitre {number} must turn by more than 0 and at most 120 deg")
+                raise UsageError(f"mitre {number} must turn by more than 0 and at most 120 deg")
             after = radius * math.tan(abs(leg.bend.angle_rad) / 2.0)
         if leg.length_m <= before + after:
-            raise ValueError(
+            raise UsageError(
                 f"straight {number} is {leg.length_m * 1000:.0f} mm long; the walls of its mitres"
                 f" meet unless it is longer than {(before + after) * 1000:.0f} mm"
             )

@@ -63,8 +63,9 @@ SINGLE = ("roll", "roll_current", "acc_x", "acc_y", "acc_z", "mag_x", "mag_y", "
 (
     X0, Y0, LEVER_X, LEVER_Y, GA_X, GA_Y, GM_X, GM_Y, GB_X, GB_Y, J_C, J_D, J_W, J_INV, J_LAM,
     J_FRICTION, J_STOP, G_X, G_Y, SPIN, FORCE, SLOPE, LINK_SCALE,
-) = range(23)  # fmt: skip
-_NODE_COLUMNS = 23
+    J_RESISTS,
+) = range(24)  # fmt: skip
+_NODE_COLUMNS = 24
 # Sums per wheel over the substeps of a call.
 T_PRESS, T_DRIVE, T_GRIP, T_TORQUE, T_CURRENT, _T_COLUMNS = range(6)
 # Scratch columns per contact, and per link at an inner corner.
@@ -80,6 +81,8 @@ _MARGIN_M = 0.002
 _WHEEL_FILTER = 0.5  # of x_velocity, a mean of angle differences (thesis B-11)
 # The motor side of a spring may wind this far beyond the joint's own end stop.
 _WINDING_RAD = 0.6
+# Farther from its end stops than this, a joint cannot reach them in one substep.
+_STOP_RAD = 0.1
 
 
 def compiled(function: _F) -> _F:
@@ -248,51 +251,47 @@ def _solve_contacts(
 
 
 @compiled
-def _corner(m: int, pos: Floats, wall: Floats, body: Floats, world: Floats, row: Floats) -> bool:
-    """Whether a link's body is near the inner corner that ends a wall; `row` is then set."""
-    cx = wall[W_X] + wall[W_LENGTH] * wall[W_TX] - pos[m, 0]
-    cy = wall[W_Y] + wall[W_LENGTH] * wall[W_TY] - pos[m, 1]
-    reach = body[m, LINK_LENGTH]
-    if cx * cx + cy * cy > 1.1 * reach * reach:
-        return False
-    ex = pos[m + 1, 0] - pos[m, 0]
-    ey = pos[m + 1, 1] - pos[m, 1]
-    length2 = ex * ex + ey * ey
-    share = (cx * ex + cy * ey) / length2
-    if share <= 0.0 or share >= 1.0:
-        return False
-    length = np.sqrt(length2)
-    nx = -ey / length
-    ny = ex / length
-    if nx * wall[W_BX] + ny * wall[W_BY] < 0.0:
-        nx = -nx
-        ny = -ny
-    gap = -(cx * nx + cy * ny) - world[HALF_THICKNESS]
-    if gap > _MARGIN_M or gap < -2.0 * world[HALF_THICKNESS]:
-        return False
-    row[K_NX] = nx
-    row[K_NY] = ny
-    row[K_SHARE] = share
-    row[K_GAP] = gap
-    row[K_PUSH] = 0.0
-    mass_inv = body[m, MASS_INV] * (1.0 - share) ** 2 + body[m + 1, MASS_INV] * share**2
-    row[K_INV] = 1.0 / (mass_inv + world[CONTACT_COMPLIANCE] / (world[DT] * world[DT]))
-    return True
-
-
-@compiled
 def _find_corners(
     n: int, pos: Floats, walls: Floats, body: Floats, world: Floats, cor: Floats, who: Ints
 ) -> int:
-    """Links near an inner corner are in `cor`; how many."""
+    """Links whose body is near an inner corner are in `cor`; how many."""
     count = 0
+    thickness = world[HALF_THICKNESS]
+    compliance = world[CONTACT_COMPLIANCE] / (world[DT] * world[DT])
     for k in range(walls.shape[0]):
         if walls[k, W_CORNER] == 0.0:
             continue
+        x = walls[k, W_X] + walls[k, W_LENGTH] * walls[k, W_TX]
+        y = walls[k, W_Y] + walls[k, W_LENGTH] * walls[k, W_TY]
         for m in range(n - 1):
-            if count < cor.shape[0] and _corner(m, pos, walls[k], body, world, cor[count]):
-                who[count] = m
-                count += 1
+            cx = x - pos[m, 0]
+            cy = y - pos[m, 1]
+            reach = body[m, LINK_LENGTH] + thickness
+            if abs(cx) > reach or abs(cy) > reach or count == cor.shape[0]:
+                continue
+            ex = pos[m + 1, 0] - pos[m, 0]
+            ey = pos[m + 1, 1] - pos[m, 1]
+            length2 = ex * ex + ey * ey
+            share = (cx * ex + cy * ey) / length2
+            if share <= 0.0 or share >= 1.0:
+                continue
+            length = np.sqrt(length2)
+            if ex * walls[k, W_BY] < ey * walls[k, W_BX]:
+                length = -length
+            nx = -ey / length
+            ny = ex / length
+            gap = -(cx * nx + cy * ny) - thickness
+            if gap > _MARGIN_M or gap < -2.0 * thickness:
+                continue
+            who[count] = m
+            cor[count, K_NX] = nx
+            cor[count, K_NY] = ny
+            cor[count, K_SHARE] = share
+            cor[count, K_GAP] = gap
+            cor[count, K_PUSH] = 0.0
+            mass_inv = body[m, MASS_INV] * (1.0 - share) ** 2 + body[m + 1, MASS_INV] * share**2
+            cor[count, K_INV] = 1.0 / (mass_inv + compliance)
+            count += 1
     return count
 
 
@@ -321,8 +320,15 @@ def _solve_corners(
 
 @compiled
 def _begin(
-    n: int, pos: Floats, bend: Floats, motor: Floats, command: Floats, body: Floats, world: Floats,
-    w: Floats, tally: Floats,
+    n: int,
+    pos: Floats,
+    bend: Floats,
+    motor: Floats,
+    command: Floats,
+    body: Floats,
+    world: Floats,
+    w: Floats,
+    tally: Floats,
 ) -> None:
     """Angles and gradients are those of the positions, motors have turned for one substep.
 
@@ -371,6 +377,8 @@ def _begin(
         w[i, J_LAM] = 0.0
         w[i, J_FRICTION] = 0.0
         w[i, J_STOP] = 0.0
+        free = body[i, JOINT_MIN] + _STOP_RAD < bend[i] < body[i, JOINT_MAX] - _STOP_RAD
+        w[i, J_RESISTS] = 0.0 if free and body[i, JOINT_FRICTION] == 0.0 else 1.0
 
 
 @compiled
@@ -397,19 +405,19 @@ def _solve_joints(
 ) -> None:
     """Each joint has been pulled towards its motor-side angle through its spring once."""
     for i in range(1, n - 1):
-        turned = (
-            w[i, GA_X] * (pos[i - 1, 0] - w[i - 1, X0])
-            + w[i, GA_Y] * (pos[i - 1, 1] - w[i - 1, Y0])
-            + w[i, GM_X] * (pos[i, 0] - w[i, X0])
-            + w[i, GM_Y] * (pos[i, 1] - w[i, Y0])
-            + w[i, GB_X] * (pos[i + 1, 0] - w[i + 1, X0])
-            + w[i, GB_Y] * (pos[i + 1, 1] - w[i + 1, Y0])
-        )
+        # Three short sums: one long one would have to wait for each of its terms in turn.
+        ahead = w[i, GA_X] * (pos[i - 1, 0] - w[i - 1, X0])
+        ahead += w[i, GA_Y] * (pos[i - 1, 1] - w[i - 1, Y0])
+        middle = w[i, GM_X] * (pos[i, 0] - w[i, X0]) + w[i, GM_Y] * (pos[i, 1] - w[i, Y0])
+        behind = w[i, GB_X] * (pos[i + 1, 0] - w[i + 1, X0])
+        behind += w[i, GB_Y] * (pos[i + 1, 1] - w[i + 1, Y0])
+        turned = behind + middle + ahead
         left = motor[i] - bend[i] - turned * (1.0 + w[i, J_D]) - w[i, J_C] * w[i, J_LAM]
         delta = left * w[i, J_INV]
         w[i, J_LAM] += delta
         turned += w[i, J_W] * delta
-        delta += _resist(i, turned, bend[i], body, dt2, w)
+        if w[i, J_RESISTS] != 0.0:
+            delta += _resist(i, turned, bend[i], body, dt2, w)
         step = body[i - 1, MASS_INV] * delta
         pos[i - 1, 0] += step * w[i, GA_X]
         pos[i - 1, 1] += step * w[i, GA_Y]
@@ -452,8 +460,17 @@ def _strongest(n: int, count: int, con: Floats, who: Ints, touch: Ints, tally: F
 
 @compiled
 def _turn_wheels(
-    n: int, count: int, pos: Floats, wheel: Floats, anchor: Floats, world: Floats, w: Floats,
-    con: Floats, who: Ints, touch: Ints, tally: Floats,
+    n: int,
+    count: int,
+    pos: Floats,
+    wheel: Floats,
+    anchor: Floats,
+    world: Floats,
+    w: Floats,
+    con: Floats,
+    who: Ints,
+    touch: Ints,
+    tally: Floats,
 ) -> None:
     """Wheels have turned, and rolling that was left unsolved is carried on as the anchor.
 
@@ -512,7 +529,13 @@ def _project(n: int, pos: Floats, legs: Floats, out: Floats, base: int) -> None:
 
 @compiled
 def _prepare(
-    n: int, command: Floats, body: Floats, legs: Floats, world: Floats, roll: Floats, out: Floats,
+    n: int,
+    command: Floats,
+    body: Floats,
+    legs: Floats,
+    world: Floats,
+    roll: Floats,
+    out: Floats,
     w: Floats,
 ) -> None:
     """What stays the same for a whole call is set: gravity, motor limits, compliances."""
@@ -564,8 +587,15 @@ def _turn_roll(
 
 @compiled
 def _feel(
-    n: int, pos: Floats, accel_x: float, accel_y: float, legs: Floats, world: Floats, roll: Floats,
-    out: Floats, w: Floats,
+    n: int,
+    pos: Floats,
+    accel_x: float,
+    accel_y: float,
+    legs: Floats,
+    world: Floats,
+    roll: Floats,
+    out: Floats,
+    w: Floats,
 ) -> None:
     """The IMU's quantities are in `out`: specific force and field along forward, side B, up.
 
@@ -594,22 +624,34 @@ def _feel(
 
 
 @compiled
-def _read(channels: Floats, first: int, last: int, out: Floats, raw: Floats, rng: Words) -> None:
+def read_channels(
+    channels: Floats, first: int, last: int, out: Floats, raw: Floats, rng: Words
+) -> None:
     """Fresh counts of the channels from `first` to before `last` are in `raw`."""
     for c in range(first, last):
-        value = out[int(channels[c, C_SOURCE])]
-        if channels[c, C_ABS] != 0.0:
-            value = abs(value)
-        value = value * channels[c, C_GAIN] + channels[c, C_OFFSET]
+        value = out[int(channels[c, C_SOURCE])] * channels[c, C_GAIN] + channels[c, C_OFFSET]
         if channels[c, C_SIGMA] > 0.0:
             value += channels[c, C_SIGMA] * _gauss(rng)
+        if channels[c, C_ABS] != 0.0:
+            value = abs(value)
         raw[c] = np.rint(value)
 
 
 @compiled
 def advance(
-    state: Floats, command: Floats, body: Floats, walls: Floats, legs: Floats, world: Floats,
-    channels: Floats, out: Floats, raw: Floats, rng: Words, steps: int, first: int, last: int,
+    state: Floats,
+    command: Floats,
+    body: Floats,
+    walls: Floats,
+    legs: Floats,
+    world: Floats,
+    channels: Floats,
+    out: Floats,
+    raw: Floats,
+    rng: Words,
+    steps: int,
+    first: int,
+    last: int,
 ) -> None:
     """`steps` substeps have passed; `out` holds the quantities, `raw[first:last]` fresh counts.
 
@@ -691,4 +733,4 @@ def advance(
     accel_x = (vel[imu, 0] - vx) / passed
     accel_y = (vel[imu, 1] - vy) / passed
     _feel(n, pos, accel_x, accel_y, legs, world, roll, out, w)
-    _read(channels, first, last, out, raw, rng)
+    read_channels(channels, first, last, out, raw, rng)

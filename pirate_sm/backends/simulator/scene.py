@@ -1,0 +1,126 @@
+"""A pipe file and a robot's profile become what the simulator starts with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pirate_sm.backends.simulator.chain import Friction
+from pirate_sm.backends.simulator.detector import Point, Vee, Word
+from pirate_sm.backends.simulator.geometry import Mitre, PipeShape, Straight
+from pirate_sm.backends.simulator.machine import Machine
+from pirate_sm.backends.simulator.obstacles import Obstacle
+from pirate_sm.backends.simulator.world import StartPose
+from pirate_sm.model import pipe as pipe_model
+from pirate_sm.model.profile import Profile
+
+
+@dataclass(frozen=True)
+class Jitter:
+    """How far a run may differ from its files; each is drawn evenly between minus and plus.
+
+    Attributes:
+        start_m: Place of the robot along the pipe.
+        friction: Share of both friction coefficients.
+        diameter_m: Inner diameter.
+    """
+
+    start_m: float = 0.0
+    friction: float = 0.0
+    diameter_m: float = 0.0
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What a run starts with."""
+
+    shape: PipeShape
+    friction: Friction
+    pose: StartPose
+    obstacles: tuple[Obstacle, ...]
+
+
+def scene_of(
+    profile: Profile,
+    machine: Machine,
+    pipe: pipe_model.Pipe,
+    *,
+    start_values: Sequence[float] | None,
+    jitter: Jitter,
+    rng: np.random.Generator,
+) -> Scene:
+    """The run's own numbers are drawn.
+
+    Args:
+        profile: Of the robot.
+        machine: The same, as simulated.
+        pipe: Where it starts.
+        start_values: Setpoints of the configuration it starts in, one per slot: joints that
+            have a duty are wound up in a clamp. None: straight and unclamped.
+        jitter: How far the numbers may differ.
+        rng: Source of chance.
+    """
+    start, friction, diameter = rng.uniform(-1.0, 1.0, 3)
+    parts = tuple(
+        Straight(part.straight) if isinstance(part, pipe_model.Straight) else Mitre(part.mitre)
+        for part in pipe.segments
+    )
+    shape = PipeShape(pipe.diameter + diameter * jitter.diameter_m, parts, pipe.tilt, pipe.uphill)
+    coefficients = pipe.friction if pipe.friction is not None else profile.simulation.friction
+    scale = 1.0 + friction * jitter.friction
+    pose = StartPose(
+        _start(machine, pipe) + start * jitter.start_m, _wound(machine, start_values), -pipe.roll
+    )
+    return Scene(
+        shape,
+        Friction(coefficients.static * scale, coefficients.kinetic * scale),
+        pose,
+        tuple(Obstacle(each.at, each.from_s, each.lasting) for each in pipe.blockages),
+    )
+
+
+def _start(machine: Machine, pipe: pipe_model.Pipe) -> float:
+    """Place of the first wheel; by default the robot is in the middle of the first segment."""
+    if pipe.start is not None:
+        return pipe.start.at
+    first = pipe.segments[0]
+    middle = 0.5 * first.straight if isinstance(first, pipe_model.Straight) else 0.0
+    return middle + 0.5 * sum(link.length_m for link in machine.chain.links)
+
+
+def _wound(machine: Machine, values: Sequence[float] | None) -> dict[int, float]:
+    if values is None:
+        return {}
+    n = machine.chain.nodes
+    return {
+        route.command: value
+        for route, value in zip(machine.routes, values, strict=True)
+        if 0 <= route.command < n and value != 0.0
+    }
+
+
+def words_of(profile: Profile, machine: Machine) -> tuple[Word, ...]:
+    """The detector's words with wheels as indexes."""
+    wheels = machine.wheels
+    return tuple(
+        Word(
+            name,
+            Point(wheels[each.forward.wheel], each.forward.passed),
+            Point(wheels[each.backward.wheel], each.backward.passed),
+        )
+        for name, each in profile.detector.words.items()
+    )
+
+
+def vees_of(profile: Profile, machine: Machine) -> dict[str, Vee]:
+    """The parts that show the pipe's diameter when they are clamped."""
+    links = profile.body.links
+    found: dict[str, Vee] = {}
+    for name, part in profile.body.parts.items():
+        apex = machine.joints[part.apex]
+        legs = [links[m].length for m in (apex - 1, apex) if links[m].roll is None]
+        wheels = tuple(machine.wheels[w.name] for w in profile.body.wheels if w.part == name)
+        found[name] = Vee(apex, legs[0] if legs else links[apex].length, wheels)
+    return found
