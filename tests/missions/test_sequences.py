@@ -1,0 +1,125 @@
+"""The shipped missions: they succeed, in the order of the thesis, and never let go."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.loading import library
+from pirate_sm.loading.mission import load_mission
+from pirate_sm.loading.problems import LoadError
+from pirate_sm.model.effects import CommandStatus, StateChange
+
+SHIPPED = library.missions()
+PRINTED = Path(__file__).parent / "enter_3d_as_printed.yaml"
+
+# Fig. 6-9 of the thesis: FrontWheels, RearWheels, Bending, Rotation, Lighting.
+FIG_6_9 = [
+    ("Free", "Free", "Unclamped", "Unaligned", "Off"),
+    ("Free", "Fixed", "RearClampedFrontRelaxed", "Unaligned", "On"),
+    ("Free", "Fixed", "RearClampedFrontBending", "Unaligned", "On"),
+    ("Free", "DrivingForward", "RearClampedFrontBending", "Unaligned", "On"),
+    ("Free", "Fixed", "RearClampedFrontBending", "Unaligned", "On"),
+    ("Fixed", "Fixed", "DoubleClamped", "Unaligned", "On"),
+    ("Fixed", "Fixed", "FrontClampedRearBendingBack", "Unaligned", "On"),
+    ("DrivingForward", "DrivingForward", "DoubleClamped", "Unaligned", "On"),
+    ("Fixed", "Fixed", "DoubleClamped", "Unaligned", "On"),
+]
+_TURNED = {"Front": "Rear", "Rear": "Front", "Forward": "Backward"}
+
+
+def _reversed(states):
+    """The same moment with front and rear exchanged and the direction turned."""
+    front, rear, *rest = states
+    return tuple(
+        re.sub("Front|Rear|Forward", lambda match: _TURNED[match[0]], word)
+        for word in (rear, front, *rest)
+    )
+
+
+def _contains(trace, wanted):
+    rest = iter(trace)
+    return all(each in rest for each in wanted)
+
+
+@pytest.mark.parametrize("backend", ["trace", "sim"])
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_a_shipped_mission_succeeds(run, path, backend):
+    record = run(path, backend=backend)
+    assert record.ended.outcome == "succeeded", record.ended.message
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_a_shipped_mission_is_found_by_its_name_and_says_what_it_does(path):
+    assert library.find_mission(path.stem) == path
+    text = path.read_text("utf-8")
+    assert f"\nmission: {path.stem}\n" in text
+    assert "\ndescription: " in text
+
+
+@pytest.mark.parametrize("backend", ["trace", "sim"])
+@pytest.mark.parametrize("mission", ["mitre_bend", "exp_2a_commands", "exp_2b_detector"])
+def test_the_bend_shows_the_nine_snapshots(run, mission, backend):
+    assert _contains(run(mission, backend=backend).states, FIG_6_9)
+
+
+def test_the_bend_backward_shows_them_with_front_and_rear_exchanged(run):
+    record = run("mitre_bend_backward", backend="sim")
+    assert _contains(record.states, [_reversed(states) for states in FIG_6_9])
+    assert record.prepared.truth().distance_m < -0.6
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_a_shipped_mission_never_lets_go_and_ends_with_stopped_wheels(run, path):
+    record = run(path, backend="sim")
+    held = [change.states[2] != "Unclamped" for change in record.of(StateChange)]
+    assert held == sorted(held)
+    assert {record.last_setpoints[f"wheel_{number}"] for number in range(1, 7)} == {0.0}
+
+
+@pytest.mark.parametrize("name", ["exp_1a_both", "exp_1b_front", "exp_1c_rear"])
+def test_experiment_1_goes_up_and_down_three_times_and_meets_a_block_each_way(run, name):
+    fired = run(name, backend="sim").fired
+    assert [trigger for trigger in fired if trigger.endswith("_end")] == ["far_end", "near_end"] * 3
+    second = fired[fired.index("near_end") + 1 :]
+    assert second[:6] == ["blocked", "free", "far_end", "blocked", "free", "near_end"]
+
+
+def test_climbing_holds_its_place(run):
+    record = run("climb", backend="sim")
+    assert record.fired == ["at_height", "held", "at_the_start"]
+    assert record.prepared.truth().distance_m == pytest.approx(0.0, abs=0.02)
+
+
+def test_entering_in_3d_ends_with_both_parts_turned(run):
+    record = run("enter_3d", backend="sim")
+    assert ("Free", "Fixed", "RearClampedFrontRelaxed", "AlignedRight", "On") in record.states
+    assert record.states[-1][2:] == ("DoubleClamped", "AlignedStraight", "On")
+
+
+def test_entering_in_3d_as_printed_is_refused():
+    with pytest.raises(LoadError, match="AlignLeft or AlignRight") as caught:
+        load_mission(PRINTED)
+    assert "enter_3d_as_printed.yaml:" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("struck_out", "command", "reason"),
+    [
+        (("AlignOther",), "ClampRear", "unneeded"),
+        (("ToggleLight", "ClampRear", "AlignOther"), "RelaxRear", "impossible"),
+    ],
+)
+def test_what_else_is_wrong_with_it_is_refused_when_it_runs(
+    run, tmp_path, struck_out, command, reason
+):
+    lines = PRINTED.read_text("utf-8").splitlines()
+    for name in struck_out:
+        last = max(number for number, line in enumerate(lines) if line.strip() == f"- {name}")
+        del lines[last]
+    mission = tmp_path / "printed.yaml"
+    mission.write_text("\n".join(lines), encoding="utf-8")
+    refused = [s for s in run(mission, backend="trace").of(CommandStatus) if s.status == "refused"]
+    assert [(status.name, status.reason.split(":")[0]) for status in refused] == [(command, reason)]
