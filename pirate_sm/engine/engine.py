@@ -13,6 +13,7 @@ from typing import Any
 from pirate_sm.engine import machine, pausing, robot_state
 from pirate_sm.engine.faults import Found, listen, look, no_faults
 from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline
+from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import RobotState
@@ -196,7 +197,8 @@ class Engine:
         self, state: EngineState, now: float, effects: list[Effect]
     ) -> tuple[EngineState, Effects]:
         robot_before, mission_before = state.robot, state.mission
-        if now >= state.wake_at_s or now - state.sensing.checked_s >= self._listen_every_s:
+        listen_at_s = state.sensing.checked_s + self._listen_every_s
+        if has_come(now, min(state.wake_at_s, listen_at_s)):
             state = self._housekeep(state, now, effects)
         if state.mission.ending is not None:
             state = self._finish_ending(state, now, effects)
@@ -206,7 +208,7 @@ class Engine:
         if mission.answer is not None or mission.skipped is not None:
             state = state._replace(mission=mission._replace(answer=None, skipped=None))
         changed = state.robot is not robot_before or state.mission is not mission_before
-        if changed or effects or now >= state.wake_at_s:
+        if changed or effects or has_come(now, state.wake_at_s):
             state = self._set_wake(state, effects)
         return state, tuple(effects)
 
@@ -216,8 +218,9 @@ class Engine:
         if state.mission.diverting is not None:
             state = self._divert(state, now, effects)
         state = pausing.begin_if_wanted(self.robot, state, now, effects)
-        if state.mission.clock(now) >= self.program.time_limit_s and not state.mission.ending:
-            message = f"the mission's time limit of {self.program.time_limit_s:g} s has passed"
+        limit_s = self.program.time_limit_s
+        if has_come(state.mission.clock(now), limit_s) and not state.mission.ending:
+            message = f"the mission's time limit of {limit_s:g} s has passed"
             state = end(self._setting, state, "failed", message, "", now, effects)
         state = advance(self._setting, state, now, effects)
         return pausing.begin_if_wanted(self.robot, state, now, effects)
@@ -281,13 +284,13 @@ class Engine:
 
     def _housekeep(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
         """What grows old has been looked at: signals, boards, the detector's word, the flight."""
-        if now >= state.word_until_s:
+        if has_come(now, state.word_until_s):
             words = (*state.words[:-2], None, state.words[-1])
             state = state._replace(words=words, word_until_s=inf)
         robot = machine.resend(state.robot, now, effects)
         if robot is not state.robot:
             state = state._replace(robot=robot)
-        if self.nominal or now - state.sensing.checked_s < self._listen_every_s:
+        if self.nominal or not has_come(now, state.sensing.checked_s + self._listen_every_s):
             return state
         state = state._replace(sensing=forget_stale(self.robot, state.sensing, now))
         faults, found = listen(self.robot, state.faults, state.sensing, now)
@@ -303,7 +306,7 @@ class Engine:
             return state
         message = ending.message
         if state.robot.flight is not None:
-            if now < ending.give_up_s:
+            if not has_come(now, ending.give_up_s):
                 return state
             message += " (the safe setpoints were not confirmed)"
         effects.append(Ended(ending.outcome, message, ending.end))

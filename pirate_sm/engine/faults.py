@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import isnan, nan
 from typing import NamedTuple
 
+from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.robot import BoardSpec, RobotSpec
 from pirate_sm.engine.sensing import Sensing
 from pirate_sm.engine.state import FaultState, Words
@@ -52,7 +53,7 @@ def look(
         if isnan(began):
             since = list(faults.since) if since is None else since
             since[index] = began = now
-        if index not in raised and now - began >= rule.held_s:
+        if index not in raised and has_come(now, began + rule.held_s):
             raised |= {index}
             found.append(Found(rule.code, rule.message, rule.catchable))
     blind, unseen = _blind(robot, faults.blind, board, numbers)

@@ -10,6 +10,7 @@ from math import inf, isnan, nan
 from typing import Any, NamedTuple
 
 from pirate_sm.engine import machine, robot_state
+from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import (
     STOP,
     Branch,
@@ -246,7 +247,7 @@ def _wait(
         trigger = it.triggers[fired]
         effects.append(TriggerFired(it.phase, trigger.name, trigger.go_name, reason))
         return _go(state, trigger.go)
-    if clock >= mission.armed_s + it.within_s:
+    if has_come(clock, mission.armed_s + it.within_s):
         cause = f"the wait of {it.phase} ({it.place}) lasted longer than {it.within_s:g} s"
         effects.append(TriggerFired(it.phase, "within", it.within_name, cause))
         mission = mission._replace(cause=cause)
@@ -273,7 +274,7 @@ def _look(
         began = since[index]
         if trigger.condition.evaluate(numbers, words) is True:
             began = clock if isnan(began) else began
-            if clock - began >= trigger.held_s:  # rule 7
+            if has_come(clock, began + trigger.held_s):  # rule 7
                 return since, index, trigger.text
         else:
             began = nan
@@ -285,7 +286,7 @@ def _look(
 def _is_time(trigger: TriggerSpec, mission: MissionState, clock: float) -> bool:
     """Whether a trigger without a condition fires: its time has come, or its answer."""
     if trigger.after_s is not None:
-        return clock >= mission.armed_s + trigger.after_s
+        return has_come(clock, mission.armed_s + trigger.after_s)
     return trigger.answer == mission.answer
 
 
@@ -307,7 +308,7 @@ def _question(
                 return state._replace(mission=_moved(mission, target))
         effects.append(Log("warning", f"'{answer}' is no answer to '{it.text}'"))
         return state._replace(mission=mission._replace(answer=None))
-    if clock >= mission.armed_s + it.timeout_s:
+    if has_come(clock, mission.armed_s + it.timeout_s):
         effects.append(Ask("", ()))
         cause = f"'{it.text}' ({it.place}) was not answered within {it.timeout_s:g} s"
         return fail(setting, state, cause, it.failed, now, effects)

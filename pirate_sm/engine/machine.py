@@ -10,6 +10,7 @@ from __future__ import annotations
 from math import inf, isnan, nan
 
 from pirate_sm.engine.done import Loop, holds, must_hold_s, told
+from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.robot import AcceptedSpec, RobotSpec, StageSpec
 from pirate_sm.engine.robot_state import (
     Finished,
@@ -45,10 +46,10 @@ def begin(
     spec = robot.commands[command]
     target = robot.table.follow(state.configuration, command)
     motion = Motion(command, target, spec.timeout_s if timeout_s is None else timeout_s, place)
+    state = state._replace(motion=motion)
     values, loops = _actuate(robot, state, sensing, _touched(robot, state, motion), 0)
     effects.append(CommandStatus(spec.name, "sent", "", place))
-    state = state._replace(motion=motion, loops=loops)
-    return _send(state, values, "gate", effects)
+    return _send(state._replace(loops=loops), values, "gate", effects)
 
 
 def resolve(
@@ -83,7 +84,7 @@ def resolve(
 def resend(state: RobotState, now: float, effects: list[Effect]) -> RobotState:
     """An array of unknown fate has been sent again, under its own id, when that was due."""
     flight = state.flight
-    if flight is None or now < flight.resend_at_s:
+    if flight is None or not has_come(now, flight.resend_at_s):
         return state
     effects.append(Setpoints(flight.setpoint_id, flight.values))
     return state._replace(flight=flight._replace(tries=flight.tries + 1, resend_at_s=inf))
@@ -115,7 +116,7 @@ def watch(
         return state, None
     spec = robot.commands[motion.command]
     if nominal:
-        if now >= motion.accepted_s + spec.nominal_s:
+        if has_come(now, motion.accepted_s + spec.nominal_s):
             return _complete(robot, state, sensing, "nominal duration has passed", effects)
         return state, None
     if state.loops:
@@ -123,12 +124,12 @@ def watch(
     since_s = motion.since_s
     if holds(spec.done, sensing.numbers, state.values, state.loops):
         since_s = now if isnan(since_s) else since_s
-        if now - since_s >= must_hold_s(spec.done, sensing.numbers, state.loops):
+        if has_come(now, since_s + must_hold_s(spec.done, sensing.numbers, state.loops)):
             reason = told(robot, spec.done, sensing.numbers, state.loops)
             return _complete(robot, state, sensing, reason, effects)
     elif not isnan(since_s):
         since_s = nan
-    if now >= motion.deadline_s:
+    if has_come(now, motion.deadline_s):
         reason = f"not done within {motion.timeout_s:g} s"
         return fail(robot, state, reason, effects), Finished(False, reason)
     if since_s is not motion.since_s:

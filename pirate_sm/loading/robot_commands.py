@@ -109,7 +109,7 @@ def _is_true(condition: Expression | None, states: tuple[str, ...]) -> bool:
     return condition is not None and condition.evaluate((), states) is True
 
 
-def _criterion(
+def _criterion(  # noqa: C901 - one case per kind
     profile: model.Profile,
     done: criteria.Criterion,
     signals: Signals,
