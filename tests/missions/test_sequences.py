@@ -123,3 +123,44 @@ def test_what_else_is_wrong_with_it_is_refused_when_it_runs(
     mission.write_text("\n".join(lines), encoding="utf-8")
     refused = [s for s in run(mission, backend="trace").of(CommandStatus) if s.status == "refused"]
     assert [(status.name, status.reason.split(":")[0]) for status in refused] == [(command, reason)]
+
+
+def _changed(tmp_path, pipe, **keys):
+    """A shipped pipe's file with lines added, for what the pipes do not show by themselves."""
+    text = library.find_pipe(pipe).read_text("utf-8")
+    path = tmp_path / "changed.yaml"
+    path.write_text(text + "".join(f"{key}: {value}\n" for key, value in keys.items()), "utf-8")
+    return str(path)
+
+
+@pytest.mark.parametrize("mission", ["mitre_bend", "exp_2a_commands", "exp_2b_detector"])
+def test_a_stuck_robot_ends_clamped_and_says_so(run, tmp_path, mission):
+    pipe = _changed(tmp_path, "mitre_90", blockages="[{at: 850 mm, lasting: 1 h}]")
+    record = run(mission, backend="sim", pipe=pipe)
+    assert record.ended.outcome == "failed"
+    assert "both parts clamped, after robot.stuck" in record.ended.message
+    assert record.states[-1][:3] == ("Fixed", "Fixed", "DoubleClamped")
+
+
+def test_a_falling_robot_is_noticed_and_keeps_its_clamps(run, tmp_path):
+    pipe = _changed(tmp_path, "vertical", friction="{static: 0.05, kinetic: 0.04}")
+    record = run("climb", backend="sim", pipe=pipe)
+    assert record.ended.outcome == "fault"
+    assert "robot.fallen" in record.ended.message
+    clamps = [record.last_setpoints[f"bend_{number}"] for number in range(1, 5)]
+    assert [clamp > 0 for clamp in clamps] == [False, True, False, True]
+
+
+def test_a_bend_that_is_not_there_ends_the_bend_mission(run):
+    record = run("mitre_bend", backend="sim", pipe="straight_113", settings={"give_up": "5 s"})
+    assert record.ended.end == "not_found"
+    assert record.states[-1][2] == "DoubleClamped"
+
+
+def test_from_a_phase_on(run):
+    states = {
+        "BendingState": "DoubleClamped", "FrontWheelsState": "DrivingForward",
+        "RearWheelsState": "DrivingForward", "LightingState": "On",
+    }  # fmt: skip
+    record = run("mitre_bend", backend="trace", start_phase="prepare", states=states)
+    assert _contains(record.states, FIG_6_9[1:])
