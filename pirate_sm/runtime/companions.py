@@ -27,8 +27,15 @@ class Companion(Protocol):
         listening: Whether a person is being waited for, so that time must not run ahead of theirs.
     """
 
-    due_s: float
-    listening: bool
+    @property
+    def due_s(self) -> float:
+        """When it wants to be asked next."""
+        ...
+
+    @property
+    def listening(self) -> bool:
+        """Whether a person is being waited for."""
+        ...
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
         """It knows what has just happened."""

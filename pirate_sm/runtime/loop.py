@@ -118,6 +118,9 @@ class MissionRun:
             message = f"a fault in this program: {_told(error)}"
             self._abandon(Ended("fault", message))
             return self._result(BUG, error)
+        except BaseException:
+            self._abandon(Ended("interrupted", "this program was told to exit"))
+            raise
         finally:
             self._backend.close()
         assert self.ended is not None  # _go_on returns when there is an end

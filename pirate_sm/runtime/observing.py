@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from pirate_sm.model.effects import Effect
 
@@ -18,6 +18,7 @@ class Observer(Protocol):
         ...
 
 
+@runtime_checkable
 class Watcher(Protocol):
     """Looks at the run in between, every ``PULSE_S`` of the wall's time."""
 

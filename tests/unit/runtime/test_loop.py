@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from math import inf
 from typing import Any
 
@@ -9,7 +10,7 @@ import pytest
 from pirate_sm.errors import BackendError
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
-from pirate_sm.runtime.companions import FirstChoice, Firing, TriggerScript
+from pirate_sm.runtime.companions import Firing, FirstChoice, TriggerScript
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.stopping import BY_SIGNAL, Stop, StopRequests
 
@@ -329,7 +330,7 @@ def test_watchers_look_on_at_a_rate_of_the_walls_clock_even_in_a_long_sleep() ->
 
     run(FakeEngine(lasting=4.0), FakeBackend(), clock=clock, factor=1.0, watchers=[Watcher()])
 
-    gaps = [late - early for early, late in zip(looks, looks[1:], strict=False)]
+    gaps = [late - early for early, late in pairwise(looks)]
     assert 40 <= len(looks) <= 90
     assert max(gaps) <= 0.1
 

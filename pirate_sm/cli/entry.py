@@ -1,0 +1,225 @@
+"""The commands `pirate` and `pirate-run` and their options, quick to start.
+
+Nothing of this package but its version is imported before a command is known to run: a help text
+must not wait for models, numbers and compilers.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Annotated
+
+import typer
+
+from pirate_sm import __version__
+
+
+class Backends(str, Enum):  # noqa: UP042 - a StrEnum would show its members in capitals
+    """What can run a mission."""
+
+    SIM = "sim"
+    TRACE = "trace"
+
+
+class Things(str, Enum):  # noqa: UP042
+    """What can be listed."""
+
+    ROBOTS = "robots"
+    COMMANDS = "commands"
+    SIGNALS = "signals"
+    DEFECTS = "defects"
+    MISSIONS = "missions"
+    PIPES = "pipes"
+
+
+def _app(*, completion: bool) -> typer.Typer:
+    # Plain help starts in half the time of the coloured one; our own errors are shown by us.
+    return typer.Typer(
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+        add_completion=completion,
+        no_args_is_help=completion,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+
+
+pirate = _app(completion=True)
+pirate_run = _app(completion=False)
+new = _app(completion=True)
+pirate.add_typer(new, name="new", help="Start a mission or a robot from a template that runs.")
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"pirate-sm {__version__}")
+        raise typer.Exit
+
+
+_VERSION = typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+
+
+@pirate.callback()
+def _pirate(version: Annotated[bool, _VERSION] = False) -> None:
+    """Missions in YAML for in-pipe inspection robots."""
+
+
+@pirate.command("run")
+@pirate_run.command()
+def run(
+    mission: Annotated[
+        str, typer.Argument(metavar="MISSION", help="A shipped mission's name, or a file.")
+    ],
+    backend: Annotated[
+        Backends, typer.Option(help="sim: the kinematic simulator; trace: nothing moves.")
+    ] = Backends.SIM,
+    robot: Annotated[
+        str | None, typer.Option(metavar="NAME", help="In place of the mission's own.")
+    ] = None,
+    pipe: Annotated[
+        str | None, typer.Option(metavar="NAME", help="In place of the mission's own.")
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="A parameter's value. Repeatable."),
+    ] = None,
+    start_phase: Annotated[
+        str | None, typer.Option("--from", metavar="PHASE", help="Begin with this phase.")
+    ] = None,
+    states: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--state", metavar="REGION=STATE", help="The robot is in this state. Repeatable."
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of everything random.")] = 0,
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            metavar="max|realtime|FACTOR",
+            help="Mission time over wall time. On a terminal 4, else max.",
+        ),
+    ] = None,
+    defects: Annotated[
+        list[str] | None,
+        typer.Option("--defect", metavar="NAME", help="Switch on a known defect. Repeatable."),
+    ] = None,
+    fire: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="TRIGGER[=SECONDS]",
+            help="In a trace: the trigger that a wait takes. Repeatable, in order.",
+        ),
+    ] = None,
+    script: Annotated[
+        str | None,
+        typer.Option(metavar="FILE", help="In a trace: a YAML list of {phase, trigger, after}."),
+    ] = None,
+    yes: Annotated[
+        bool, typer.Option("--yes", "-y", help="Take the first answer to every question.")
+    ] = False,
+    plain: Annotated[bool, typer.Option("--plain", help="Lines instead of the live view.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="JSON Lines on standard output.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only how it ended.")] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
+    version: Annotated[bool, _VERSION] = False,
+) -> None:
+    """Run a mission.
+
+    Exit codes: 0 succeeded, 1 mission failed, 2 invalid files or arguments (nothing moved),
+    3 backend or link fault, 4 a fault in this program, 129/130/141/143 stopped from outside; the
+    robot is brought to its safe state on every way out.
+    """
+    from pirate_sm.cli.guard import guarded
+
+    def work() -> int:
+        from pirate_sm.cli.run import Wishes, run_mission
+
+        return run_mission(
+            Wishes(
+                mission=mission,
+                backend=backend.value,
+                robot=robot,
+                pipe=pipe,
+                settings=settings or [],
+                start_phase=start_phase,
+                states=states or [],
+                seed=seed,
+                speed=speed,
+                defects=defects or [],
+                fire=fire or [],
+                script=script,
+                yes=yes,
+                plain=plain,
+                json=json,
+                quiet=quiet,
+                debug=debug,
+            )
+        )
+
+    raise typer.Exit(guarded(work, debug))
+
+
+@pirate.command("list")
+def list_(
+    what: Annotated[
+        Things | None, typer.Argument(help="All of them when nothing is named.")
+    ] = None,
+    robot: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Whose commands, signals and defects.")
+    ] = None,
+    debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
+) -> None:
+    """Show robots, commands, signals, defects, missions and pipes."""
+    from pirate_sm.cli.guard import guarded
+
+    def work() -> int:
+        from pirate_sm.cli.listing import show
+
+        return show(what.value if what else None, robot)
+
+    raise typer.Exit(guarded(work, debug))
+
+
+@new.command("mission")
+def new_mission(
+    name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")],
+    robot: Annotated[
+        str | None, typer.Option(metavar="NAME", help="For which robot; the first one shipped.")
+    ] = None,
+    debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
+) -> None:
+    """Write a mission that runs."""
+    from pirate_sm.cli.guard import guarded
+
+    def work() -> int:
+        from pirate_sm.cli.new import write_mission
+
+        return write_mission(name, robot)
+
+    raise typer.Exit(guarded(work, debug))
+
+
+@new.command("robot")
+def new_robot(
+    name: Annotated[str, typer.Argument(help="Its name; the folder is NAME.")],
+    debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
+) -> None:
+    """Write a small robot with a pipe and a mission that runs."""
+    from pirate_sm.cli.guard import guarded
+
+    def work() -> int:
+        from pirate_sm.cli.new import write_robot
+
+        return write_robot(name)
+
+    raise typer.Exit(guarded(work, debug))
+
+
+def main() -> None:
+    """The process has done what `pirate …` says and ended."""
+    pirate()
+
+
+def run_main() -> None:
+    """The process has done what `pirate-run …` says and ended."""
+    pirate_run()

@@ -1,0 +1,54 @@
+"""One readable line per event."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TextIO
+
+from pirate_sm.cli.situation import Situation
+from pirate_sm.cli.telling import Teller, summary
+from pirate_sm.model.effects import Effect, Ended
+
+
+class Lines:
+    """Writes lines as things happen; quiet, only how it ended."""
+
+    def __init__(self, out: TextIO, situation: Situation, *, quiet: bool = False) -> None:
+        self._out = out
+        self._situation = situation
+        self._quiet = quiet
+        nominal = situation.prepared.engine.nominal
+        self._teller = Teller(situation.robot, with_setpoints=nominal)
+
+    def begin(self) -> None:
+        """It is written what is about to run."""
+        if not self._quiet:
+            for notice in headline(self._situation), *self._situation.prepared.notices:
+                self._write(0.0, "run", notice)
+            self._out.flush()
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        """What has just happened is written, and whoever reads the output has it."""
+        for effect in effects:
+            if isinstance(effect, Ended):
+                there = self._situation
+                text = summary(effect, now_s, there.distance_m(), there.odometry_m())
+                self._write(now_s, "end", text)
+            elif not self._quiet:
+                for topic, text in self._teller.lines(effect):
+                    self._write(now_s, topic, text)
+        self._out.flush()
+
+    def _write(self, now_s: float, topic: str, text: str) -> None:
+        self._out.write(f"{now_s:9.3f}  {topic:<9}  {text}\n")
+
+
+def headline(situation: Situation) -> str:
+    """Mission, robot, pipe and backend in one line."""
+    order, loaded = situation.prepared.order, situation.prepared.loaded
+    pipe = f" in {loaded.pipe_name}" if loaded.pipe_name else ""
+    how = f"seed {order.seed}" if order.backend == "sim" else "ideal"
+    defects = f", defects: {', '.join(order.defects)}" if order.defects else ""
+    return (
+        f"{loaded.mission.mission} on {loaded.robot.name}{pipe}, {order.backend} ({how}{defects})"
+    )

@@ -1,0 +1,79 @@
+"""A drawing made of braille characters: 2 × 4 dots in each, about square."""
+
+from __future__ import annotations
+
+from math import hypot
+
+from rich.text import Text
+
+ACROSS, DOWN = 2, 4
+_BLANK = 0x2800
+_BITS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
+
+
+class Canvas:
+    """Dots on a grid of characters; a character has the style of what was drawn into it last."""
+
+    def __init__(self, columns: int, rows: int) -> None:
+        self.width, self.height = columns * ACROSS, rows * DOWN
+        self._bits = [[0] * columns for _ in range(rows)]
+        self._styles = [[""] * columns for _ in range(rows)]
+
+    def dot(self, x: float, y: float, style: str) -> None:
+        """There is a dot, unless it lies outside; y counts downwards."""
+        column, row = round(x), round(y)
+        if 0 <= column < self.width and 0 <= row < self.height:
+            across, down = column // ACROSS, row // DOWN
+            self._bits[down][across] |= _BITS[row % DOWN][column % ACROSS]
+            self._styles[down][across] = style
+
+    def line(self, x0: float, y0: float, x1: float, y1: float, style: str) -> None:
+        """The two places are joined, as far as they lie inside."""
+        clipped = _clip(x0, y0, x1, y1, self.width, self.height)
+        if clipped is None:
+            return
+        x0, y0, x1, y1 = clipped
+        steps = max(1, round(max(abs(x1 - x0), abs(y1 - y0))))
+        for step in range(steps + 1):
+            share = step / steps
+            self.dot(x0 + (x1 - x0) * share, y0 + (y1 - y0) * share, style)
+
+    def disc(self, x: float, y: float, radius: float, style: str) -> None:
+        """There is a filled disc of at least one dot."""
+        self.dot(x, y, style)
+        reach = int(radius) + 1
+        for row in range(round(y) - reach, round(y) + reach + 1):
+            for column in range(round(x) - reach, round(x) + reach + 1):
+                if hypot(column - x, row - y) <= radius:
+                    self.dot(column, row, style)
+
+    def rows(self) -> list[Text]:
+        """One line of text per row of characters."""
+        lines = []
+        for bits, styles in zip(self._bits, self._styles, strict=True):
+            line = Text(no_wrap=True, end="")
+            for bit, style in zip(bits, styles, strict=True):
+                line.append(chr(_BLANK + bit) if bit else " ", style or None)
+            lines.append(line)
+        return lines
+
+
+def _clip(
+    x0: float, y0: float, x1: float, y1: float, width: float, height: float
+) -> tuple[float, float, float, float] | None:
+    """The part of a line inside the grid (Liang and Barsky 1984); None where it passes by."""
+    dx, dy = x1 - x0, y1 - y0
+    enter, leave = 0.0, 1.0
+    for toward, room in ((-dx, x0), (dx, width - x0), (-dy, y0), (dy, height - y0)):
+        if toward == 0:
+            if room < 0:
+                return None
+            continue
+        share = room / toward
+        if toward < 0:
+            enter = max(enter, share)
+        else:
+            leave = min(leave, share)
+    if enter > leave:
+        return None
+    return x0 + enter * dx, y0 + enter * dy, x0 + leave * dx, y0 + leave * dy

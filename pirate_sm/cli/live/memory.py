@@ -1,0 +1,80 @@
+"""What the view must remember, because the engine's state does not say it."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from pirate_sm.cli.telling import Line, Teller
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.model import effects as fx
+
+_KEPT = 60
+
+
+class Visit(NamedTuple):
+    """A phase and when it was entered."""
+
+    phase: str
+    since_s: float
+
+
+class Memory:
+    """What has happened so far.
+
+    Attributes:
+        phase: Where the mission is.
+        spent_s: How long it has been in each phase that it has left.
+        wait: What it waits for, and since when; None while it does not.
+        setpoints: The newest array.
+        changed: Slots that the newest array changed.
+        recent: The last lines, with their times.
+        ended: How it ended.
+    """
+
+    def __init__(self, robot: RobotSpec) -> None:
+        self._teller = Teller(robot, with_setpoints=False)
+        self.phase = Visit("", 0.0)
+        self.spent_s: dict[str, float] = {}
+        self.wait: tuple[fx.WaitArmed, float] | None = None
+        self.states: fx.StateChange | None = None
+        self.setpoints: tuple[float, ...] = (0.0,) * len(robot.slots)
+        self.changed: frozenset[int] = frozenset()
+        self.recent: deque[tuple[float, Line]] = deque(maxlen=_KEPT)
+        self.ended: fx.Ended | None = None
+
+    def see(self, effects: Sequence[fx.Effect], now_s: float) -> None:
+        """It has taken note."""
+        for effect in effects:
+            self._note(effect, now_s)
+            self.recent += ((now_s, line) for line in self._teller.lines(effect))
+
+    def _note(self, effect: fx.Effect, now_s: float) -> None:
+        match effect:
+            case fx.PhaseChange():
+                self._leave(now_s)
+                self.phase, self.wait = Visit(effect.phase, now_s), None
+            case fx.WaitArmed():
+                if effect.phase != self.phase.phase:  # back from a mission that it called
+                    self._leave(now_s)
+                    self.phase = Visit(effect.phase, now_s)
+                self.wait = effect, now_s
+            case fx.TriggerFired():
+                self.wait = None
+            case fx.StateChange():
+                self.states = effect
+            case fx.Setpoints():
+                pairs = zip(self.setpoints, effect.values, strict=True)
+                self.changed = frozenset(i for i, (old, new) in enumerate(pairs) if old != new)
+                self.setpoints = effect.values
+            case fx.Ended():
+                self._leave(now_s)
+                self.ended, self.wait = effect, None
+            case _:
+                pass
+
+    def _leave(self, now_s: float) -> None:
+        name, since_s = self.phase
+        if name:
+            self.spent_s[name] = self.spent_s.get(name, 0.0) + now_s - since_s

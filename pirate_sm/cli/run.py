@@ -1,0 +1,215 @@
+"""What `pirate run` does, from words on the command line to an exit code."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable
+from contextlib import AbstractContextManager, ExitStack
+from dataclasses import dataclass
+from math import inf, isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from pirate_sm.cli.guard import say, say_bug, show_traceback, silence_stdout
+from pirate_sm.cli.jsonl import JsonLines
+from pirate_sm.cli.lines import Lines
+from pirate_sm.cli.script import read_fire, read_script
+from pirate_sm.cli.situation import Situation
+from pirate_sm.errors import UsageError
+from pirate_sm.runtime.companions import Companion, FirstChoice
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.runtime.observing import Observer, Watcher
+from pirate_sm.runtime.outcome import BUG, Result
+from pirate_sm.runtime.stopping import OUTPUT_LOST, CaughtSignals, StopRequests
+from pirate_sm.wiring import Order, Prepared, answers, prepare
+
+if TYPE_CHECKING:
+    from pirate_sm.cli.asking import Operator
+
+ON_A_TERMINAL = 4.0
+"""Mission seconds per second where a person is thought to watch."""
+
+
+class Output(Observer, Protocol):
+    """One of the ways to show a run."""
+
+    def begin(self) -> None:
+        """What is about to run has been said."""
+        ...
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """The command line as it was given."""
+
+    mission: str
+    backend: str
+    robot: str | None
+    pipe: str | None
+    settings: list[str]
+    start_phase: str | None
+    states: list[str]
+    seed: int
+    speed: str | None
+    defects: list[str]
+    fire: list[str]
+    script: str | None
+    yes: bool
+    plain: bool
+    json: bool
+    quiet: bool
+    debug: bool
+
+
+def run_mission(wishes: Wishes) -> int:
+    """The exit code of the run that was asked for.
+
+    Raises:
+        LoadError: Everything that is wrong with the files; nothing has moved.
+        UsageError: An argument does not fit; nothing has moved.
+    """
+    if wishes.json and wishes.quiet:
+        raise UsageError("--json and --quiet exclude each other")
+    on_terminal = is_terminal() and not (wishes.json or wishes.quiet)
+    factor = read_speed(wishes.speed, ON_A_TERMINAL if is_terminal() else inf)
+    prepared = prepare(read_order(wishes))
+    requests = StopRequests()
+    with CaughtSignals(requests):
+        return _show(prepared, wishes, factor, on_terminal, requests)
+
+
+def _show(
+    prepared: Prepared, wishes: Wishes, factor: float, on_terminal: bool, requests: StopRequests
+) -> int:
+    """The run has been shown in the way that was wished, and ended."""
+    situation = Situation(prepared)
+    live = on_terminal and not wishes.plain
+    with ExitStack() as stack:
+        operator = _operator(prepared, wishes, on_terminal, live, stack)
+        output = _output(situation, wishes, live, factor, operator)
+        companions: list[Companion] = [*prepared.companions, operator or FirstChoice()]
+        run = MissionRun(
+            prepared.engine,
+            prepared.backend,
+            observers=[output],
+            watchers=[output] if isinstance(output, Watcher) else [],
+            companions=companions,
+            requests=requests,
+            factor=factor,
+        )
+        situation.run = run
+        output.begin()
+        if isinstance(output, AbstractContextManager):
+            stack.enter_context(output)
+        result = run.execute()
+    return _conclude(result, wishes)
+
+
+def _operator(
+    prepared: Prepared, wishes: Wishes, on_terminal: bool, live: bool, stack: ExitStack
+) -> Operator | None:
+    """The person at the keyboard, where there is one who can see the questions."""
+    if wishes.yes or not (on_terminal and sys.stdin.isatty()):
+        return None
+    from pirate_sm.cli.asking import Operator, TerminalKeys
+
+    keys = stack.enter_context(TerminalKeys())
+    show = (lambda text: None) if live else (lambda text: print(text, flush=True))
+    return Operator(keys, answers(prepared.loaded), show)
+
+
+def _output(
+    situation: Situation, wishes: Wishes, live: bool, factor: float, operator: Operator | None
+) -> Output:
+    out = sys.stdout
+    if wishes.json:
+        out.reconfigure(encoding="utf-8")  # type: ignore[union-attr]
+        return JsonLines(out, situation)
+    if live:
+        from rich.console import Console
+
+        from pirate_sm.cli.live.view import View
+
+        speed = "max" if factor == inf else f"{factor:g} ×"
+        return View(Console(file=out, highlight=False), situation, speed, operator)
+    out.reconfigure(errors="replace")  # type: ignore[union-attr]
+    return Lines(out, situation, quiet=wishes.quiet)
+
+
+def read_order(wishes: Wishes) -> Order:
+    """The order that the command line gives.
+
+    Raises:
+        LoadError: The script cannot be used.
+        UsageError: An option reads otherwise than it should.
+    """
+    firings = read_fire(wishes.fire)
+    if wishes.script is not None:
+        firings += read_script(Path(wishes.script))
+    return Order(
+        mission=wishes.mission,
+        backend=wishes.backend,
+        robot=wishes.robot,
+        pipe=wishes.pipe,
+        settings=read_pairs("--set", wishes.settings, "NAME=VALUE"),
+        start_phase=wishes.start_phase,
+        states=read_pairs("--state", wishes.states, "REGION=STATE") or None,
+        seed=wishes.seed,
+        defects=tuple(dict.fromkeys(wishes.defects)),
+        firings=tuple(firings),
+    )
+
+
+def read_pairs(option: str, texts: Iterable[str], form: str) -> dict[str, str]:
+    """What a repeatable option of the form NAME=VALUE gives.
+
+    Raises:
+        UsageError: One of them has another form, or a name comes twice.
+    """
+    pairs: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise UsageError(f"{option} {text}: expected {form}")
+        if name in pairs:
+            raise UsageError(f"{option} gives '{name}' twice")
+        pairs[name] = value
+    return pairs
+
+
+def read_speed(text: str | None, default: float) -> float:
+    """Mission seconds per second of the wall; infinite for ``max``.
+
+    Raises:
+        UsageError: The text is none of these.
+    """
+    if text is None:
+        return default
+    named = {"max": inf, "realtime": 1.0}
+    if text in named:
+        return named[text]
+    try:
+        factor = float(text)
+    except ValueError:
+        factor = 0.0
+    if not (isfinite(factor) and factor > 0):
+        raise UsageError(f"--speed {text}: expected max, realtime, or a factor such as 4")
+    return factor
+
+
+def is_terminal() -> bool:
+    """Whether a person sees standard output, on something that can do more than lines."""
+    return sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb"
+
+
+def _conclude(result: Result, wishes: Wishes) -> int:
+    """What the output has not said is said on standard error."""
+    if result.error is not None and result.exit_code == BUG:
+        say_bug(result.error, wishes.debug)
+    elif result.error is not None and wishes.debug:
+        show_traceback(result.error)
+    elif result.exit_code == OUTPUT_LOST:
+        silence_stdout()
+        say(f"the mission was stopped safely: {result.ended.message}")
+    return result.exit_code

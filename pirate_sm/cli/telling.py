@@ -1,0 +1,134 @@
+"""What happens in a run, in words for a person."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import degrees, isinf, isnan
+from typing import Any, NamedTuple
+
+from pirate_sm.engine.robot import RobotSpec, SlotSpec
+from pirate_sm.model import effects as fx
+
+
+class Line(NamedTuple):
+    """One line: what it is about in a word, and what there is to say."""
+
+    topic: str
+    text: str
+
+
+class Teller:
+    """Turns effects into lines; remembers what it has said so that it tells changes only."""
+
+    def __init__(self, robot: RobotSpec, *, with_setpoints: bool) -> None:
+        self._robot = robot
+        self._with_setpoints = with_setpoints
+        self._values: tuple[float, ...] = (0.0,) * len(robot.slots)
+        self._states: tuple[str, ...] = ()
+        self._unconfirmed: tuple[str, ...] = ()
+
+    def lines(self, effect: fx.Effect) -> list[Line]:
+        """The lines about one effect; none where nothing has changed for a person."""
+        tell = _TELL.get(type(effect))
+        return tell(self, effect) if tell else []
+
+    def _command(self, it: fx.CommandStatus) -> list[Line]:
+        place = f" ({it.place})" if it.place and it.status in ("refused", "failed") else ""
+        reason = f": {it.reason}" if it.reason else ""
+        return [Line("command", f"{it.name} {it.status}{reason}{place}")]
+
+    def _state(self, it: fx.StateChange) -> list[Line]:
+        before = self._states or it.states
+        first = not self._states
+        changes = []
+        for region, old, new in zip(self._robot.regions, before, it.states, strict=True):
+            doubtful = region in it.unconfirmed
+            mark = " (unconfirmed)" if doubtful else ""
+            if old != new:
+                changes.append(f"{region} {old} → {new}{mark}")
+            elif first:
+                changes.append(f"{region} {new}{mark}")
+            elif doubtful != (region in self._unconfirmed):
+                changes.append(f"{region} {new} {'unconfirmed' if doubtful else 'confirmed'}")
+        self._states, self._unconfirmed = it.states, it.unconfirmed
+        return [Line("state", ", ".join(changes))] if changes else []
+
+    def _setpoints(self, it: fx.Setpoints) -> list[Line]:
+        if not self._with_setpoints:
+            return []
+        changes = changed_setpoints(self._robot.slots, self._values, it.values)
+        self._values = it.values
+        return [Line("setpoints", f"#{it.setpoint_id} {', '.join(changes) or 'unchanged'}")]
+
+    def _phase(self, it: fx.PhaseChange) -> list[Line]:
+        return [Line("phase", it.phase)]
+
+    def _wait(self, it: fx.WaitArmed) -> list[Line]:
+        limit = "" if isinf(it.deadline_s) else f", at most until {it.deadline_s:.1f} s"
+        return [Line("waits", f"for {' or '.join(it.conditions)}{limit}")]
+
+    def _trigger(self, it: fx.TriggerFired) -> list[Line]:
+        return [Line("trigger", f"{it.reason} → {it.go}")]
+
+    def _detected(self, it: fx.Detected) -> list[Line]:
+        return [Line("detected", it.word)]
+
+    def _environment(self, it: fx.Environment) -> list[Line]:
+        diameter = "" if isnan(it.diameter_m) else f", inner diameter {it.diameter_m * 1e3:.1f} mm"
+        angles = f"roll {degrees(it.roll_rad):.0f}°, pitch {degrees(it.pitch_rad):.0f}°"
+        return [Line("pipe", f"{it.segment}, {angles}{diameter}")]
+
+    def _fault(self, it: fx.Fault) -> list[Line]:
+        then = {"continue": "logged, the mission goes on", "stop": "safe stop"}
+        handling = then.get(it.handling, f"→ {it.handling}")
+        return [Line("fault", f"{it.code}: {it.message} ({handling})")]
+
+    def _log(self, it: fx.Log) -> list[Line]:
+        return [Line("log" if it.level == "info" else it.level, it.message)]
+
+    def _ask(self, it: fx.Ask) -> list[Line]:
+        return [Line("asks", f"{it.question} ({' / '.join(it.choices)})")] if it.question else []
+
+
+_TELL: dict[type, Callable[[Teller, Any], list[Line]]] = {
+    fx.CommandStatus: Teller._command,
+    fx.StateChange: Teller._state,
+    fx.Setpoints: Teller._setpoints,
+    fx.PhaseChange: Teller._phase,
+    fx.WaitArmed: Teller._wait,
+    fx.TriggerFired: Teller._trigger,
+    fx.Detected: Teller._detected,
+    fx.Environment: Teller._environment,
+    fx.Fault: Teller._fault,
+    fx.Log: Teller._log,
+    fx.Ask: Teller._ask,
+}
+
+
+def changed_setpoints(
+    slots: tuple[SlotSpec, ...], before: tuple[float, ...], values: tuple[float, ...]
+) -> list[str]:
+    """The slots whose setpoint is new, by name and with its unit."""
+    return [
+        f"{slot.name} {setpoint(slot, new)}"
+        for slot, old, new in zip(slots, before, values, strict=True)
+        if old != new
+    ]
+
+
+def setpoint(slot: SlotSpec, value: float) -> str:
+    """A setpoint as people read it: duty cycle in per cent, angle in degrees."""
+    return f"{degrees(value):.1f}°" if slot.unit == "angle" else f"{value * 100:.3g} %"
+
+
+def summary(
+    ended: fx.Ended, now_s: float, distance_m: float | None, odometry_m: float | None
+) -> str:
+    """How a run ended, in one line."""
+    ways = []
+    if distance_m is not None:
+        ways.append(f"moved {distance_m:z.2f} m")
+    if odometry_m is not None:
+        ways.append(f"odometer {odometry_m:z.2f} m")
+    way = f" ({', '.join(ways)})" if ways else ""
+    return f"{ended.outcome} after {now_s:.1f} s{way}: {ended.message}"

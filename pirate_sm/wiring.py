@@ -1,0 +1,222 @@
+"""The one place that picks a backend and puts mission, engine and backend together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.program import Wait
+from pirate_sm.engine.robot_state import at_rest_in
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import library
+from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.runtime.companions import Companion, Firing, TriggerScript
+from pirate_sm.spelling import nearest, one_of
+
+if TYPE_CHECKING:
+    from pirate_sm.backends.protocol import Backend
+
+BACKENDS: Mapping[str, str] = {
+    "sim": "the kinematic simulator",
+    "trace": "nothing moves; shows what would be sent",
+}
+
+_COMPILED = {"llvmlite", "numba", "numpy"}
+"""What the extra `sim` installs."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """What somebody wants to be run, in their own words.
+
+    Attributes:
+        mission: Name of a shipped mission, or the path of a file.
+        backend: One of ``BACKENDS``.
+        robot: Name or path, in place of the mission's own; likewise ``pipe``.
+        settings: Values of parameters, as text.
+        start_phase: The phase to begin with, in place of the mission's own.
+        states: State names by region that the robot is in, in place of the mission's own.
+        seed: Of everything random.
+        start_jitter_m: How far a simulated robot may start from its place; likewise
+            ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
+        defects: Known defects that the simulated robot has.
+        firings: What a trace fires instead of the first trigger of each wait.
+    """
+
+    mission: str
+    backend: str = "sim"
+    robot: str | None = None
+    pipe: str | None = None
+    settings: Mapping[str, str] = field(default_factory=dict)
+    start_phase: str | None = None
+    states: Mapping[str, str] | None = None
+    seed: int = 0
+    start_jitter_m: float = 0.0
+    friction_jitter: float = 0.0
+    diameter_jitter_m: float = 0.0
+    defects: tuple[str, ...] = ()
+    firings: tuple[Firing, ...] = ()
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What a simulator knows of the robot and no sensor tells: for a view and an end, not for use.
+
+    Attributes:
+        wheels: Place of each wheel in the plane of the pipe, m.
+        wheel_radius_m: Of the wheels.
+        walls: Corners of each wall in the same plane, m.
+        distance_m: How far the robot has come along the pipe.
+    """
+
+    wheels: tuple[tuple[float, float], ...]
+    wheel_radius_m: float
+    walls: tuple[tuple[tuple[float, float], ...], ...]
+    distance_m: float
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Everything that a run needs; nothing has moved.
+
+    Attributes:
+        companions: Who must be beside the mission for this backend.
+        notices: What a person must know before they see the run.
+        truth: Where the robot really is, for backends that know.
+    """
+
+    order: Order
+    loaded: LoadedMission
+    engine: Engine
+    backend: Backend
+    companions: tuple[Companion, ...] = ()
+    notices: tuple[str, ...] = ()
+    truth: Callable[[], Truth] | None = None
+
+
+def load(order: Order) -> LoadedMission:
+    """The files are read and free of faults.
+
+    Raises:
+        LoadError: Everything that is wrong with them.
+        UsageError: An argument does not fit.
+    """
+    if order.backend not in BACKENDS:
+        meant = _meant(order.backend, BACKENDS)
+        raise UsageError(f"there is no backend '{order.backend}': {meant}")
+    return load_mission(
+        library.find_mission(order.mission),
+        robot=order.robot,
+        pipe=order.pipe,
+        settings=order.settings,
+        start_phase=order.start_phase,
+        states=order.states,
+    )
+
+
+def prepare(order: Order, loaded: LoadedMission | None = None) -> Prepared:
+    """Mission, engine and backend are at hand.
+
+    Args:
+        order: What is wanted.
+        loaded: What :func:`load` made of it, where that has been done before.
+
+    Raises:
+        LoadError: Everything that is wrong with the files.
+        UsageError: An argument does not fit, or an optional part is not installed.
+    """
+    return _BACKENDS[order.backend](order, loaded or load(order))
+
+
+def answers(loaded: LoadedMission) -> dict[str, tuple[str, ...]]:
+    """The operator's words that the wait of each phase listens to."""
+    heard: dict[str, tuple[str, ...]] = {}
+    for instruction in loaded.program.instructions:
+        if isinstance(instruction, Wait):
+            words = tuple(each.answer for each in instruction.triggers if each.answer)
+            if words:
+                heard[instruction.phase] = words
+    return heard
+
+
+def _simulator(order: Order, loaded: LoadedMission) -> Prepared:
+    if loaded.pipe is None:
+        raise UsageError("the mission names no pipe to simulate: give one with --pipe NAME")
+    if order.firings:
+        raise UsageError("triggers can be fired in a trace only: use --backend trace")
+    try:
+        from pirate_sm.backends.simulator.backend import SimulatorBackend
+        from pirate_sm.backends.simulator.scene import Jitter
+    except ModuleNotFoundError as error:
+        if error.name not in _COMPILED:
+            raise
+        raise UsageError(
+            f"the simulator needs {error.name}, which is not installed: "
+            "pip install 'pirate-sm[sim]' (or use --backend trace)"
+        ) from None
+    jitter = Jitter(order.start_jitter_m, order.friction_jitter, order.diameter_jitter_m)
+    backend = SimulatorBackend(
+        loaded.loaded_robot.profile,
+        loaded.pipe,
+        seed=order.seed,
+        start_values=_start_values(loaded),
+        jitter=jitter,
+        defects=order.defects,
+    )
+
+    def truth() -> Truth:
+        real = backend.truth
+        return Truth(real.wheels, real.wheel_radius_m, real.walls, real.distance_m)
+
+    engine = Engine(loaded.robot, loaded.program, nominal=False)
+    return Prepared(order, loaded, engine, backend, truth=truth)
+
+
+def _start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
+    """Setpoints of the configuration that the robot starts in; None where that is its rest."""
+    configuration = loaded.program.start_configuration
+    if configuration == loaded.robot.table.initial:
+        return None
+    return at_rest_in(loaded.robot, configuration).values
+
+
+def _trace(order: Order, loaded: LoadedMission) -> Prepared:
+    from pirate_sm.backends.trace import IDEAL, TraceBackend
+
+    if order.defects:
+        raise UsageError("--defect needs a robot that moves: use --backend sim")
+    _check_firings(order.firings, loaded)
+    backend = TraceBackend()
+    engine = Engine(loaded.robot, loaded.program, nominal=True)
+    script = TriggerScript(order.firings)
+    return Prepared(order, loaded, engine, backend, (script,), (IDEAL,))
+
+
+def _check_firings(firings: tuple[Firing, ...], loaded: LoadedMission) -> None:
+    waits = [each for each in loaded.program.instructions if isinstance(each, Wait)]
+    phases = {wait.phase for wait in waits}
+    for firing in firings:
+        if firing.phase and firing.phase not in phases:
+            raise UsageError(
+                f"no phase '{firing.phase}' waits for anything: {_meant(firing.phase, phases)}"
+            )
+        here = [wait for wait in waits if firing.phase in ("", wait.phase)]
+        triggers = {trigger.name for wait in here for trigger in wait.triggers} | {"within"}
+        if firing.trigger not in triggers:
+            raise UsageError(
+                f"nothing waits for a trigger '{firing.trigger}': "
+                f"{_meant(firing.trigger, triggers)}"
+            )
+
+
+def _meant(word: str, known: Mapping[str, object] | set[str]) -> str:
+    close = nearest(word, known)
+    return f"did you mean '{close}'?" if close else f"expected {one_of(sorted(known))}"
+
+
+_BACKENDS: Mapping[str, Callable[[Order, LoadedMission], Prepared]] = {
+    "sim": _simulator,
+    "trace": _trace,
+}
