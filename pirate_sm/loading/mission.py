@@ -11,6 +11,7 @@ from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, parameters
+from pirate_sm.loading.folders import shown
 from pirate_sm.loading.pipe import check_fit, load_pipe
 from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.program import build_program
@@ -66,7 +67,7 @@ def load_mission(
         LoadError: Everything that is wrong with the files.
         UsageError: An argument does not fit.
     """
-    document = read_document(path)
+    document = read_document(path, shown(path))
     mission = validate(document, Mission)
     folder = path.resolve().parent
     loaded = load_robot(_robot_folder(robot, mission, document, folder))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import sin
 from pathlib import Path
 
+from pirate_sm.loading.folders import shown
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.source import Document, read_document
 from pirate_sm.loading.validate import validate
@@ -19,7 +20,7 @@ def load_pipe(path: Path) -> tuple[Pipe, Document]:
     Raises:
         LoadError: Everything that is wrong with it.
     """
-    document = read_document(path)
+    document = read_document(path, shown(path))
     return validate(document, Pipe), document
 
 

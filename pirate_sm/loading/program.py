@@ -13,6 +13,7 @@ from pirate_sm.errors import PirateError
 from pirate_sm.loading import library, parameters
 from pirate_sm.loading.assembly import MOST_INSTRUCTIONS, Assembly, Label, TooLongError
 from pirate_sm.loading.configuration import required_states, start_configuration
+from pirate_sm.loading.folders import shown
 from pirate_sm.loading.problems import LoadError, Path, Problems
 from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.loading.scope import Scope, Source
@@ -104,7 +105,7 @@ class _Compiler:
         try:
             file = library.find_mission(name, scope.source.path.resolve().parent).resolve()
             if file not in self.called:
-                document = read_document(file, _shown(file))
+                document = read_document(file, shown(file))
                 self.files[file] = document
                 self.called[file] = Source(validate(document, model.Mission), document, file)
         except LoadError as error:
@@ -122,12 +123,6 @@ class _Compiler:
             scope.problems.add("mission.depth", path, f"calls are nested more than {DEEPEST_CALL}")
             return None
         return self.called[file]
-
-
-def _shown(file: FilePath) -> str:
-    """The file as a person would name it from here."""
-    here = FilePath.cwd()
-    return str(file.relative_to(here)) if file.is_relative_to(here) else str(file)
 
 
 def _said(end: model.End) -> str:

@@ -11,6 +11,7 @@ from pirate_sm.engine.chart_table import ChartTable
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.loading.chart import ChartOutline, outline_chart
 from pirate_sm.loading.chart_cache import cached_table
+from pirate_sm.loading.folders import PROFILE_FILE, shown
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot_actuation import resolve_actuation
 from pirate_sm.loading.robot_commands import resolve_commands, resolve_faults, resolve_parts
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 Polarity = Literal["normal", "mirrored"]
-
-PROFILE_FILE = "profile.yaml"
 
 
 @dataclass(frozen=True)
@@ -62,13 +61,13 @@ def load_robot(folder: Path) -> LoadedRobot:
     Raises:
         LoadError: Everything that is wrong with its files, each with its place.
     """
-    document = read_document(folder / PROFILE_FILE)
+    document = read_document(folder / PROFILE_FILE, shown(folder / PROFILE_FILE))
     problems = Problems(document)
     profile = try_validate(document, Profile, problems)
     if profile is None:
         problems.raise_errors()
         raise AssertionError("raise_errors raises here")
-    chart_document = read_document(folder / profile.chart)
+    chart_document = read_document(folder / profile.chart, shown(folder / profile.chart))
     outline = outline_chart(chart_document, problems)
     if outline is not None:
         _check_commands(profile, outline, problems)

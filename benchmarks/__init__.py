@@ -1,0 +1,1 @@
+"""Measurements behind the numbers in the docs; none of them is part of the tests."""

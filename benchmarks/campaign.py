@@ -1,0 +1,105 @@
+"""Many runs of missions in the simulator, without a view, as fast as they go."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from functools import cache
+from math import isnan
+from multiprocessing import get_context
+from os import cpu_count
+from typing import TYPE_CHECKING
+
+from pirate_sm.model.effects import Effect, Fault, StateChange
+
+if TYPE_CHECKING:
+    from pirate_sm.loading.mission import LoadedMission
+    from pirate_sm.wiring import Order
+
+
+@dataclass
+class Notes:
+    """What a run leaves behind."""
+
+    states: list[tuple[str, ...]] = field(default_factory=list)
+    unconfirmed: tuple[str, ...] = ()
+    faults: list[str] = field(default_factory=list)
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        """States and faults are noted."""
+        for effect in effects:
+            if isinstance(effect, StateChange):
+                self.states.append(effect.states)
+                self.unconfirmed = effect.unconfirmed
+            elif isinstance(effect, Fault):
+                self.faults.append(f"{effect.code} ({effect.handling})")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One run.
+
+    Attributes:
+        fell: Whether a robot that had clamped left the pipe or opened every clamp it confirmed.
+        arcs_m: Where each wheel ended along the pipe.
+        stopped: Whether the last setpoints had every wheel at zero.
+    """
+
+    seed: int
+    outcome: str
+    message: str
+    exit_code: int
+    time_s: float
+    distance_m: float
+    arcs_m: tuple[float, ...]
+    gone: bool
+    stopped: bool
+    states: tuple[tuple[str, ...], ...]
+    faults: tuple[str, ...]
+    held_at_end: bool
+    torques: tuple[float, ...]
+
+
+@cache
+def _loaded(mission: str, pipe: str | None) -> LoadedMission:
+    from pirate_sm.wiring import Order, load
+
+    return load(Order(mission, pipe=pipe))
+
+
+def run(order: Order) -> Outcome:
+    """The mission has been run to its end."""
+    from pirate_sm.runtime.companions import FirstChoice
+    from pirate_sm.runtime.loop import MissionRun
+    from pirate_sm.wiring import prepare
+
+    prepared = prepare(order, _loaded(order.mission, order.pipe))
+    notes = Notes()
+    run_ = MissionRun(
+        prepared.engine, prepared.backend, observers=[notes],
+        companions=(*prepared.companions, FirstChoice()),
+    )  # fmt: skip
+    result = run_.execute()
+    assert run_.state is not None
+    engine, state = prepared.engine, run_.state
+    real = prepared.backend.truth  # type: ignore[attr-defined]
+    signals = engine.signals(state)
+    joints = prepared.loaded.loaded_robot.profile.body.joints
+    torques = tuple(signals[joint.torque] for joint in joints if joint.torque)
+    return Outcome(
+        order.seed, result.ended.outcome, result.ended.message, result.exit_code, result.now_s,
+        real.distance_m, real.arcs_m, real.gone,
+        all(state.robot.values[slot] == 0 for slot in engine.robot.safe_zero),
+        tuple(notes.states), tuple(notes.faults),
+        bool(engine.robot.held[state.robot.configuration]),
+        tuple(0.0 if isnan(torque) else torque for torque in torques),
+    )  # fmt: skip
+
+
+def run_all(orders: Iterable[Order]) -> list[Outcome]:
+    """Every mission has been run, on all processors; outcomes in the order of the orders."""
+    wanted = list(orders)
+    run(wanted[0])  # compiles the simulator once, before the others need it
+    with ProcessPoolExecutor(cpu_count() or 1, mp_context=get_context("spawn")) as pool:
+        return list(pool.map(run, wanted, chunksize=max(1, len(wanted) // 64)))

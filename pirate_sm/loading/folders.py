@@ -1,0 +1,13 @@
+"""How files are named: in a robot's folder, and in messages."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+PROFILE_FILE = "profile.yaml"
+
+
+def shown(path: Path) -> str:
+    """The path as messages write it: from the current folder where it lies in there."""
+    whole, here = path.resolve(), Path.cwd()
+    return str(whole.relative_to(here)) if whole.is_relative_to(here) else str(path)
