@@ -40,12 +40,13 @@ class Effect:
         self.world = world
         self.rng = rng
         self._until = -math.inf
-        self._next = defect.after
+        self._next = defect.after + self._pause()
 
     def active(self, now: float) -> bool:
-        """Whether an occurrence goes on: from `after` on, `lasting` long, again `every` so often.
+        """Whether an occurrence goes on.
 
-        Without `lasting` it never ends; without `every` it happens once.
+        With `every` they come at random from `after` on; without, one begins at `after`. Without
+        `lasting` one never ends.
         """
         if now < self._until:
             return True
@@ -53,9 +54,13 @@ class Effect:
             return False
         defect = self.defect
         self._until = now + defect.lasting if defect.lasting > 0 else math.inf
-        wait = self.rng.exponential(defect.every) if defect.every > 0 else math.inf
-        self._next = self._until + wait
+        self._next = self._until + (self._pause() or math.inf)
         return True
+
+    def _pause(self) -> float:
+        """How long it is until the next occurrence; 0 for a defect that does not come again."""
+        every = self.defect.every
+        return float(self.rng.exponential(every)) if every > 0 else 0.0
 
     def begin(self) -> None:
         """The world is as the defect makes it from the start."""

@@ -86,8 +86,31 @@ _STOP_RAD = 0.1
 
 
 def compiled(function: _F) -> _F:
-    """The function is compiled on its first call, and its machine code cached on disk."""
-    return cast(_F, numba.njit(cache=True, error_model="numpy")(function))
+    """The function is compiled on its first call, and its machine code kept on disk.
+
+    numba keeps it beside this file or else in the user's cache folder; where neither can be
+    written to, each process compiles for itself.
+    """
+    try:
+        return cast(_F, numba.njit(cache=True, error_model="numpy")(function))
+    except RuntimeError:
+        return cast(_F, numba.njit(error_model="numpy")(function))
+
+
+def is_compiled() -> bool:
+    """Whether the simulator can start at once; otherwise its first call takes seconds.
+
+    Looks for machine code for this processor in numba's cache, which has no public way to ask.
+    """
+    dispatcher: Any = advance
+    if dispatcher.signatures:
+        return True
+    try:
+        index = dispatcher._cache._cache_file._load_index()
+        machine = dispatcher.targetctx.codegen().magic_tuple()
+    except AttributeError:
+        return False
+    return any(machine in key for key in index)
 
 
 @compiled

@@ -1,0 +1,159 @@
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from pirate_sm.backends.simulator.defects import Effect, make_effects
+from pirate_sm.errors import UsageError
+from pirate_sm.model.events import FaultReport
+from pirate_sm.model.profile import Profile
+from pirate_sm.model.simulation import Defect
+
+from .conftest import CYCLE_S, Driver, straight
+
+Place = Callable[..., Driver]
+
+
+def effect(robot: Driver, kind: str, **numbers: Any) -> Effect:
+    defect = Defect(kind=kind, description="", **numbers)  # type: ignore[arg-type]
+    (made,) = make_effects(["it"], {"it": defect}, robot.world, seed=3)
+    return made
+
+
+def shown(robot: Driver, made: Effect, now: float, name: str) -> float | None:
+    """The count that a signal's channel shows; None when no frame comes."""
+    world = robot.world
+    board = next(b for b in world.machine.boards if b.first <= world.machine.places[name] < b.last)
+    world.advance(0, len(world.raw))
+    counts = made.frame(now, board.board, board.first, world.raw[board.first : board.last].tolist())
+    return None if counts is None else counts[world.machine.places[name] - board.first]
+
+
+def test_a_dead_wheel_drags_and_shows_nothing(place: Place) -> None:
+    robot, whole = place(straight()), place(straight())
+    made = effect(robot, "dead_wheel", wheels=("wheel_3",), friction=0.1)
+    for each in (robot, whole):
+        each.clamp(1, 2, 3, 4)
+        each.drive(1.0)
+        each.run(3.0)
+    assert shown(robot, made, 3.0, "theta_3") == 0.0
+    assert shown(robot, made, 3.0, "theta_4") != 0.0
+    assert 0.0 < robot.middle - 0.73 < whole.middle - 0.73
+
+
+def test_a_stiff_joint_needs_more_torque(place: Place) -> None:
+    robot, whole = (place(straight(), clamped=0.0) for _ in range(2))
+    effect(robot, "stiff_joint", joint="gamma_2", friction=0.9)
+    for each in (robot, whole):
+        each.world.command[2] = 0.7
+        each.run(1.0)
+    assert whole.world.values("bend")[2] > 0.3
+    assert abs(robot.world.values("bend")[2]) < 0.05
+
+
+@pytest.mark.parametrize("kind", ["sensor_stuck", "sensor_drop", "sensor_spike"])
+def test_a_sensor_shows_its_wrong_count_for_a_while(place: Place, kind: str) -> None:
+    robot = place(straight())
+    made = effect(robot, kind, raw={"gamma_3": -1707}, after=1.0, lasting=0.5)
+    times = [0.1 * i for i in range(30)]
+    wrong = [t for t in times if shown(robot, made, t, "gamma_3") == -1707]
+    assert min(wrong) == pytest.approx(1.0)
+    assert max(wrong) == pytest.approx(1.4, abs=0.11)
+
+
+def test_spikes_come_again_at_random(place: Place) -> None:
+    robot = place(straight())
+    made = effect(robot, "sensor_spike", raw={"gamma_3": -1707}, every=2.0, lasting=0.05)
+    wrong = [shown(robot, made, 0.02 * i, "gamma_3") == -1707 for i in range(3000)]
+    starts = sum(1 for a, b in itertools.pairwise(wrong) if b and not a)
+    assert 15 < starts < 50
+    assert not wrong[0]
+
+
+def test_a_sensor_may_stick_where_it_was(place: Place) -> None:
+    robot = place(straight(), clamped=0.0)
+    made = effect(robot, "sensor_stuck", signals=("gamma_1",), after=0.5)
+    robot.world.command[1] = -0.5
+    robot.run(0.5)
+    first = shown(robot, made, 0.6, "gamma_1")
+    robot.run(2.0)
+    assert shown(robot, made, 3.0, "gamma_1") == first
+    assert robot.world.raw[robot.world.machine.places["gamma_1"]] != first
+
+
+def test_a_zero_jumps_once(place: Place) -> None:
+    robot = place(straight())
+    row = robot.world.machine.places["gamma_1"]
+    made = effect(robot, "zero_jump", raw={"gamma_1": 500}, after=1.0)
+    robot.world.advance(0, len(robot.world.raw))
+    before = robot.world.raw[row]
+    for now in (0.5, 1.0, 1.5):
+        made.step(now)
+    robot.world.advance(0, len(robot.world.raw))
+    assert robot.world.raw[row] - before == pytest.approx(500, abs=10)
+
+
+def test_a_silent_bay_says_nothing_takes_nothing_and_moves(place: Place) -> None:
+    robot = place(straight())
+    made = effect(robot, "silent_bay", after=1.0)
+    assert made.delivery(0.5) == (True, True)
+    assert shown(robot, made, 0.5, "gamma_1") is not None
+    assert shown(robot, made, 1.5, "gamma_1") is None
+    assert made.delivery(1.5) == (False, False)
+    for i in range(20):
+        made.step(1.5 + i)
+    assert any(robot.world.command)
+
+
+def test_a_fifth_of_the_messages_is_lost_but_never_two_in_a_row(place: Place) -> None:
+    robot = place(straight())
+    made = effect(robot, "lost_messages", share=0.2)
+    came = [made.delivery(0.0)[0] for _ in range(5000)]
+    assert came.count(False) / len(came) == pytest.approx(0.2, abs=0.02)
+    assert all(a or b for a, b in itertools.pairwise(came))
+
+
+def test_stale_boards_repeat_themselves(place: Place) -> None:
+    robot = place(straight(), clamped=0.0)
+    robot.world.command[1] = -0.5
+    made = effect(robot, "stale_repeats", after=0.5, lasting=0.1)
+    values = []
+    for i in range(60):
+        values.append(shown(robot, made, CYCLE_S * i, "gamma_1"))
+        robot.run(0.05)
+    begin = math.ceil(0.5 / CYCLE_S)
+    assert len(set(values[begin : begin + 6])) == 1
+    assert len(set(values[:begin])) > 10
+
+
+def test_a_firmware_reset_zeroes_duties_and_counters(place: Place) -> None:
+    robot = place(straight())
+    robot.clamp(1, 2, 3, 4)
+    robot.drive(1.0)
+    robot.run(1.0)
+    made = effect(robot, "firmware_reset", after=1.0)
+    assert made.step(0.9) is None
+    fault = made.step(1.0)
+    assert isinstance(fault, FaultReport)
+    assert fault.code == "firmware.reset"
+    assert not robot.world.command.any()
+    assert shown(robot, made, 1.1, "theta_1") == pytest.approx(0.0, abs=5.0)
+    assert abs(shown(robot, made, 1.1, "gamma_1") or 0.0) > 500
+    assert made.step(2.0) is None
+
+
+def test_every_defect_of_the_profile_can_be_switched_on(profile: Profile, place: Place) -> None:
+    defects = profile.simulation.defects
+    robot = place(straight())
+    made = make_effects(list(defects), defects, robot.world, seed=1)
+    assert len(made) == len(defects)
+
+
+def test_an_unknown_defect_is_refused_with_a_suggestion(profile: Profile, place: Place) -> None:
+    name = next(iter(profile.simulation.defects))
+    with pytest.raises(UsageError, match=f"did you mean '{name}'"):
+        make_effects([name + "x"], profile.simulation.defects, place(straight()).world, seed=1)

@@ -1,0 +1,108 @@
+"""Counts that the simulated boards send must read back, by the profile's own conversions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pytest
+
+from pirate_sm.backends.simulator.machine import Machine, machine_of, scale_of
+from pirate_sm.model.profile import Profile, TorqueOf
+
+from .conftest import Driver, bend, straight
+
+
+@pytest.fixture
+def silent(profile: Profile) -> Machine:
+    """The robot with noiseless sensors."""
+    noise = type(profile.simulation.noise)()
+    simulation = profile.simulation.model_copy(update={"noise": noise})
+    return machine_of(profile.model_copy(update={"simulation": simulation}))
+
+
+def read(profile: Profile, robot: Driver) -> dict[str, float]:
+    """Every signal in SI, as the engine would convert it."""
+    world = robot.world
+    world.advance(0, len(world.raw))
+    scales = {
+        channel.signal: scale_of(profile.conversions[channel.convert].scale)
+        for board in profile.boards
+        for channel in board.channels
+        if channel.signal and channel.convert
+    }
+    return {name: world.raw[row] * scales[name] for name, row in world.machine.places.items()}
+
+
+def test_angles_torques_and_turns_read_back(
+    profile: Profile, silent: Machine, place: Callable[..., Driver]
+) -> None:
+    robot = place(bend(), at=0.7, robot=silent)
+    robot.clamp(1, 2, 3, 4)
+    robot.drive(0.5)
+    robot.run(1.0)
+    seen = read(profile, robot)
+    world = robot.world
+    for joint in profile.body.joints:
+        wheel = silent.joints[joint.name]
+        assert seen[joint.name] == pytest.approx(world.values("bend")[wheel], abs=1e-3)
+        assert joint.torque is not None
+        torque = world.values("bend_torque")[wheel]
+        assert seen[joint.torque] == pytest.approx(torque, abs=5e-3)
+    for index, each in enumerate(profile.body.wheels):
+        assert seen[each.angle] == pytest.approx(world.values("wheel")[index], abs=4e-3)
+
+
+def test_the_wheel_current_reads_back_the_applied_torque(
+    profile: Profile, silent: Machine, place: Callable[..., Driver]
+) -> None:
+    robot = place(straight(tilt_rad=math.pi / 2, uphill_rad=0.0), robot=silent)
+    robot.clamp(1, 2, 3, 4)
+    robot.drive(1.0)
+    robot.run(2.0)
+    seen = read(profile, robot)
+    torques = [d for d in profile.derived.values() if isinstance(d, TorqueOf)]
+    slots = {slot.name: slot for slot in profile.slots}
+    for torque in torques:
+        wheel = slots[torque.slot].wheel
+        assert wheel is not None
+        applied = robot.world.values("drive")[silent.wheels[wheel]]
+        assert applied > 0.0
+        assert seen[torque.torque_of] * scale_of(torque.scale) == pytest.approx(applied, abs=1e-3)
+
+
+def test_a_stalled_bend_motor_draws_its_share_of_the_stall_current(
+    profile: Profile, silent: Machine, place: Callable[..., Driver]
+) -> None:
+    robot = place(straight(), robot=silent)
+    robot.clamp(1, 2, 3, 4, duty=0.5)
+    robot.run(3.0)
+    slot = next(slot for slot in profile.slots if slot.joint)
+    stall = profile.motors[slot.motor].stall_current
+    assert stall is not None
+    currents = robot.world.values("bend_current")
+    assert [currents[i] for i in (1, 2, 3, 4)] == pytest.approx([0.5] * 4, rel=0.05)
+
+
+def test_currents_are_never_negative_and_noise_is_seeded(
+    place: Callable[..., Driver], machine: Machine
+) -> None:
+    robot, twin, other = (place(straight(), seed=seed) for seed in (1, 1, 2))
+    for each in (robot, twin, other):
+        each.run(0.1)
+        each.world.advance(0, len(each.world.raw))
+    rows = [row for name, row in machine.places.items() if "current" in name]
+    assert min(robot.world.raw[row] for row in rows) >= 0.0
+    assert robot.world.raw.tolist() == twin.world.raw.tolist()
+    assert robot.world.raw.tolist() != other.world.raw.tolist()
+
+
+def test_every_robot_gets_its_own_channels(small_profile: Profile) -> None:
+    small = machine_of(small_profile)
+    assert set(small.places) == {
+        channel.signal
+        for board in small_profile.boards
+        for channel in board.channels
+        if channel.signal
+    }
+    assert len(small.routes) == len(small_profile.slots)

@@ -1,0 +1,216 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from pirate_sm.backends.simulator.machine import Machine, machine_of
+from pirate_sm.errors import UsageError
+from pirate_sm.model.profile import Profile
+
+from .conftest import DIAMETER_M, Driver, bend, straight, vertical
+
+Place = Callable[..., Driver]
+
+ALL_JOINTS = (1, 2, 3, 4)
+
+
+def test_clamping_presses_wheels_on_alternating_walls(place: Place) -> None:
+    robot = place(straight(), clamped=0.0)
+    robot.clamp(*ALL_JOINTS)
+    robot.run(6.0)
+    sides = robot.world.values("side")
+    assert [side > 0 for side in sides] == [True, False] * 3
+    assert [abs(side) for side in sides] == pytest.approx([DIAMETER_M / 2 - 0.024] * 6, abs=2e-3)
+    assert robot.world.values("bend_torque")[1] == pytest.approx(-0.5 * 1.01, rel=0.1)
+
+
+def test_the_clamp_force_follows_the_torque(place: Place) -> None:
+    # Eq. 3-3: F = torque / sqrt(l^2 - h^2) * (1, 2, 1). Wheels that stand still lock friction in
+    # and with it any force; only the outer wheel of a rolling robot is compared, loosely.
+    robot = place(straight())
+    robot.clamp(*ALL_JOINTS)
+    robot.drive(1.0)
+    robot.run(3.0)
+    h = DIAMETER_M - 2 * 0.024
+    expected = 0.5 * 1.01 / math.sqrt(0.09**2 - h**2)
+    assert robot.world.values("press")[0] == pytest.approx(expected, rel=0.2)
+
+
+def test_a_spring_that_is_wound_up_stays_so_without_duty(place: Place) -> None:
+    robot = place(straight())
+    robot.run(5.0)
+    assert min(robot.world.values("press")) > 2.0
+
+
+@pytest.mark.parametrize("duty", [1.0, -1.0, 0.4])
+def test_the_driven_distance_is_that_of_the_wheels(place: Place, duty: float) -> None:
+    robot = place(straight(), at=2.5)
+    robot.clamp(*ALL_JOINTS)
+    robot.run(1.0)
+    start = robot.middle
+    turned = np.array(robot.world.values("wheel"))
+    robot.drive(duty)
+    robot.run(8.0)
+    distance = robot.middle - start
+    rolled = 0.024 * (np.array(robot.world.values("wheel")) - turned) * [1, -1, 1, -1, 1, -1]
+    assert distance == pytest.approx(0.1 * duty * 8.0, rel=0.03)
+    # Wheels creep apart by millimetres while the clamp settles, whatever the distance.
+    assert rolled == pytest.approx([distance] * 6, abs=3e-3)
+    assert rolled.mean() == pytest.approx(distance, rel=1e-3)
+
+
+def test_a_clamped_robot_holds_in_a_vertical_pipe(place: Place) -> None:
+    robot = place(vertical(), at=2.0)
+    robot.clamp(*ALL_JOINTS)
+    robot.run(1.0)
+    start = robot.middle
+    robot.run(10.0)
+    assert abs(robot.middle - start) < 1e-4
+
+
+def test_it_climbs(place: Place) -> None:
+    robot = place(vertical(), at=1.0)
+    robot.clamp(*ALL_JOINTS, duty=0.7)
+    robot.run(1.0)
+    start = robot.middle
+    robot.drive(1.0)
+    robot.run(5.0)
+    assert robot.middle - start > 0.3
+
+
+def test_it_slides_down_where_friction_is_too_low(place: Place) -> None:
+    robot = place(vertical(), at=2.0, friction=(0.03, 0.02))
+    robot.run(0.5)
+    assert robot.middle < 2.0 - 0.27 - 0.3
+
+
+def test_an_unclamped_robot_falls_out_and_comes_to_rest(place: Place) -> None:
+    robot = place(vertical(2.0), at=1.0, clamped=0.0)
+    robot.run(0.2)
+    felt = math.hypot(*(robot.world.value(f"acc_{axis}") for axis in "xyz"))
+    assert felt < 3.0  # free fall but for friction
+    for _ in range(100):
+        robot.run(0.05)
+        robot.world.check_gone(robot.world.values("arc"))
+    assert robot.world.gone
+    assert max(robot.world.values("arc")) < 0.0
+    assert robot.world.value("acc_z") == pytest.approx(9.81)
+
+
+def test_an_unclamped_robot_in_a_flat_pipe_stays(place: Place) -> None:
+    robot = place(straight(), clamped=0.0)
+    start = robot.middle
+    robot.run(5.0)
+    assert robot.middle == pytest.approx(start, abs=1e-6)
+
+
+def test_wheels_slip_against_an_obstacle(place: Place) -> None:
+    robot = place(straight(), at=1.0)
+    robot.clamp(*ALL_JOINTS, duty=0.3)
+    robot.run(1.0)
+    robot.world.block(0, 1.1, ahead=True)
+    robot.drive(1.0)
+    robot.run(3.0)
+    held = robot.world.values("arc")[0]
+    wheels = robot.world.values("wheel")
+    robot.run(2.0)
+    assert robot.world.values("arc")[0] == pytest.approx(held, abs=2e-3)
+    assert held == pytest.approx(1.1 - 0.024, abs=3e-3)
+    turned = [abs(b - a) for a, b in zip(wheels, robot.world.values("wheel"), strict=True)]
+    assert max(turned) > 1.0  # they turn on, the robot does not move
+    robot.world.unblock()
+    robot.run(2.0)
+    assert robot.world.values("arc")[0] > held + 0.1
+
+
+def test_the_sign_of_a_joint_turns_the_body_ahead_to_side_a(place: Place) -> None:
+    robot = place(straight(), clamped=0.0)
+    robot.world.command[1] = -0.5
+    robot.run(0.5)
+    sides = robot.world.values("side")
+    assert robot.world.values("bend")[1] < -0.05
+    assert sides[0] > sides[1]
+
+
+def test_a_mirrored_start_is_clamped_on_the_other_walls(place: Place) -> None:
+    robot = place(straight(), clamped=-0.5)
+    assert [side > 0 for side in robot.world.values("side")] == [False, True] * 3
+    robot.run(1.0)
+    assert min(robot.world.values("press")) > 2.0
+
+
+def test_joints_stop_at_their_end_stops(place: Place) -> None:
+    robot = place(straight(), clamped=0.0)
+    # Far outside the pipe, where nothing holds a joint back.
+    robot.world.state.position[:, 0] -= 5.0
+    robot.world.command[4] = 1.0
+    robot.run(6.0)
+    assert math.degrees(robot.world.values("bend")[4]) == pytest.approx(150.0, abs=1.0)
+
+
+def test_rolling_the_free_part_leaves_the_clamped_one(place: Place) -> None:
+    robot = place(straight(), clamped=0.0)
+    robot.clamp(3, 4)
+    robot.run(6.0)
+    values = [0.0] * len(robot.world.machine.routes)
+    values[next(i for i, r in enumerate(robot.world.machine.routes) if r.command == -1)] = 1.5
+    robot.world.set_values(values)
+    robot.run(3.0)
+    roll, front, rear = robot.world.state.roll
+    assert (roll, front, rear) == pytest.approx((1.5, 1.5, 0.0))
+
+
+def test_the_accelerometer_feels_tilt_and_roll(place: Place) -> None:
+    tilt = math.radians(28)
+    robot = place(bend(tilt_rad=tilt), at=0.7)
+    robot.run(0.5)
+    x, y, z = (robot.world.value(f"acc_{axis}") for axis in "xyz")
+    # Link 3 of a clamped robot is not parallel to the pipe: forward and across share the tilt.
+    assert math.hypot(x, y) == pytest.approx(9.81 * math.sin(tilt), rel=0.02)
+    assert z == pytest.approx(9.81 * math.cos(tilt), rel=0.01)
+    rolled = place(straight(), at=0.7, roll_rad=math.radians(90))
+    rolled.run(0.5)
+    x, y, z = (rolled.world.value(f"acc_{axis}") for axis in "xyz")
+    assert math.hypot(x, y) == pytest.approx(9.81, rel=0.02)
+    assert z == pytest.approx(0.0, abs=0.05)
+
+
+def test_equal_seeds_give_equal_runs_to_the_last_bit(place: Place) -> None:
+    def end_of_run() -> tuple[bytes, bytes]:
+        robot = place(bend(), at=0.7, seed=5)
+        robot.drive(1.0)
+        robot.clamp(*ALL_JOINTS)
+        for _ in range(300):
+            robot.world.advance(0, len(robot.world.raw))
+        return robot.world.state.array.tobytes(), robot.world.raw.tobytes()
+
+    assert end_of_run() == end_of_run()
+
+
+def test_a_robot_that_does_not_fit_is_refused(place: Place) -> None:
+    with pytest.raises(UsageError, match="does not fit"):
+        place(bend(), at=1.2)
+
+
+def test_a_pipe_too_wide_to_clamp_is_refused(place: Place) -> None:
+    wide = straight()
+    with pytest.raises(UsageError, match="wide"):
+        place(type(wide)(0.2, wide.parts))
+
+
+def test_another_robot_needs_other_numbers_only(
+    place: Place, small_profile: Profile, machine: Machine
+) -> None:
+    small = machine_of(small_profile)
+    assert small.chain.nodes != machine.chain.nodes
+    narrow = straight()
+    robot = place(type(narrow)(0.09, narrow.parts), clamped=0.0, robot=small)
+    robot.clamp(*small.chain.joints)
+    robot.run(5.0)
+    start = robot.middle
+    robot.drive(1.0)
+    robot.run(3.0)
+    assert robot.middle - start > 0.15
