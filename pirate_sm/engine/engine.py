@@ -100,7 +100,8 @@ class Engine:
         board = self.robot.boards.get(event.board)
         if board is None:
             return state
-        sensing = observe(self.robot, state.sensing, event, state.robot.values, now)
+        robot = state.robot
+        sensing = observe(self.robot, state.sensing, event, robot.values, robot.latest, now)
         faults, found = look(self.robot, state.faults, board, sensing, state.words, now)
         state = EngineState(
             state.robot, sensing, state.mission, faults, state.words,

@@ -150,8 +150,9 @@ class FaultSpec:
 
 
 class WheelSpec(NamedTuple):
-    """A wheel for odometry: number indexes of angle and speed, its slot, metres per rad."""
+    """A wheel for odometry: its place among the wheels, number indexes of angle and speed, slot."""
 
+    place: int
     angle: int
     speed: int
     slot: int

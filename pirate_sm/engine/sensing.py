@@ -19,12 +19,16 @@ class Sensing(NamedTuple):
         heard_s: Per board when it last reported; -inf before it ever did.
         checked_s: When staleness was last looked at.
         stale: Boards whose signals have been forgotten.
+        shares: Per wheel its share of the odometry when its board last reported; 0 when the wheel
+            was not driven then. A wheel that has just been stopped still brings in what it
+            rolled until then.
     """
 
     numbers: Numbers
     heard_s: tuple[float, ...]
     checked_s: float = 0.0
     stale: frozenset[int] = frozenset()
+    shares: tuple[float, ...] = ()
 
 
 def nothing_known(robot: RobotSpec) -> Sensing:
@@ -32,11 +36,17 @@ def nothing_known(robot: RobotSpec) -> Sensing:
     numbers = [nan] * len(robot.vocabulary.numbers)
     if robot.odometry >= 0:
         numbers[robot.odometry] = 0.0
-    return Sensing(tuple(numbers), (-inf,) * len(robot.boards))
+    wheels = (0.0,) * len(robot.wheels)
+    return Sensing(tuple(numbers), (-inf,) * len(robot.boards), shares=wheels)
 
 
 def observe(
-    robot: RobotSpec, sensing: Sensing, frame: SensorFrame, setpoints: Numbers, now: float
+    robot: RobotSpec,
+    sensing: Sensing,
+    frame: SensorFrame,
+    setpoints: Numbers,
+    latest: Numbers,
+    now: float,
 ) -> Sensing:
     """The signals of the frame's board, and what follows from them, are those of the frame.
 
@@ -44,8 +54,8 @@ def observe(
         robot: Whose boards they are.
         sensing: What was known before.
         frame: Raw values; a board that the robot does not have changes nothing.
-        setpoints: Values in force per slot; they give the sign of currents (eq. 5-3) and tell
-            which wheels are driven.
+        setpoints: Values in force per slot; they give the sign of currents (eq. 5-3).
+        latest: Values last sent, which may be in force already: a wheel is driven by either.
         now: When the frame was received.
     """
     board = robot.boards.get(frame.board)
@@ -67,12 +77,14 @@ def observe(
         numbers[vector.target] = _vector(vector, numbers)
     for apex, length_m, wheels_m, target in board.diameters:
         numbers[target] = abs(length_m * sin(numbers[apex] / 2)) + wheels_m  # eq. 3-2
+    shares = sensing.shares
     if board.wheels:
-        _roll_on(robot, board, before, numbers, setpoints)
+        driven = setpoints if latest is setpoints else _either(setpoints, latest)
+        shares = _roll_on(robot, board, before, numbers, driven, shares)
     heard = list(sensing.heard_s)
     heard[board.position] = now
     stale = sensing.stale - {board.position} if sensing.stale else sensing.stale
-    return Sensing(tuple(numbers), tuple(heard), sensing.checked_s, stale)
+    return Sensing(tuple(numbers), tuple(heard), sensing.checked_s, stale, shares)
 
 
 def _vector(vector: Vector, numbers: list[float]) -> float:
@@ -85,40 +97,44 @@ def _vector(vector: Vector, numbers: list[float]) -> float:
     return atan2(-y, z) if vector.how == "roll" else atan2(x, hypot(y, z))
 
 
+def _either(setpoints: Numbers, latest: Numbers) -> Numbers:
+    return tuple(old or new for old, new in zip(setpoints, latest, strict=True))
+
+
 def _roll_on(
     robot: RobotSpec,
     board: BoardSpec,
     before: Numbers,
     numbers: list[float],
-    setpoints: Numbers,
-) -> None:
-    """Odometry and speed have taken the board's wheels in.
+    driven: Numbers,
+    shares: tuple[float, ...],
+) -> tuple[float, ...]:
+    """Odometry and speed have taken the board's wheels in; returns the new shares.
 
     Odometry is the mean over the driven wheels that can be measured of what their rims rolled;
     each wheel's share is added when its board reports.
     """
-    driven = 0
-    total = 0.0
+    count, total = 0, 0.0
     for wheel in robot.wheels:
         speed = numbers[wheel.speed]
-        if setpoints[wheel.slot] != 0 and speed == speed:  # noqa: PLR0124 - NaN is unknown
-            driven += 1
+        if driven[wheel.slot] and speed == speed:  # noqa: PLR0124 - NaN is unknown
+            count += 1
             total += speed * wheel.metres_per_rad
-    if driven:
-        if robot.odometry >= 0:
-            for wheel in board.wheels:
-                turned = numbers[wheel.angle] - before[wheel.angle]
-                if setpoints[wheel.slot] != 0 and turned == turned:  # noqa: PLR0124
-                    numbers[robot.odometry] += turned * wheel.metres_per_rad / driven
-    else:
-        speeds = [
-            numbers[wheel.speed] * wheel.metres_per_rad
-            for wheel in robot.wheels
-            if numbers[wheel.speed] == numbers[wheel.speed]
-        ]
-        driven, total = len(speeds), sum(speeds)
+    for wheel in board.wheels:
+        share = 1 / count if count and driven[wheel.slot] else 0.0
+        old = shares[wheel.place]
+        turned = numbers[wheel.angle] - before[wheel.angle]
+        if robot.odometry >= 0 and turned == turned:  # noqa: PLR0124
+            numbers[robot.odometry] += turned * wheel.metres_per_rad * (old or share)
+        if share != old:
+            shares = (*shares[: wheel.place], share, *shares[wheel.place + 1 :])
+    if not count:
+        known = [wheel for wheel in robot.wheels if not isnan(numbers[wheel.speed])]
+        count = len(known)
+        total = sum(numbers[wheel.speed] * wheel.metres_per_rad for wheel in known)
     if robot.speed >= 0:
-        numbers[robot.speed] = total / driven if driven else nan
+        numbers[robot.speed] = total / count if count else nan
+    return shares
 
 
 def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
@@ -133,4 +149,4 @@ def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
             stale.add(board.position)
             for index in board.numbers:
                 numbers[index] = nan
-    return Sensing(tuple(numbers), sensing.heard_s, now, frozenset(stale))
+    return Sensing(tuple(numbers), sensing.heard_s, now, frozenset(stale), sensing.shares)

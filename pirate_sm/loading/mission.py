@@ -22,7 +22,7 @@ from pirate_sm.loading.validate import validate
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.spelling import nearest, one_of
-from pirate_sm.units import Quantity, QuantityError
+from pirate_sm.units import QuantityError
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def load_mission(
     return LoadedMission(
         mission, loaded, spec, program, chosen, pipe_name,
         {name: _hash(each) for name, each in documents.items()},
-        {name: parameters.written(value) for name, value in values.items()},
+        {name: value.text for name, value in values.items()},
     )  # fmt: skip
 
 
@@ -119,17 +119,16 @@ def _pipe(
     return found, found.pipe or mission.pipe, source
 
 
-def _values(
-    mission: Mission, settings: Mapping[str, str], problems: Problems
-) -> dict[str, Quantity]:
+def _values(mission: Mission, settings: Mapping[str, str], problems: Problems) -> parameters.Values:
     values = parameters.defaults(mission.parameters, problems)
     for name, text in settings.items():
         if name not in mission.parameters:
             raise _unknown("parameter", name, mission.parameters)
         try:
-            values[name] = parameters.read_value(mission.parameters[name], text)
+            value = parameters.read_value(mission.parameters[name], text)
         except QuantityError as error:
             raise UsageError(f"--set {name}={text}: {error}") from None
+        values[name] = parameters.Value(value, text)
     for name in mission.parameters.keys() - values.keys():
         if mission.parameters[name].default is None:
             raise UsageError(f"parameter '{name}' has no default: give it with --set {name}=…")

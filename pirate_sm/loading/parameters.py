@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.model.mission import ParameterDefinition, ParameterValue
@@ -20,7 +21,7 @@ from pirate_sm.units import (
     Dimension,
     Quantity,
     QuantityError,
-    format_quantity,
+    describe,
     read_quantity,
 )
 
@@ -30,7 +31,15 @@ DIMENSIONS: Mapping[str, Dimension] = {
     "ratio": DIMENSIONLESS, "count": DIMENSIONLESS, "number": DIMENSIONLESS,
 }  # fmt: skip
 
-Values = dict[str, Quantity]
+
+class Value(NamedTuple):
+    """A parameter's value in SI, and as somebody wrote it."""
+
+    quantity: Quantity
+    text: str
+
+
+Values = dict[str, Value]
 
 
 def read_value(definition: ParameterDefinition, value: ParameterValue) -> Quantity:
@@ -74,7 +83,7 @@ def defaults(definitions: Mapping[str, ParameterDefinition], problems: Problems)
                 problems.add("mission.parameter", ("parameters", name, key), str(error))
                 continue
             if key == "default":
-                values[name] = quantity
+                values[name] = Value(quantity, str(given))
     return values
 
 
@@ -84,7 +93,7 @@ def _plain(definition: ParameterDefinition, value: ParameterValue) -> Quantity:
 
 def given(
     definitions: Mapping[str, ParameterDefinition],
-    arguments: Mapping[str, Quantity | ParameterValue],
+    arguments: Mapping[str, Value | ParameterValue],
     path: Path,
     problems: Problems,
 ) -> Values:
@@ -100,29 +109,22 @@ def given(
             )  # fmt: skip
             continue
         try:
-            values[name] = read_argument(definition, argument)
+            text = argument.text if isinstance(argument, Value) else str(argument)
+            values[name] = Value(read_argument(definition, argument), text)
         except QuantityError as error:
             problems.add("mission.parameter", (*path, name), f"parameter '{name}': {error}")
     return values
 
 
-def read_argument(definition: ParameterDefinition, argument: Quantity | ParameterValue) -> Quantity:
+def read_argument(definition: ParameterDefinition, argument: Value | ParameterValue) -> Quantity:
     """An argument, written out or handed on from a caller's parameter, in SI.
 
     Raises:
         QuantityError: It does not fit.
     """
-    if not isinstance(argument, Quantity):
+    if not isinstance(argument, Value):
         return read_value(definition, argument)
-    dimension = DIMENSIONS[definition.type]
-    if argument.dimension != dimension:
-        raise QuantityError(f"expected a {definition.type}, got {argument.dimension}")
-    text = format_quantity(argument.value, dimension)
-    return read_value(definition, text if definition.type != "count" else int(argument.value))
-
-
-def written(quantity: Quantity) -> str:
-    """The value as messages write it."""
-    if quantity.dimension == TIME and quantity.value >= 60 and quantity.value % 60 == 0:
-        return f"{quantity.value / 60:g} min"
-    return format_quantity(quantity.value, quantity.dimension)
+    dimension = argument.quantity.dimension
+    if dimension != DIMENSIONS[definition.type]:
+        raise QuantityError(f"expected a {definition.type}, got {describe(dimension)}")
+    return read_value(definition, argument.text)

@@ -14,13 +14,13 @@ from pirate_sm.loading import library, parameters
 from pirate_sm.loading.assembly import MOST_INSTRUCTIONS, Assembly, Label, TooLongError
 from pirate_sm.loading.configuration import required_states, start_configuration
 from pirate_sm.loading.folders import shown
+from pirate_sm.loading.parameters import Values
 from pirate_sm.loading.problems import LoadError, Path, Problems
 from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.loading.scope import Scope, Source
 from pirate_sm.loading.source import Document, read_document
 from pirate_sm.loading.validate import validate
 from pirate_sm.model import mission as model
-from pirate_sm.units import Quantity
 
 DEEPEST_CALL = 16
 
@@ -28,7 +28,7 @@ DEEPEST_CALL = 16
 def build_program(
     source: Source,
     robot: LoadedRobot,
-    values: Mapping[str, Quantity],
+    values: Values,
     start_phase: str | None,
     states: Mapping[str, str] | None,
     problems: Problems,
@@ -229,9 +229,15 @@ class _PhaseWriter:
             retries=scope.count(step.retry, (*path, "retry")),
             skip_unneeded=step.unneeded == "skip",
             next=after,
-            failed=scope.failure(step.on_failure, path),
+            failed=self._failure(step, path, after),
             place=scope.place(path),
         )
+
+    def _failure(self, step: model.Step, path: Path, after: Label) -> Label | int:
+        """Where a failure of the step leads; `continue` takes the next step."""
+        if step.on_failure == model.CONTINUE:
+            return after
+        return self.scope.failure(step.on_failure, path)
 
     def _repeat(self, step: model.RepeatStep, path: Path, after: Label) -> None:
         times = self.scope.count(step.repeat.times, (*path, "repeat", "times"))
@@ -239,7 +245,7 @@ class _PhaseWriter:
             self.scope.problems.add(
                 "mission.repeat", (*path, "repeat", "times"), "repeat at least once"
             )
-        inside = self.scope if step.on_failure is None else self._failing(step, path)
+        inside = self.scope if step.on_failure is None else self._failing(step, path, after)
         writer = _PhaseWriter(self.compiler, inside, self.handlers)
         for turn in range(times):
             following = Label() if turn + 1 < times else after
@@ -247,12 +253,12 @@ class _PhaseWriter:
             if following is not after:
                 self.compiler.assembly.mark(following)
 
-    def _failing(self, step: model.RepeatStep | model.ChooseStep, path: Path) -> Scope:
+    def _failing(self, step: model.Step, path: Path, after: Label) -> Scope:
         """The scope inside a step whose own ``on_failure`` comes before the phase's."""
-        return replace(self.scope, inner=self.scope.failure(step.on_failure, path))
+        return replace(self.scope, inner=self._failure(step, path, after))
 
     def _choose(self, step: model.ChooseStep, path: Path, after: Label) -> None:
-        inside = self.scope if step.on_failure is None else self._failing(step, path)
+        inside = self.scope if step.on_failure is None else self._failing(step, path, after)
         writer = _PhaseWriter(self.compiler, inside, self.handlers)
         for number, choice in enumerate(step.choose):
             at = (*path, "choose", number)
@@ -281,7 +287,7 @@ class _PhaseWriter:
 
     def _ask(self, step: model.AskStep, path: Path, after: Label) -> None:
         scope = self.scope
-        failed = scope.failure(step.on_failure, path)
+        failed = self._failure(step, path, after)
         question = Label()
         self.compiler.assembly.mark(question)
         refused: list[tuple[Label, str]] = []
@@ -311,7 +317,7 @@ class _PhaseWriter:
         if source is None:
             return
         self._check_call(source.mission, (*path, "call"))
-        failed = scope.failure(step.on_failure, path)
+        failed = self._failure(step, path, after)
         values = self._arguments(step, source, path)
         inside = replace(
             scope, source=source, problems=scope.problems.about(source.document), values=values,
@@ -334,7 +340,7 @@ class _PhaseWriter:
                 self._emit(out.Raise, message=message, failed=failed, place=scope.place(path))
         self.compiler.phases(inside)
 
-    def _arguments(self, step: model.CallStep, source: Source, path: Path) -> dict[str, Quantity]:
+    def _arguments(self, step: model.CallStep, source: Source, path: Path) -> Values:
         scope, mission = self.scope, source.mission
         at = (*path, "with")
         values = parameters.defaults(mission.parameters, scope.problems.about(source.document))

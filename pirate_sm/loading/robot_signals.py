@@ -297,7 +297,7 @@ def _vector(derived: model.Derived) -> tuple[Literal["roll", "pitch", "norm"], t
 def _wheels(signals: Signals) -> tuple[WheelSpec, ...]:
     profile = signals.profile
     slots = {slot.wheel: index for index, slot in enumerate(profile.slots) if slot.wheel}
-    found = []
+    found: list[WheelSpec] = []
     for number, wheel in enumerate(profile.body.wheels):
         path: Path = ("body", "wheels", number)
         angle = signals.number(wheel.angle, (*path, "angle"), ANGLE)
@@ -308,5 +308,5 @@ def _wheels(signals: Signals) -> tuple[WheelSpec, ...]:
         slot = slots[wheel.name]
         mirrored = signals.polarity == "mirrored" and profile.slots[slot].mirrors
         sign = -wheel.direction if mirrored else wheel.direction
-        found.append(WheelSpec(angle, speed, slot, profile.body.wheel_radius * sign))
+        found.append(WheelSpec(len(found), angle, speed, slot, profile.body.wheel_radius * sign))
     return tuple(found)

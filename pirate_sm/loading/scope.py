@@ -10,7 +10,7 @@ from pathlib import Path as FilePath
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.expressions import Expression, ExpressionError, compile_condition
 from pirate_sm.loading.assembly import Handlers, Label
-from pirate_sm.loading.parameters import written
+from pirate_sm.loading.parameters import Value, Values
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.source import Document
 from pirate_sm.model.mission import Mission
@@ -52,7 +52,7 @@ class Scope:
     robot: RobotSpec
     problems: Problems
     prefix: str
-    values: Mapping[str, Quantity]
+    values: Values
     targets: Mapping[str, Label]
     caller: Label | int
     outer: Handlers
@@ -131,7 +131,7 @@ class Scope:
     def condition(self, text: str, path: Path) -> Expression | None:
         """A compiled condition, or None after saying what is wrong with it."""
         try:
-            return compile_condition(text, self.robot.vocabulary, dict(self.values))
+            return compile_condition(text, self.robot.vocabulary, self._constants)
         except ExpressionError as error:
             self.problems.add_expression(path, error)
             return None
@@ -140,7 +140,7 @@ class Scope:
         """Seconds; a parameter has its value."""
         if not isinstance(value, Parameter):
             return value
-        quantity = self._value(value.name, path)
+        quantity = self._value(value.name, path).quantity
         if quantity.dimension != TIME:
             kind = describe(quantity.dimension)
             self.problems.add(
@@ -152,7 +152,7 @@ class Scope:
         """A whole number; a parameter has its value."""
         if not isinstance(value, Parameter):
             return value
-        quantity = self._value(value.name, path)
+        quantity = self._value(value.name, path).quantity
         if quantity.dimension != DIMENSIONLESS or quantity.value != int(quantity.value):
             self.problems.add(
                 "mission.parameter", path, f"${value.name} is no count", expected="a whole number"
@@ -164,20 +164,24 @@ class Scope:
         for name in _FIELD.findall(text):
             if name != CAUSE and name not in self.source.mission.parameters:
                 self._unknown("parameter", name, [*self.source.mission.parameters, CAUSE], path)
-        shown = {name: written(value) for name, value in self.values.items()}
+        shown = {name: value.text for name, value in self.values.items()}
         return _FIELD.sub(lambda match: shown.get(match.group(1), match.group(0)), text)
 
-    def argument(self, value: str | float, path: Path) -> Quantity | str | float:
+    def argument(self, value: str | float, path: Path) -> Value | str | float:
         """An argument of a call; ``$name`` is the caller's parameter."""
         if isinstance(value, str) and value.startswith("$"):
             return self._value(value[1:], path)
         return value
 
-    def _value(self, name: str, path: Path) -> Quantity:
+    @property
+    def _constants(self) -> dict[str, Quantity]:
+        return {name: value.quantity for name, value in self.values.items()}
+
+    def _value(self, name: str, path: Path) -> Value:
         if name in self.values:
             return self.values[name]
         self._unknown("parameter", name, self.source.mission.parameters, path)
-        return Quantity(1.0, TIME)
+        return Value(Quantity(1.0, TIME), "")
 
     def _unknown(self, kind: str, name: str, known: object, path: Path) -> None:
         names = list(known)  # type: ignore[call-overload]

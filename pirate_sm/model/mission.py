@@ -34,7 +34,12 @@ class ParameterDefinition(Frozen):
 
 
 class _AnyStep(Frozen):
-    """What every step may say: when it is done at all, and where its failure leads."""
+    """What every step may say: when it is done at all, and where its failure leads.
+
+    Attributes:
+        condition: The step is passed over unless this is true.
+        on_failure: A phase or end, or ``continue`` for the next step.
+    """
 
     condition: Annotated[str | None, Field(alias="if")] = None
     on_failure: Name | None = None
