@@ -1,0 +1,175 @@
+"""Speed and memory, side by side in one run.
+
+    python -m benchmarks.bench
+
+Chart commands: the same random commands through python-statemachine, through sismic where it is
+installed, and through the compiled table; each answers whether the command moves the chart, and
+why not. Simulator: the whole bend mission in one process, interpreter in the loop. Processes:
+the installed command from start to end; *cold* with an empty cache for compiled code.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import resource
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+from benchmarks.campaign import run
+from pirate_sm.engine.chart_table import ChartTable
+from pirate_sm.loading import library
+from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.wiring import Order
+
+COMMANDS = 20_000
+SEED = 7
+REPEATS = 5
+
+
+def main() -> int:
+    """Everything is measured and printed."""
+    loaded = load_robot(library.find_robot("pirate_ii"))
+    _charts(loaded)
+    _simulator()
+    _processes()
+    return 0
+
+
+def _charts(loaded: LoadedRobot) -> None:
+    table = loaded.table
+    names = random.Random(SEED).choices(table.commands, k=COMMANDS)
+    contenders: dict[str, Callable[[list[str]], int]] = {
+        "python-statemachine": lambda some: _library(loaded, some),
+        "compiled table": lambda some: _table(table, some),
+    }
+    try:
+        import sismic  # noqa: F401
+    except ModuleNotFoundError:
+        print("sismic is not installed (make bench installs it)")
+    else:
+        contenders["sismic"] = lambda some: _sismic(loaded, some)
+    print("chart commands, with the reason of a refusal")
+    rates: dict[str, float] = {}
+    moved: set[int] = set()
+    for name, contender in contenders.items():
+        count = COMMANDS if name == "compiled table" else COMMANDS // 10
+        rates[name] = max(_rate(contender, names[:count]) for _ in range(REPEATS))
+        moved.add(contender(names[: COMMANDS // 10]))
+    assert len(moved) == 1, f"the contenders disagree: {moved}"
+    base = rates["python-statemachine"]
+    for name, rate in rates.items():
+        print(f"    {name:22} {rate:12,.0f} /s   {rate / base:8.1f} ×")
+
+
+def _rate(contender: Callable[[list[str]], int], names: list[str]) -> float:
+    began = perf_counter()
+    contender(names)
+    return len(names) / (perf_counter() - began)
+
+
+def _table(table: ChartTable, names: list[str]) -> int:
+    here, moved, index = table.initial, 0, table.command_index
+    for name in names:
+        command = index[name]
+        there = table.follow(here, command)
+        if there == here:
+            table.why_not(here, command)
+        else:
+            moved += 1
+            here = there
+    return moved
+
+
+def _library(loaded: LoadedRobot, names: list[str]) -> int:
+    from statemachine.io import load
+
+    text = loaded.documents[1].text
+    machine = load(text, format="yaml")()
+    moved = 0
+    before = frozenset(machine.configuration_values)
+    for name in names:
+        machine.send(name)
+        after = frozenset(machine.configuration_values)
+        moved += after != before
+        before = after
+    return moved
+
+
+def _sismic(loaded: LoadedRobot, names: list[str]) -> int:
+    from sismic.interpreter import Interpreter
+    from sismic.io.datadict import import_from_dict
+
+    interpreter = Interpreter(import_from_dict(_as_sismic(loaded.documents[1].data)))
+    interpreter.execute()
+    moved = 0
+    for name in names:
+        interpreter.queue(name)
+        steps = interpreter.execute()
+        moved += any(step.exited_states for step in steps)
+    return moved
+
+
+def _as_sismic(chart: Mapping[str, Any]) -> dict[str, Any]:
+    """The same chart in sismic's own format."""
+    ((top, body),) = chart["states"].items()
+    regions = []
+    for region, inside in body["states"].items():
+        states = []
+        for state, content in inside["states"].items():
+            transitions = [
+                {
+                    "event": each["event"],
+                    "target": each["target"],
+                    **({"guard": each["cond"].replace("In(", "active(")} if "cond" in each else {}),
+                }
+                for each in content.get("transitions", ())
+            ]
+            states.append({"name": state, "transitions": transitions})
+        initial = next(s for s, c in inside["states"].items() if c.get("initial"))
+        regions.append({"name": region, "initial": initial, "states": states})
+    root = {"name": top, "parallel states": regions}
+    return {"statechart": {"name": "robot", "root state": root}}
+
+
+def _simulator() -> None:
+    order = Order("mitre_bend")
+    run(order)
+    factors = []
+    for _ in range(REPEATS):
+        began = perf_counter()
+        outcome = run(order)
+        factors.append(outcome.time_s / (perf_counter() - began))
+    spread = f"least {min(factors):,.0f}, most {max(factors):,.0f}, of {REPEATS} bend missions"
+    print(f"simulator, interpreter in the loop: {median(factors):,.0f} × real time ({spread})")
+
+
+def _processes() -> None:
+    command = [str(Path(sys.executable).with_name("pirate-run"))]
+    mission = [*command, "mitre_bend", "--speed", "max", "--quiet"]
+    with tempfile.TemporaryDirectory() as empty:
+        cold = {**os.environ, "NUMBA_CACHE_DIR": empty, "XDG_CACHE_HOME": empty}
+        first = _time(mission, cold)
+        second = [_time(mission, cold) for _ in range(REPEATS)]
+    print(f"bend mission, cold process: {first:6.2f} s (compiles once)")
+    print(f"bend mission, warm process: {median(second):6.2f} s (median of {REPEATS})")
+    helps = [_time([*command, "--help"], dict(os.environ)) for _ in range(2 * REPEATS)]
+    print(f"pirate-run --help:          {median(helps) * 1000:6.0f} ms (median of {len(helps)})")
+    peak_kb = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+    print(f"peak memory of a mission:   {peak_kb / 1024:6.0f} MB (the cold one, which compiles)")
+
+
+def _time(command: list[str], environment: dict[str, str]) -> float:
+    began = perf_counter()
+    subprocess.run(command, check=True, env=environment, stdout=subprocess.DEVNULL)
+    return perf_counter() - began
+
+
+if __name__ == "__main__":
+    sys.exit(main())
