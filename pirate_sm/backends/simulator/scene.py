@@ -62,7 +62,7 @@ def scene_of(
         jitter: How far the numbers may differ.
         rng: Source of chance.
     """
-    start, friction, diameter = rng.uniform(-1.0, 1.0, 3)
+    start, friction, diameter = rng.uniform(-1.0, 1.0, 3).tolist()
     parts = tuple(
         Straight(part.straight) if isinstance(part, pipe_model.Straight) else Mitre(part.mitre)
         for part in pipe.segments
