@@ -26,6 +26,7 @@ from pirate_sm.model.quantities import (
     Torque,
 )
 from pirate_sm.model.simulation import Simulation
+from pirate_sm.model.wire import Serial
 
 PositiveLength = Annotated[Length, Field(gt=0)]
 PositiveDuration = Annotated[Duration, Field(gt=0)]
@@ -351,6 +352,7 @@ class Profile(Frozen):
     faults: tuple[FaultRule, ...] = ()
     detector: Detector
     simulation: Simulation
+    serial: Serial | None = None
 
     @property
     def slots(self) -> tuple[Slot, ...]:

@@ -1,0 +1,65 @@
+"""How a robot speaks over its serial port: topics, message types, layout and timing."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, StringConstraints
+
+from pirate_sm.model.base import Frozen, Name
+from pirate_sm.model.quantities import Duration
+
+TypeName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z]\w*/[A-Za-z]\w*$")]
+"""A ROS message type as it stands on the wire, ``package/Type``."""
+
+
+class SetpointTopic(Frozen):
+    """A topic that carries a whole array of setpoints, or its echo.
+
+    Attributes:
+        id: Field with the array's id.
+        values: Field with one integer per slot.
+    """
+
+    topic: str
+    type: TypeName
+    id: Name = "id"
+    values: Name = "setpoints"
+
+
+class StateTopic(Frozen):
+    """The topic that carries what the boards measure.
+
+    Attributes:
+        layout: ``board``: all channels of one board in ``values``. ``value``: one ``value`` of one
+            ``channel``.
+    """
+
+    topic: str
+    type: TypeName
+    layout: Literal["board", "value"]
+    board: Name = "board"
+    channel: Name = "channel"
+    values: Name = "values"
+    value: Name = "value"
+
+
+class Serial(Frozen):
+    """The serial link to the robot, rosserial protocol revision 1.
+
+    Attributes:
+        boot: How long the boot loader may take after the port has been opened.
+        echo_within: An array not echoed for so long is sent again.
+        heartbeat_within: The guardian sends the safe array when it has not heard the runner for
+            so long.
+        messages: Folder beside the profile with one ``<Type>.msg`` per type.
+    """
+
+    baud: Annotated[int, Field(gt=0)]
+    boot: Duration
+    echo_within: Annotated[Duration, Field(gt=0)]
+    heartbeat_within: Annotated[Duration, Field(gt=0)]
+    messages: str = "messages"
+    setpoints: SetpointTopic
+    echo: SetpointTopic
+    state: StateTopic
