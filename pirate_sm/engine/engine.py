@@ -11,8 +11,8 @@ from math import inf, isnan
 from typing import Any
 
 from pirate_sm.engine import machine, pausing, robot_state
-from pirate_sm.engine.faults import Found, listen, look, no_faults
-from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline
+from pirate_sm.engine.faults import Found, listen, look, no_faults, unsettle
+from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline, spoken, withdraw
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
@@ -60,7 +60,7 @@ class Engine:
         mission = MissionState(self.program.start, offset_s=now_s)
         state = EngineState(robot, sensing, mission, no_faults(self.robot), words)
         effects: list[Effect] = [robot_state.state_change(self.robot, robot)]
-        return self._settle(state, now_s, effects)
+        return self._settle(state, state, now_s, effects)
 
     def step(
         self, state: EngineState, event: events.Event, now_s: float
@@ -77,12 +77,13 @@ class Engine:
         """
         if state.mission.ended:
             return state, ()
+        before = state
         effects: list[Effect] = []
         if type(event) is events.SensorFrame:
             state = self._frame(state, event, now_s, effects)
         else:
             state = _ON[type(event)](self, state, event, now_s, effects)
-        return self._settle(state, now_s, effects)
+        return self._settle(before, state, now_s, effects)
 
     def signals(self, state: EngineState) -> dict[str, float]:
         """Every signal in SI by its name; NaN where it is unknown."""
@@ -90,7 +91,7 @@ class Engine:
 
     def safe_values(self, state: EngineState) -> tuple[float, ...]:
         """The safe array, for a last resort when no step can be made any more."""
-        return robot_state.safe_values(self.robot, state.robot)
+        return robot_state.safe_values(self.robot, state.robot, state.sensing.numbers)
 
     # --- events -----------------------------------------------------------------------------
 
@@ -142,16 +143,26 @@ class Engine:
         state = self._moved(state, robot)
         if finished is not None:
             state = state._replace(mission=state.mission._replace(result=finished))
-        lost = (
-            flight is not None
-            and event.status == "unknown"
-            and event.setpoint_id == flight.setpoint_id
-            and flight.tries > self.robot.link.resend_limit
-        )
-        if lost:
-            message = f"setpoints were not confirmed after {self.robot.link.resend_limit} repeats"
+        if flight is None or event.setpoint_id != flight.setpoint_id:
+            return state
+        limit = self.robot.link.resend_limit
+        if event.status == "unknown" and flight.tries > limit:
+            message = f"setpoints were not confirmed after {limit} repeats"
             state = self._fault(state, Found("link.no_echo", message, False), now, effects)
+        elif event.status in {"rejected", "superseded"} and flight.purpose != "gate":
+            # Only a command can be refused; without the array the robot is not what it seems.
+            message = f"the backend has {event.status} setpoints: {event.reason or 'no reason'}"
+            state = self._refused(state, message, now, effects)
         return state
+
+    def _refused(
+        self, state: EngineState, message: str, now: float, effects: list[Effect]
+    ) -> EngineState:
+        ending = state.mission.ending
+        if ending is None:
+            return self._fault(state, Found("backend.failed", message, False), now, effects)
+        ending = ending._replace(message=f"{ending.message} ({message})")
+        return state._replace(mission=state.mission._replace(ending=ending))
 
     def _fault_report(
         self, state: EngineState, event: events.FaultReport, now: float, effects: list[Effect]
@@ -180,11 +191,17 @@ class Engine:
     def _answer(
         self, state: EngineState, event: events.Answer, now: float, effects: list[Effect]
     ) -> EngineState:
+        if state.mission.paused:
+            effects.append(Log("warning", "no answer is taken while paused"))
+            return state
         return state._replace(mission=state.mission._replace(answer=event.choice))
 
     def _skip(
         self, state: EngineState, event: events.Skip, now: float, effects: list[Effect]
     ) -> EngineState:
+        if state.mission.paused:
+            effects.append(Log("warning", "nothing is passed over while paused"))
+            return state
         return state._replace(mission=state.mission._replace(skipped=event.trigger))
 
     def _abort(
@@ -195,20 +212,23 @@ class Engine:
     # --- what follows -------------------------------------------------------------------------
 
     def _settle(
-        self, state: EngineState, now: float, effects: list[Effect]
+        self, before: EngineState, state: EngineState, now: float, effects: list[Effect]
     ) -> tuple[EngineState, Effects]:
-        robot_before, mission_before = state.robot, state.mission
         listen_at_s = state.sensing.checked_s + self._listen_every_s
         if has_come(now, min(state.wake_at_s, listen_at_s)):
             state = self._housekeep(state, now, effects)
         if state.mission.ending is not None:
             state = self._finish_ending(state, now, effects)
-        else:
+        elif not state.mission.ended:
             state = self._go_on(state, now, effects)
         mission = state.mission
         if mission.answer is not None or mission.skipped is not None:
-            state = state._replace(mission=mission._replace(answer=None, skipped=None))
-        changed = state.robot is not robot_before or state.mission is not mission_before
+            state = state._replace(mission=spoken(self._setting, state))
+        changed = (
+            state.robot is not before.robot
+            or state.mission is not before.mission
+            or state.word_until_s != before.word_until_s
+        )
         if changed or effects or has_come(now, state.wake_at_s):
             state = self._set_wake(state, effects)
         return state, tuple(effects)
@@ -219,11 +239,11 @@ class Engine:
         if state.mission.diverting is not None:
             state = self._divert(state, now, effects)
         state = pausing.begin_if_wanted(self.robot, state, now, effects)
+        state = advance(self._setting, state, now, effects)
         limit_s = self.program.time_limit_s
-        if has_come(state.mission.clock(now), limit_s) and not state.mission.ending:
+        if has_come(state.mission.clock(now), limit_s):
             message = f"the mission's time limit of {limit_s:g} s has passed"
             state = end(self._setting, state, "failed", message, "", now, effects)
-        state = advance(self._setting, state, now, effects)
         return pausing.begin_if_wanted(self.robot, state, now, effects)
 
     def _watch(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
@@ -250,7 +270,9 @@ class Engine:
     ) -> EngineState:
         """The fault is handled as the mission says, or the mission ends (rule 10)."""
         mission = state.mission
-        if mission.ending or mission.ended:
+        if mission.ended:
+            return state
+        if mission.ending:
             effects.append(Fault(fault.code, fault.message, "stop"))
             return state
         handler = self.program.handler(mission.pc, fault.code) if fault.catchable else None
@@ -272,13 +294,14 @@ class Engine:
         if handler is None or handler.go is None or robot.flight is not None:
             return state
         if not mission.stopped:
+            withdraw(self._setting, state, effects)
             if robot.motion is not None:
                 robot = machine.fail(self.robot, robot, f"interrupted by {mission.cause}", effects)
             robot = machine.doubt(self.robot, robot)
             effects.append(robot_state.state_change(self.robot, robot))
             robot = machine.stop(self.robot, robot, state.sensing, effects)
             return state._replace(robot=robot, mission=mission._replace(stopped=True))
-        mission = mission.at(handler.go)
+        mission = pausing.forget(mission, robot).at(handler.go)
         return state._replace(
             mission=mission._replace(diverting=None, stopped=False, handling=handler.go_name)
         )
@@ -293,9 +316,12 @@ class Engine:
             state = state._replace(robot=robot)
         if self.nominal or not has_come(now, state.sensing.checked_s + self._listen_every_s):
             return state
-        state = state._replace(sensing=forget_stale(self.robot, state.sensing, now))
-        faults, found = listen(self.robot, state.faults, state.sensing, now)
-        state = state._replace(faults=faults)
+        sensing = forget_stale(self.robot, state.sensing, now)
+        faults = state.faults
+        if sensing.stale != state.sensing.stale:
+            faults = unsettle(self.robot, faults, sensing, state.words)
+        faults, found = listen(self.robot, faults, sensing, now)
+        state = state._replace(sensing=sensing, faults=faults)
         for fault in found:
             state = self._fault(state, fault, now, effects)
         return state
@@ -317,8 +343,12 @@ class Engine:
         """Who drives the engine knows when time alone will change something."""
         if state.mission.ended:
             return state
+        pause = state.mission.before_pause
+        body = state.robot
+        if pause is not None and pause.suspended:
+            body = body._replace(motion=None)  # its deadline is frozen
         wake = min(
-            robot_state.next_deadline(self.robot, state.robot, self.nominal),
+            robot_state.next_deadline(self.robot, body, self.nominal),
             next_deadline(self._setting, state),
             state.word_until_s,
         )

@@ -79,6 +79,16 @@ def _blind(
     return blind, found
 
 
+def unsettle(robot: RobotSpec, faults: FaultState, sensing: Sensing, words: Words) -> FaultState:
+    """Rules that do not hold any more, since boards have gone silent, begin anew (rule 7)."""
+    since = tuple(
+        began if isnan(began) or rule.when.evaluate(sensing.numbers, words) is True else nan
+        for rule, began in zip(robot.faults, faults.since, strict=True)
+    )
+    raised = frozenset(index for index in faults.raised if not isnan(since[index]))
+    return faults._replace(since=since, raised=raised)
+
+
 def listen(
     robot: RobotSpec, faults: FaultState, sensing: Sensing, now: float
 ) -> tuple[FaultState, tuple[Found, ...]]:

@@ -54,13 +54,21 @@ class Setting(NamedTuple):
 
 
 def advance(setting: Setting, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
-    """The mission has gone on as far as it can at this moment."""
+    """The mission has gone on as far as it can at this moment.
+
+    Once its time is up no command begins any more; what else is due now comes before (rule 6).
+    """
     instructions = setting.program.instructions
+    over = has_come(state.mission.clock(now), setting.program.time_limit_s)
     for _ in range(MOST_INSTRUCTIONS):
         mission = state.mission
-        if mission.ending or mission.diverting or mission.paused or mission.pause_wanted:
+        if mission.ending or mission.ended:
+            return state
+        if mission.diverting or mission.paused or mission.pause_wanted:
             return state
         instruction = instructions[mission.pc]
+        if over and not mission.begun and type(instruction) is Do:
+            return state
         after = _KINDS[type(instruction)](setting, state, instruction, now, effects)
         if after.mission.pc == mission.pc and after.mission.begun:
             return after
@@ -69,6 +77,24 @@ def advance(setting: Setting, state: EngineState, now: float, effects: list[Effe
         state = after
     message = "the phases go round without ever waiting"
     return end(setting, state, "failed", message, "", now, effects)
+
+
+def spoken(setting: Setting, state: EngineState) -> MissionState:
+    """What the operator said has been heard; to skip a command waits for the array in flight.
+
+    Whether a command that is passed over has moved the chart is known only then.
+    """
+    mission = state.mission
+    doing = mission.begun and isinstance(setting.program.instructions[mission.pc], Do)
+    waits = doing and state.robot.flight is not None
+    return mission._replace(answer=None, skipped=mission.skipped if waits else None)
+
+
+def withdraw(setting: Setting, state: EngineState, effects: list[Effect]) -> None:
+    """A question that is still open is asked no more."""
+    mission = state.mission
+    if mission.begun and isinstance(setting.program.instructions[mission.pc], Question):
+        effects.append(Ask("", ()))
 
 
 def end(
@@ -83,6 +109,7 @@ def end(
     """The safe stop is under way, or the run is over where nothing has ever been sent (rule 11)."""
     if state.mission.ending or state.mission.ended:
         return state
+    withdraw(setting, state, effects)
     robot = state.robot
     if robot.motion is not None:
         motion = robot.motion
@@ -114,6 +141,7 @@ def fail(
     if target == STOP:
         state = state._replace(mission=mission)
         return end(setting, state, "failed", cause, "", now, effects)
+    withdraw(setting, state, effects)
     effects.append(Log("warning", cause))
     return state._replace(mission=_moved(mission, target))
 
@@ -127,7 +155,9 @@ def next_deadline(setting: Setting, state: EngineState) -> float:
         return inf
     deadline = setting.program.time_limit_s
     instruction = setting.program.instructions[mission.pc]
-    if mission.begun and isinstance(instruction, Wait):
+    if mission.diverting or mission.pause_wanted:
+        pass  # what is in flight comes first
+    elif mission.begun and isinstance(instruction, Wait):
         deadline = min(deadline, mission.armed_s + instruction.within_s)
         for trigger, since in zip(instruction.triggers, mission.since, strict=True):
             if trigger.after_s is not None:
@@ -188,7 +218,8 @@ def _awaited(
     setting: Setting, state: EngineState, it: Do, name: str, now: float, effects: list[Effect]
 ) -> EngineState:
     mission = state.mission
-    if mission.skipped is not None and state.robot.motion is not None:
+    motion, flight = state.robot.motion, state.robot.flight
+    if mission.skipped is not None and motion is not None and flight is None:
         robot = machine.skip(setting.robot, state.robot, effects)
         return _go(state._replace(robot=robot), it.next)
     if mission.result is None:
@@ -252,6 +283,8 @@ def _wait(
         effects.append(TriggerFired(it.phase, "within", it.within_name, cause))
         mission = mission._replace(cause=cause)
         return state._replace(mission=_moved(mission, it.within))
+    if mission.skipped:
+        effects.append(Log("warning", f"{it.phase} does not wait for '{mission.skipped}'"))
     if since is mission.since:
         return state
     return state._replace(mission=mission._replace(since=since))
@@ -309,7 +342,6 @@ def _question(
         effects.append(Log("warning", f"'{answer}' is no answer to '{it.text}'"))
         return state._replace(mission=mission._replace(answer=None))
     if has_come(clock, mission.armed_s + it.timeout_s):
-        effects.append(Ask("", ()))
         cause = f"'{it.text}' ({it.place}) was not answered within {it.timeout_s:g} s"
         return fail(setting, state, cause, it.failed, now, effects)
     return state

@@ -70,7 +70,7 @@ def resolve(
         waiting = flight._replace(resend_at_s=now + robot.link.resend_after_s)
         return state._replace(flight=waiting), None
     if result.status == "accepted":
-        state = state._replace(values=flight.values, flight=None)
+        state = state._replace(values=flight.values, seeking=flight.seeking, flight=None)
         if flight.purpose == "gate" and state.motion is not None:
             state = _accept(robot, state, state.motion, now, effects)
         return state, None
@@ -100,6 +100,10 @@ def watch(
 ) -> tuple[RobotState, Finished | None]:
     """The command under way has been held against the signals and its deadline.
 
+    While an array is in flight a command neither ends nor goes on to its next stage: that could
+    take a new array, and after one of unknown fate only the same one again or the safe stop may
+    follow.
+
     Args:
         robot: The robot.
         state: Its state.
@@ -115,25 +119,27 @@ def watch(
     if motion is None or isnan(motion.accepted_s):
         return state, None
     spec = robot.commands[motion.command]
+    free = state.flight is None
     if nominal:
-        if has_come(now, motion.accepted_s + spec.nominal_s):
+        if free and has_come(now, motion.accepted_s + spec.nominal_s):
             return _complete(robot, state, sensing, "nominal duration has passed", effects)
         return state, None
-    if state.loops:
-        state = _step_loops(robot, state, sensing, effects)
     since_s = motion.since_s
     if holds(spec.done, sensing.numbers, state.values, state.loops):
         since_s = now if isnan(since_s) else since_s
-        if has_come(now, since_s + must_hold_s(spec.done, sensing.numbers, state.loops)):
+        held_s = must_hold_s(spec.done, sensing.numbers, state.loops)
+        if free and has_come(now, since_s + held_s):
             reason = told(robot, spec.done, sensing.numbers, state.loops)
             return _complete(robot, state, sensing, reason, effects)
     elif not isnan(since_s):
         since_s = nan
-    if has_come(now, motion.deadline_s):
+    if free and has_come(now, motion.deadline_s):
         reason = f"not done within {motion.timeout_s:g} s"
         return fail(robot, state, reason, effects), Finished(False, reason)
     if since_s is not motion.since_s:
         state = state._replace(motion=motion._replace(since_s=since_s))
+    if free and state.loops:
+        state = _step_loops(robot, state, sensing, effects)
     return state, None
 
 
@@ -164,7 +170,7 @@ def stop(
     robot: RobotSpec, state: RobotState, sensing: Sensing, effects: list[Effect]
 ) -> RobotState:
     """The safe array has been sent, whatever else was in flight."""
-    values = known_values(safe_values(robot, state), sensing.numbers, robot, measured=True)
+    values = safe_values(robot, state, sensing.numbers)
     return _send(state._replace(loops=()), values, "stop", effects)
 
 
@@ -172,7 +178,10 @@ def reassert(
     state: RobotState, values: Numbers, loops: tuple[Loop, ...], effects: list[Effect]
 ) -> RobotState:
     """An actuation that was in force before a pause has been sent again."""
-    return _send(state._replace(loops=loops), values, "loop", effects)
+    kept = tuple(
+        now if isnan(value) else value for value, now in zip(values, state.values, strict=True)
+    )
+    return _send(state._replace(loops=loops), kept, "loop", effects)
 
 
 def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
@@ -192,7 +201,8 @@ def _send(
     state: RobotState, values: Numbers, purpose: Purpose, effects: list[Effect]
 ) -> RobotState:
     effects.append(Setpoints(state.next_id, values))
-    flight = Flight(state.next_id, values, purpose)
+    seeking = frozenset(loop.slot for loop in state.loops)
+    flight = Flight(state.next_id, values, purpose, seeking=seeking)
     return state._replace(flight=flight, next_id=state.next_id + 1, sent=True)
 
 
@@ -213,7 +223,7 @@ def _actuate(
     """The array that puts a stage of the regions' states in force, and its position loops."""
     motion = state.motion
     target = robot.table.configurations[motion.target if motion else state.configuration]
-    values = list(known_values(state.latest, sensing.numbers, robot, measured=True))
+    values = list(known_values(state.latest, sensing.numbers, robot))
     loops: list[Loop] = []
     for region in regions:
         stages = robot.actuation[region][target[region]]
@@ -290,11 +300,15 @@ def _complete(
 
 
 def _end_motion(state: RobotState, effects: list[Effect]) -> RobotState:
-    values = list(state.latest)
-    for loop in state.loops:
-        values[loop.slot] = 0.0
-    ended = state._replace(motion=None, loops=())
-    return _send_if_new(ended, tuple(values), effects) if state.loops else ended
+    """Nothing is under way; slots that a loop has really driven are zero, and no others.
+
+    A command that was never accepted has driven nothing: what its loops were to take over may
+    hold a clamp.
+    """
+    values = list(state.values)
+    for slot in state.seeking:
+        values[slot] = 0.0
+    return _send_if_new(state._replace(motion=None, loops=()), tuple(values), effects)
 
 
 def _send_if_new(state: RobotState, values: Numbers, effects: list[Effect]) -> RobotState:
@@ -304,9 +318,7 @@ def _send_if_new(state: RobotState, values: Numbers, effects: list[Effect]) -> R
 def _step_loops(
     robot: RobotSpec, state: RobotState, sensing: Sensing, effects: list[Effect]
 ) -> RobotState:
-    """Each position loop has had its say; nothing new is sent while an array is in flight."""
-    if state.flight is not None:
-        return state
+    """Each position loop has had its say; no array is in flight."""
     values = list(state.values)
     for loop in state.loops:
         resolution = robot.slots[loop.slot].resolution

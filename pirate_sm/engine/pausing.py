@@ -6,7 +6,8 @@ from math import nan
 
 from pirate_sm.engine import machine, robot_state
 from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.state import BeforePause, EngineState
+from pirate_sm.engine.robot_state import RobotState
+from pirate_sm.engine.state import BeforePause, EngineState, MissionState
 from pirate_sm.model.effects import Effect, Log
 
 
@@ -26,11 +27,19 @@ def begin_if_wanted(
     if not mission.pause_wanted or mission.ending or mission.diverting or body.flight:
         return state
     before = BeforePause(body.values, body.loops, body.configuration, body.motion is not None)
-    if robot_state.safe_values(robot, body) != body.values or body.loops:
+    if not robot_state.is_safe(robot, body):
         body = machine.stop(robot, body, state.sensing, effects)
     effects.append(Log("info", "paused: wheels stopped, deadlines frozen"))
     paused = mission._replace(pause_wanted=False, paused_s=now, before_pause=before)
     return state._replace(robot=body, mission=paused)
+
+
+def forget(mission: MissionState, body: RobotState) -> MissionState:
+    """What was in force before a pause is not to be asserted again."""
+    if mission.before_pause is None:
+        return mission
+    now = BeforePause(body.values, (), body.configuration, False)
+    return mission._replace(before_pause=now)
 
 
 def resume(
@@ -39,15 +48,21 @@ def resume(
     """The mission goes on where it was, all its deadlines later by the length of the pause.
 
     In another configuration than before the pause it stays paused: its actuation must not be
-    asserted there.
+    asserted there. So it does while a command of the operator is under way.
     """
     mission, body = state.mission, state.robot
     before = mission.before_pause
     if before is None:
         return state._replace(mission=mission._replace(pause_wanted=one_step))
-    if body.flight or body.configuration != before.configuration:
-        reason = "setpoints are in flight" if body.flight else "the configuration has been changed"
-        effects.append(Log("warning", f"still paused: {reason}"))
+    obstacle = ""
+    if body.flight:
+        obstacle = "setpoints are in flight"
+    elif body.configuration != before.configuration:
+        obstacle = "the configuration has been changed"
+    elif body.motion is not None and not before.suspended:
+        obstacle = "a command is under way"
+    if obstacle:
+        effects.append(Log("warning", f"still paused: {obstacle}"))
         return state
     length = now - mission.paused_s
     if body.motion is not None:

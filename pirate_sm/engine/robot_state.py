@@ -29,6 +29,7 @@ class Flight(NamedTuple):
         purpose: ``gate``: a command's first array, moves the chart when accepted. ``stop``: wheels
             zero. ``loop``: anything else.
         resend_at_s: When the same array is sent again, infinite while a result is awaited.
+        seeking: Slots whose values a position loop has set.
     """
 
     setpoint_id: int
@@ -36,6 +37,7 @@ class Flight(NamedTuple):
     purpose: Purpose
     tries: int = 1
     resend_at_s: float = inf
+    seeking: frozenset[int] = frozenset()
 
 
 class Motion(NamedTuple):
@@ -74,6 +76,7 @@ class RobotState(NamedTuple):
         configuration: Index into the chart's table.
         marks: What is not confirmed.
         values: Setpoints in force: the last accepted array.
+        seeking: Slots among them that a position loop has set.
         next_id: Id of the next new array.
         sent: Whether anything has ever been sent.
     """
@@ -85,6 +88,7 @@ class RobotState(NamedTuple):
     flight: Flight | None = None
     motion: Motion | None = None
     loops: tuple[Loop, ...] = ()
+    seeking: frozenset[int] = frozenset()
     sent: bool = False
 
     @property
@@ -151,33 +155,42 @@ def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
     return ""
 
 
-def safe_values(robot: RobotSpec, state: RobotState) -> Numbers:
-    """The safe state: the last accepted actuation, wheels at zero, position loops stopped."""
-    values = list(known_values(state.values, state.values, robot))
-    for slot in robot.safe_zero:
+def safe_values(robot: RobotSpec, state: RobotState, numbers: Numbers) -> Numbers:
+    """The safe state: the last accepted actuation, wheels at zero, position loops stopped.
+
+    Args:
+        robot: The robot.
+        state: What has been accepted. A command that has not been is no part of it: its loops
+            may be those of a clamp that is still held.
+        numbers: Signals; an angle to be kept is the measured one.
+    """
+    values = list(known_values(state.values, numbers, robot))
+    for slot in (*robot.safe_zero, *state.seeking):
         values[slot] = 0.0
-    for loop in state.loops:
-        values[loop.slot] = 0.0
     return tuple(values)
+
+
+def is_safe(robot: RobotSpec, state: RobotState) -> bool:
+    """Whether the setpoints in force are those of the safe state already."""
+    return not state.seeking and all(state.values[slot] == 0 for slot in robot.safe_zero)
 
 
 def next_deadline(robot: RobotSpec, state: RobotState, nominal: bool) -> float:
     """When time alone can change something: a timeout, a resend, a criterion held long enough."""
-    deadline = state.flight.resend_at_s if state.flight else inf
+    if state.flight is not None:
+        return state.flight.resend_at_s  # a command does not end before that is resolved
     motion = state.motion
-    if motion is None or isnan(motion.accepted_s):
-        return deadline
+    if motion is None:
+        return inf
     spec = robot.commands[motion.command]
     if nominal:
-        return min(deadline, motion.accepted_s + spec.nominal_s)
-    if not isnan(motion.since_s):
-        deadline = min(deadline, motion.since_s + getattr(spec.done, "for_s", 0.0))
-    return min(deadline, motion.deadline_s)
+        return motion.accepted_s + spec.nominal_s
+    if isnan(motion.since_s):
+        return motion.deadline_s
+    return min(motion.since_s + getattr(spec.done, "for_s", 0.0), motion.deadline_s)
 
 
-def known_values(
-    values: Numbers, numbers: Numbers, robot: RobotSpec, *, measured: bool = False
-) -> Numbers:
+def known_values(values: Numbers, numbers: Numbers, robot: RobotSpec) -> Numbers:
     """Values without the unknown: an angle to be kept is the measured one, or 0 [decided]."""
     if not any(isnan(value) for value in values):
         return values
@@ -185,6 +198,6 @@ def known_values(
     for index, value in enumerate(values):
         if isnan(value):
             angle = robot.slots[index].angle
-            seen = numbers[angle] if measured and angle >= 0 else nan
+            seen = numbers[angle] if angle >= 0 else nan
             filled[index] = 0.0 if isnan(seen) else seen
     return tuple(filled)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, hypot, inf, isnan, nan, sin, sqrt
+from math import atan2, hypot, inf, isfinite, isnan, nan, sin, sqrt
 from typing import NamedTuple
 
 from pirate_sm.engine.robot import BoardSpec, RobotSpec, Vector
@@ -67,8 +67,9 @@ def observe(
     for place, target, scale in board.channels:
         numbers[target] = raw[place] * scale
     elapsed = now - sensing.heard_s[board.position]
-    for source, target in board.rates:
-        numbers[target] = (numbers[source] - before[source]) / elapsed if elapsed > 0 else nan
+    if elapsed > 0:  # two frames of one moment have no rate of their own
+        for source, target in board.rates:
+            numbers[target] = (numbers[source] - before[source]) / elapsed
     for source, slot, scale, target in board.torques:
         setpoint = setpoints[slot]
         sign = 0.0 if setpoint == 0 else (1.0 if setpoint > 0 else -1.0)
@@ -76,7 +77,8 @@ def observe(
     for vector in board.vectors:
         numbers[vector.target] = _vector(vector, numbers)
     for apex, length_m, wheels_m, target in board.diameters:
-        numbers[target] = abs(length_m * sin(numbers[apex] / 2)) + wheels_m  # eq. 3-2
+        angle = numbers[apex] if isfinite(numbers[apex]) else nan
+        numbers[target] = abs(length_m * sin(angle / 2)) + wheels_m  # eq. 3-2
     shares = sensing.shares
     if board.wheels:
         driven = setpoints if latest is setpoints else _either(setpoints, latest)
@@ -149,4 +151,6 @@ def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
             stale.add(board.position)
             for index in board.numbers:
                 numbers[index] = nan
+    if robot.speed >= 0 and all(isnan(numbers[wheel.speed]) for wheel in robot.wheels):
+        numbers[robot.speed] = nan
     return Sensing(tuple(numbers), sensing.heard_s, now, frozenset(stale), sensing.shares)
