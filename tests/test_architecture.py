@@ -16,6 +16,9 @@ SHIPPED_ROBOT = ROOT / "hardware_profiles" / "pirate_ii"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 LONGEST_FILE = 400
 LONGEST_FUNCTION = 60
+# The compiler's cache does not notice edits in functions called from another file, so everything
+# that is compiled stands in one.
+LONGER_FOR_A_REASON = {"backends/simulator/kernel.py": 800}
 
 # Where a chart or a profile gives names: the keys of these mappings and the values of these keys.
 NAMING_SECTIONS = {"aliases", "commands", "derived", "not_commands", "signals", "states"}
@@ -130,5 +133,6 @@ def test_files_and_functions_stay_small(source: Path) -> None:
         if (length := (node.end_lineno or node.lineno) - node.lineno + 1) > LONGEST_FUNCTION
     }
 
-    assert len(text.splitlines()) <= LONGEST_FILE
+    longest = LONGER_FOR_A_REASON.get(source.relative_to(PACKAGE).as_posix(), LONGEST_FILE)
+    assert len(text.splitlines()) <= longest
     assert long_functions == {}
