@@ -157,6 +157,12 @@ def test_a_bend_that_is_not_there_ends_the_bend_mission(run):
     assert record.states[-1][2] == "DoubleClamped"
 
 
+def test_a_part_that_has_left_the_pipe_stops_the_robot(run):
+    record = run("mitre_bend", backend="sim", pipe="straight_113")
+    assert record.ended.end == "no_wall"
+    assert "clamp.lost" in record.ended.message
+
+
 def test_from_a_phase_on(run):
     states = {
         "BendingState": "DoubleClamped", "FrontWheelsState": "DrivingForward",
