@@ -72,9 +72,11 @@ def test_a_parameter_can_be_given(run, distance):
     )
 
 
-def test_the_first_mission_of_the_page_runs(run, tmp_path):
-    text = (DOCS / "missions.md").read_text("utf-8")
-    block = text.split("```yaml\n", 1)[1].split("```", 1)[0]
+@pytest.mark.parametrize(
+    "page", [DOCS / "missions.md", DOCS.parent / "README.md"], ids=lambda page: page.name
+)
+def test_the_first_mission_of_a_page_runs(run, tmp_path, page):
+    block = page.read_text("utf-8").split("```yaml\n", 1)[1].split("```", 1)[0]
     mission = tmp_path / "first.yaml"
     mission.write_text(block, encoding="utf-8")
     assert run(mission, backend="sim").ended.end == "arrived"
