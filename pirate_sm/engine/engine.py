@@ -300,7 +300,8 @@ class Engine:
             robot = machine.doubt(self.robot, robot)
             effects.append(robot_state.state_change(self.robot, robot))
             robot = machine.stop(self.robot, robot, state.sensing, effects)
-            return state._replace(robot=robot, mission=mission._replace(stopped=True))
+            mission = mission._replace(stopped=True, begun=False)
+            return state._replace(robot=robot, mission=mission)
         mission = pausing.forget(mission, robot).at(handler.go)
         return state._replace(
             mission=mission._replace(diverting=None, stopped=False, handling=handler.go_name)

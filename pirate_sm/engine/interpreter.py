@@ -136,8 +136,13 @@ def fail(
     now: float,
     effects: list[Effect],
 ) -> EngineState:
-    """The failure has gone to its handler; without one the mission has failed (rule 4)."""
-    mission = state.mission._replace(cause=cause)
+    """The failure has gone to its handler; without one the mission has failed (rule 4).
+
+    A failure that is passed over leaves an earlier cause, the one that led here, as it is.
+    """
+    passed_over = target == getattr(setting.program.instructions[state.mission.pc], "next", STOP)
+    kept = state.mission.cause if passed_over else ""
+    mission = state.mission._replace(cause=kept or cause)
     if target == STOP:
         state = state._replace(mission=mission)
         return end(setting, state, "failed", cause, "", now, effects)

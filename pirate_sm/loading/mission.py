@@ -76,7 +76,7 @@ def load_mission(
     if chosen is not None:
         check_fit(chosen, loaded.profile, pipe_document, problems)
     values = _values(mission, settings or {}, problems)
-    spec = loaded.oriented(mission.polarity)
+    spec = loaded.oriented(mission.polarity or "normal")
     if start_phase is not None and start_phase not in mission.phases:
         raise _unknown("phase", start_phase, mission.phases)
     source = Source(mission, document, path)

@@ -42,8 +42,9 @@ def build_program(
     mission = source.mission
     at_start = start_configuration(source, robot.table, states, problems)
     compiler = _Compiler(robot, Assembly())
+    spec = robot.oriented(mission.polarity or "normal")
     scope = Scope(
-        source, robot.profile, robot.oriented(mission.polarity), problems.about(source.document),
+        source, robot.profile, spec, problems.about(source.document),
         "", values, _labels(mission), out.STOP, (), (source.path.resolve(),),
     )  # fmt: skip
     start = scope.target(start_phase or mission.start, ("start",))
@@ -355,10 +356,11 @@ class _PhaseWriter:
 
     def _check_call(self, mission: model.Mission, path: Path) -> None:
         own = self.scope.source.mission
-        if mission.polarity != own.polarity:
+        polarity = self.scope.robot.polarity
+        if mission.polarity not in {None, polarity}:
             self.scope.problems.add(
                 "mission.polarity", path,
-                f"'{mission.mission}' is {mission.polarity}, this mission is {own.polarity}",
+                f"'{mission.mission}' is {mission.polarity}, this mission is {polarity}",
             )  # fmt: skip
         if mission.robot != own.robot:
             self.scope.problems.add(

@@ -261,7 +261,7 @@ class Mission(Frozen):
     description: str = ""
     robot: str
     pipe: Annotated[str | Pipe | None, Field(union_mode="left_to_right")] = None
-    polarity: Literal["normal", "mirrored"] = "normal"
+    polarity: Literal["normal", "mirrored"] | None = None
     parameters: dict[Name, ParameterDefinition] = {}
     starts_in: dict[Name, Name] | None = None
     time_limit: DurationOrParameter | None = None
