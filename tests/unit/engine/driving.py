@@ -1,0 +1,181 @@
+"""Drives an engine by hand: time is what the test says, and every effect is kept."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.program import Program
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot_state import states_of, unconfirmed
+from pirate_sm.loading.mission import load_mission
+from pirate_sm.model import effects as fx
+from pirate_sm.model import events as ev
+
+ROOT = Path(__file__).resolve().parents[3]
+PIRATE = ROOT / "hardware_profiles" / "pirate_ii"
+NEWT = ROOT / "tests" / "robots" / "newt"
+
+E = TypeVar("E")
+
+HEAD = """\
+format: 1
+mission: under_test
+robot: {robot}
+"""
+
+CLAMPED = math.radians(100)
+"""An angle at which a part touches the wall."""
+
+
+class Driver:
+    """An engine with its state, its clock and the world's answers.
+
+    Attributes:
+        now: Mission time.
+        effects: Everything so far, in order.
+        signals: What the sensors would show, SI, by the signal's name.
+    """
+
+    def __init__(self, robot: RobotSpec, program: Program, *, nominal: bool = False) -> None:
+        self.robot = robot
+        self.engine = Engine(robot, program, nominal=nominal)
+        self.now = 0.0
+        self.signals: dict[str, float] = {}
+        self.state, effects = self.engine.start(0.0)
+        self.effects: list[fx.Effect] = list(effects)
+
+    # --- what happens ---
+
+    def give(self, event: ev.Event, at: float | None = None) -> list[fx.Effect]:
+        """The event happens, now or at a later time; its own effects are returned."""
+        if at is not None:
+            assert at >= self.now, "time never goes back"
+            self.now = at
+        self.state, effects = self.engine.step(self.state, event, self.now)
+        self.effects += effects
+        return list(effects)
+
+    def tick(self, at: float) -> list[fx.Effect]:
+        return self.give(ev.Tick(), at)
+
+    def accept(self, status: Any = "accepted", reason: str = "") -> list[fx.Effect]:
+        """The newest array meets its fate."""
+        return self.give(ev.SubmitResult(self.setpoints.setpoint_id, status, reason))
+
+    def show(self, at: float | None = None, **signals: float) -> list[fx.Effect]:
+        """Every board that measures one of the signals reports; the others keep their values."""
+        self.signals |= signals
+        self.now = self.now if at is None else at
+        effects: list[fx.Effect] = []
+        for board in self.robot.boards.values():
+            told = {self.robot.vocabulary.numbers[target] for _, target, _ in board.channels}
+            if told & signals.keys():
+                effects += self.report(board.id)
+        return effects
+
+    def report(self, board: int, at: float | None = None) -> list[fx.Effect]:
+        """One board reports what its signals show."""
+        return self.give(self.frame(board), at)
+
+    def report_all(self, at: float | None = None) -> list[fx.Effect]:
+        self.now = self.now if at is None else at
+        return [effect for board in self.robot.boards for effect in self.report(board)]
+
+    def frame(self, board: int) -> ev.SensorFrame:
+        """Raw counts, as the board's conversions read them back."""
+        channels = self.robot.boards[board].channels
+        width = 1 + max(place for place, _, _ in channels)
+        values = [0.0] * width
+        for place, target, scale in channels:
+            name = self.robot.vocabulary.numbers[target]
+            values[place] = self.signals.get(name, 0.0) / scale
+        return ev.SensorFrame(board, tuple(values))
+
+    def run(self, until: float, every: float = 0.1, **turning: float) -> None:
+        """All boards report again and again; a signal in `turning` rises so much a second."""
+        while self.now < until - 1e-9 and not self.ended:
+            step = min(every, until - self.now)
+            for name, rate in turning.items():
+                self.signals[name] = self.signals.get(name, 0.0) + rate * step
+            self.report_all(self.now + step)
+
+    def clamp(self, part_signals: Iterable[tuple[str, str]]) -> None:
+        """The joints of a part stand still under torque until the command under way is done."""
+        for angle, torque in part_signals:
+            self.signals |= {angle: CLAMPED, torque: 0.7}
+        self.run(self.now + 0.5)
+
+    # --- what is seen ---
+
+    def of(self, kind: type[E]) -> list[E]:
+        return [effect for effect in self.effects if isinstance(effect, kind)]
+
+    @property
+    def setpoints(self) -> fx.Setpoints:
+        """The newest array."""
+        return self.of(fx.Setpoints)[-1]
+
+    @property
+    def array(self) -> dict[str, float]:
+        """The newest array by slot."""
+        names = (slot.name for slot in self.robot.slots)
+        return dict(zip(names, self.setpoints.values, strict=True))
+
+    @property
+    def nonzero(self) -> dict[str, float]:
+        return {name: value for name, value in self.array.items() if value != 0}
+
+    @property
+    def states(self) -> dict[str, str]:
+        return dict(zip(self.robot.regions, states_of(self.robot, self.state.robot), strict=True))
+
+    @property
+    def unconfirmed(self) -> set[str]:
+        return set(unconfirmed(self.robot, self.state.robot))
+
+    @property
+    def statuses(self) -> list[tuple[str, str]]:
+        return [(status.name, status.status) for status in self.of(fx.CommandStatus)]
+
+    @property
+    def last_status(self) -> fx.CommandStatus:
+        return self.of(fx.CommandStatus)[-1]
+
+    @property
+    def phases(self) -> list[str]:
+        return [change.phase for change in self.of(fx.PhaseChange)]
+
+    @property
+    def fired(self) -> list[str]:
+        return [fired.trigger for fired in self.of(fx.TriggerFired)]
+
+    @property
+    def ended(self) -> fx.Ended | None:
+        found = self.of(fx.Ended)
+        return found[-1] if found else None
+
+    @property
+    def wake_at(self) -> float:
+        found = self.of(fx.WakeAt)
+        return found[-1].at_s if found else math.inf
+
+    @property
+    def faults(self) -> list[tuple[str, str]]:
+        return [(fault.code, fault.handling) for fault in self.of(fx.Fault)]
+
+
+def write_mission(folder: Path, body: str, robot: Path = PIRATE, name: str = "m.yaml") -> Path:
+    """A mission file with its head written for it."""
+    file = folder / name
+    head = HEAD.format(robot=robot).replace("under_test", file.stem)
+    file.write_text(head + body, encoding="utf-8")
+    return file
+
+
+def driver_of(path: Path, *, nominal: bool = False, **options: Any) -> Driver:
+    loaded = load_mission(path, **options)
+    return Driver(loaded.robot, loaded.program, nominal=nominal)
