@@ -11,8 +11,9 @@ from math import inf, isnan
 from typing import Any
 
 from pirate_sm.engine import machine, pausing, robot_state
+from pirate_sm.engine.diverting import divert, meet
 from pirate_sm.engine.faults import Found, listen, look, no_faults, unsettle
-from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline, spoken, withdraw
+from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline, spoken
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
@@ -26,7 +27,6 @@ from pirate_sm.model.effects import (
     Effect,
     Ended,
     Environment,
-    Fault,
     Log,
     WakeAt,
 )
@@ -109,7 +109,7 @@ class Engine:
             state.word_until_s, state.wake_at_s,
         )  # fmt: skip
         for fault in found:
-            state = self._fault(state, fault, now, effects)
+            state = meet(self._setting, state, fault, now, effects)
         return state
 
     def _tick(
@@ -148,7 +148,7 @@ class Engine:
         limit = self.robot.link.resend_limit
         if event.status == "unknown" and flight.tries > limit:
             message = f"setpoints were not confirmed after {limit} repeats"
-            state = self._fault(state, Found("link.no_echo", message, False), now, effects)
+            state = meet(self._setting, state, Found("link.no_echo", message, False), now, effects)
         elif event.status in {"rejected", "superseded"} and flight.purpose != "gate":
             # Only a command can be refused; without the array the robot is not what it seems.
             message = f"the backend has {event.status} setpoints: {event.reason or 'no reason'}"
@@ -160,7 +160,8 @@ class Engine:
     ) -> EngineState:
         ending = state.mission.ending
         if ending is None:
-            return self._fault(state, Found("backend.failed", message, False), now, effects)
+            found = Found("backend.failed", message, False)
+            return meet(self._setting, state, found, now, effects)
         ending = ending._replace(message=f"{ending.message} ({message})")
         return state._replace(mission=state.mission._replace(ending=ending))
 
@@ -168,7 +169,8 @@ class Engine:
         self, state: EngineState, event: events.FaultReport, now: float, effects: list[Effect]
     ) -> EngineState:
         catchable = self._known_faults.get(event.code, True)
-        return self._fault(state, Found(event.code, event.message, catchable), now, effects)
+        found = Found(event.code, event.message, catchable)
+        return meet(self._setting, state, found, now, effects)
 
     def _operator(
         self, state: EngineState, event: events.OperatorCommand, now: float, effects: list[Effect]
@@ -237,7 +239,7 @@ class Engine:
         if not (state.mission.before_pause and state.mission.before_pause.suspended):
             state = self._watch(state, now, effects)
         if state.mission.diverting is not None:
-            state = self._divert(state, now, effects)
+            state = divert(self._setting, state, now, effects)
         state = pausing.begin_if_wanted(self.robot, state, now, effects)
         state = advance(self._setting, state, now, effects)
         limit_s = self.program.time_limit_s
@@ -265,48 +267,6 @@ class Engine:
         words = (*robot_state.states_of(self.robot, robot), *state.words[-2:])
         return state._replace(robot=robot, words=words)
 
-    def _fault(
-        self, state: EngineState, fault: Found, now: float, effects: list[Effect]
-    ) -> EngineState:
-        """The fault is handled as the mission says, or the mission ends (rule 10)."""
-        mission = state.mission
-        if mission.ended:
-            return state
-        if mission.ending:
-            effects.append(Fault(fault.code, fault.message, "stop"))
-            return state
-        handler = self.program.handler(mission.pc, fault.code) if fault.catchable else None
-        cause = f"{fault.code}: {fault.message}"
-        if handler is not None and handler.go is None:
-            effects.append(Fault(fault.code, fault.message, "continue"))
-            return state
-        if handler is None or mission.handling or mission.diverting:
-            effects.append(Fault(fault.code, fault.message, "stop"))
-            return end(self._setting, state, "fault", cause, "", now, effects)
-        effects.append(Fault(fault.code, fault.message, handler.go_name))
-        mission = mission._replace(diverting=handler, stopped=False, cause=cause)
-        return state._replace(mission=mission)
-
-    def _divert(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
-        """Once the array in flight is resolved and the wheels are stopped, the handler begins."""
-        mission, robot = state.mission, state.robot
-        handler = mission.diverting
-        if handler is None or handler.go is None or robot.flight is not None:
-            return state
-        if not mission.stopped:
-            withdraw(self._setting, state, effects)
-            if robot.motion is not None:
-                robot = machine.fail(self.robot, robot, f"interrupted by {mission.cause}", effects)
-            robot = machine.doubt(self.robot, robot)
-            effects.append(robot_state.state_change(self.robot, robot))
-            robot = machine.stop(self.robot, robot, state.sensing, effects)
-            mission = mission._replace(stopped=True, begun=False)
-            return state._replace(robot=robot, mission=mission)
-        mission = pausing.forget(mission, robot).at(handler.go)
-        return state._replace(
-            mission=mission._replace(diverting=None, stopped=False, handling=handler.go_name)
-        )
-
     def _housekeep(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
         """What grows old has been looked at: signals, boards, the detector's word, the flight."""
         if has_come(now, state.word_until_s):
@@ -324,7 +284,7 @@ class Engine:
         faults, found = listen(self.robot, faults, sensing, now)
         state = state._replace(sensing=sensing, faults=faults)
         for fault in found:
-            state = self._fault(state, fault, now, effects)
+            state = meet(self._setting, state, fault, now, effects)
         return state
 
     def _finish_ending(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pirate_sm.engine.program import HandlerSpec, Instruction
+from pirate_sm.loading.problems import Path, Problems
 
 MOST_INSTRUCTIONS = 20_000
 """Repeats are unrolled and calls inlined; a mission that becomes larger is refused."""
@@ -28,6 +29,9 @@ class Label:
 class TooLongError(Exception):
     """The program has become longer than ``MOST_INSTRUCTIONS``."""
 
+    def __init__(self) -> None:
+        self.by: tuple[Problems, Path] | None = None  # the outermost repeat that it was in
+
 
 Handlers = tuple[tuple[str, Label | None, str], ...]
 """Fault code, target (None: only log), name of the target."""
@@ -41,6 +45,11 @@ class Assembly:
     _fields: list[dict[str, Any]] = field(default_factory=list)
     _handlers: list[Handlers] = field(default_factory=list)
     _phases: list[str] = field(default_factory=list)
+
+    @property
+    def length(self) -> int:
+        """How many instructions there are so far."""
+        return len(self._kinds)
 
     def mark(self, label: Label) -> None:
         """The label stands at the next instruction."""

@@ -13,7 +13,8 @@ from pathlib import Path
 from platformdirs import user_cache_path
 
 from pirate_sm.engine.chart_table import ChartTable
-from pirate_sm.loading.chart import ChartOutline, compile_chart
+from pirate_sm.loading.chart import compile_chart
+from pirate_sm.loading.chart_outline import ChartOutline
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.source import Document
 
@@ -30,7 +31,7 @@ def cached_table(document: Document, outline: ChartOutline, problems: Problems) 
     """
     path = cache_folder() / f"chart-{_key(document)}.json"
     table = _read(path)
-    if table is None:
+    if table is None or not _is_sound(table, outline):
         table = compile_chart(document, outline, problems)
         _write(path, table)
     return table
@@ -62,8 +63,41 @@ def _read(path: Path) -> ChartTable | None:
             tuple(map(tuple, data["refusals"])),
             tuple(data["reasons"]),
         )
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
+
+
+def _is_sound(table: ChartTable, outline: ChartOutline) -> bool:
+    """Whether a table that was read can be of this chart: nobody knows who wrote the file."""
+    if (table.regions, table.states) != (outline.regions, outline.states):
+        return False
+    if table.commands != outline.commands or not table.configurations:
+        return False
+    states = [set(names) for names in table.states]
+    return (
+        all(_is_row(row, len(states)) for row in table.configurations)
+        and all(
+            name in names
+            for row in table.configurations
+            for name, names in zip(row, states, strict=True)
+        )
+        and _is_matrix(table.following, table, len(table.configurations))
+        and _is_matrix(table.refusals, table, len(table.reasons))
+        and all(isinstance(reason, str) for reason in table.reasons)
+    )
+
+
+def _is_row(row: tuple[object, ...], length: int) -> bool:
+    return len(row) == length and all(isinstance(name, str) for name in row)
+
+
+def _is_matrix(rows: tuple[tuple[object, ...], ...], table: ChartTable, limit: int) -> bool:
+    """Whether there is an index below ``limit`` for each configuration and command."""
+    return len(rows) == len(table.configurations) and all(
+        len(row) == len(table.commands)
+        and all(type(index) is int and 0 <= index < limit for index in row)
+        for row in rows
+    )
 
 
 def _write(path: Path, table: ChartTable) -> None:

@@ -9,5 +9,8 @@ PROFILE_FILE = "profile.yaml"
 
 def shown(path: Path) -> str:
     """The path as messages write it: from the current folder where it lies in there."""
-    whole, here = path.resolve(), Path.cwd()
+    try:
+        whole, here = path.resolve(), Path.cwd()
+    except (OSError, RuntimeError, ValueError):
+        return str(path).replace("\0", "\\0")
     return str(whole.relative_to(here)) if whole.is_relative_to(here) else str(path)

@@ -14,6 +14,7 @@ from pirate_sm.spelling import nearest, one_of
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 SUFFIXES = (".yaml", ".yml")
+_LONGEST_NAME = 100
 
 
 def shipped() -> Path:
@@ -49,17 +50,20 @@ def find_robot(name: str, beside: Path | None = None) -> Path:
         UsageError: There is none.
     """
     for path in _candidates(name, beside):
-        if path.is_dir() and (path / PROFILE_FILE).is_file():
+        if _is_file(path / PROFILE_FILE):
             return path.resolve()
-        if path.name == PROFILE_FILE and path.is_file():
+        if path.name == PROFILE_FILE and _is_file(path):
             return path.parent.resolve()
     if _is_path(name):
-        raise UsageError(f"there is no robot at '{name}': expected a folder with {PROFILE_FILE}")
+        where = f"there is no robot at '{_cut(name)}'"
+        raise UsageError(f"{where}: expected a folder with {PROFILE_FILE}")
     return _by_name("robot", name, {path.name: path for path in robots()})
 
 
 def find_mission(name: str, beside: Path | None = None) -> Path:
-    """The file of the mission of this name or path; a path need not exist.
+    """The file of the mission of this name or path.
+
+    A path need not exist, unless a file names it: then ``beside`` is that file's folder.
 
     Raises:
         UsageError: There is no mission of this name.
@@ -68,7 +72,7 @@ def find_mission(name: str, beside: Path | None = None) -> Path:
 
 
 def find_pipe(name: str, beside: Path | None = None) -> Path:
-    """The file of the pipe of this name or path; a path need not exist.
+    """The file of the pipe of this name or path; as for missions.
 
     Raises:
         UsageError: There is no pipe of this name.
@@ -83,12 +87,14 @@ def _find_file(
     folders = [beside] if isinstance(beside, Path) else list(beside or ())
     if _is_path(name):
         for folder in folders:
-            if (folder / name).is_file():
+            if _is_file(folder / name):
                 return folder / name
+        if folders and not _is_file(Path(name)):
+            raise UsageError(f"there is no {kind} at '{_cut(name)}'")
         return Path(name)
     for folder in folders:
         for suffix in SUFFIXES:
-            if (folder / f"{name}{suffix}").is_file():
+            if _is_file(folder / f"{name}{suffix}"):
                 return folder / f"{name}{suffix}"
     return _by_name(kind, name, {path.stem: path for path in known})
 
@@ -108,4 +114,17 @@ def _by_name(kind: str, name: str, known: dict[str, Path]) -> Path:
         return known[name]
     close = nearest(name, known)
     hint = f"; did you mean '{close}'?" if close else f"; known: {one_of(sorted(known))}"
-    raise UsageError(f"there is no {kind} '{name}'{hint}")
+    raise UsageError(f"there is no {kind} '{_cut(name)}'{hint}")
+
+
+def _is_file(path: Path) -> bool:
+    """Whether it is one; a name that no file can have is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def _cut(name: str) -> str:
+    shown = name.replace("\0", "\\0")
+    return shown if len(shown) <= _LONGEST_NAME else f"{shown[:_LONGEST_NAME]}…"

@@ -116,6 +116,10 @@ def _pipe(
     except UsageError as error:
         problems.add("mission.pipe", ("pipe",), str(error))
         return None, mission.pipe, document
+    except LoadError as error:
+        for problem in error.problems:
+            problems.put(problem)
+        return None, mission.pipe, document
     return found, found.pipe or mission.pipe, source
 
 
@@ -137,7 +141,8 @@ def _values(mission: Mission, settings: Mapping[str, str], problems: Problems) -
 
 def _unknown(kind: str, name: str, known: Mapping[str, object]) -> UsageError:
     close = nearest(name, known)
-    hint = f"did you mean '{close}'?" if close else (one_of(known) if known else "it has none")
+    others = f"expected {one_of(known)}" if known else "it has none"
+    hint = f"did you mean '{close}'?" if close else others
     return UsageError(f"the mission has no {kind} '{name}': {hint}")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -30,6 +31,9 @@ DIMENSIONS: Mapping[str, Dimension] = {
     "angular_speed": ANGULAR_SPEED, "torque": TORQUE, "force": FORCE, "current": CURRENT,
     "ratio": DIMENSIONLESS, "count": DIMENSIONLESS, "number": DIMENSIONLESS,
 }  # fmt: skip
+
+
+_COUNT = re.compile(r"[0-9]{1,9}")
 
 
 class Value(NamedTuple):
@@ -61,11 +65,9 @@ def _read(kind: str, value: ParameterValue) -> Quantity:
     dimension = DIMENSIONS[kind]
     if kind == "count":
         text = str(value)
-        if not text.isdigit():
+        if not _COUNT.fullmatch(text):
             raise QuantityError(f"expected a whole number such as 3, got '{value}'")
         return Quantity(float(text), dimension)
-    if isinstance(value, bool):
-        raise QuantityError(f"expected a {kind}, got '{value}'")
     return Quantity(read_quantity(str(value), dimension), dimension)
 
 
@@ -73,22 +75,41 @@ def defaults(definitions: Mapping[str, ParameterDefinition], problems: Problems)
     """The defaults in SI; a default or limit that does not fit is a problem at its place."""
     values: Values = {}
     for name, definition in definitions.items():
-        for key in ("min", "max", "default"):
-            given = getattr(definition, key)
-            if given is None:
-                continue
-            try:
-                quantity = (read_value if key == "default" else _plain)(definition, given)
-            except QuantityError as error:
-                problems.add("mission.parameter", ("parameters", name, key), str(error))
-                continue
-            if key == "default":
-                values[name] = Value(quantity, str(given))
+        limits_fit = _check_limits(name, definition, problems)
+        if definition.default is None:
+            continue
+        values[name] = stand_in(definition)
+        try:
+            unbounded = ParameterDefinition(type=definition.type)
+            quantity = read_value(definition if limits_fit else unbounded, definition.default)
+        except QuantityError as error:
+            problems.add("mission.parameter", ("parameters", name, "default"), str(error))
+            continue
+        values[name] = Value(quantity, str(definition.default))
     return values
 
 
-def _plain(definition: ParameterDefinition, value: ParameterValue) -> Quantity:
-    return _read(definition.type, value)
+def _check_limits(name: str, definition: ParameterDefinition, problems: Problems) -> bool:
+    """Whether both limits can be read and leave something between them."""
+    limits: dict[str, float] = {}
+    for key, limit in (("min", definition.min), ("max", definition.max)):
+        if limit is None:
+            continue
+        try:
+            limits[key] = _read(definition.type, limit).value
+        except QuantityError as error:
+            problems.add("mission.parameter", ("parameters", name, key), str(error))
+            return False
+    if len(limits) == 2 and limits["max"] < limits["min"]:
+        message = f"the max of {definition.max} is less than the min of {definition.min}"
+        problems.add("mission.parameter", ("parameters", name, "max"), message)
+        return False
+    return True
+
+
+def stand_in(definition: ParameterDefinition) -> Value:
+    """A value for a parameter that has none, so that its uses are not found faulty as well."""
+    return Value(Quantity(1.0, DIMENSIONS[definition.type]), "")
 
 
 def given(
@@ -112,6 +133,7 @@ def given(
             text = argument.text if isinstance(argument, Value) else str(argument)
             values[name] = Value(read_argument(definition, argument), text)
         except QuantityError as error:
+            values[name] = stand_in(definition)
             problems.add("mission.parameter", (*path, name), f"parameter '{name}': {error}")
     return values
 

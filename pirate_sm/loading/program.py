@@ -48,13 +48,14 @@ def build_program(
         "", values, _labels(mission), out.STOP, (), (source.path.resolve(),),
     )  # fmt: skip
     start = scope.target(start_phase or mission.start, ("start",))
-    limit = scope.duration(mission.time_limit, ("time_limit",))
+    limit = scope.limit(mission.time_limit, ("time_limit",))
     try:
         compiler.ends(scope)
         compiler.phases(scope)
-    except TooLongError:
-        problems.add(
-            "mission.too_long", (),
+    except TooLongError as error:
+        about, path = error.by or (problems, ())
+        about.add(
+            "mission.too_long", path,
             f"with its repeats and calls written out it has more than {MOST_INSTRUCTIONS} steps",
         )  # fmt: skip
     problems.raise_errors()
@@ -93,12 +94,11 @@ class _Compiler:
     def phases(self, scope: Scope) -> None:
         """Every phase of the scope's mission stands in the program."""
         handlers = scope.handlers
-        clash = scope.source.mission.phases.keys() & scope.source.mission.ends.keys()
-        for name in sorted(clash):
-            scope.problems.add("mission.name", ("ends", name), f"'{name}' is a phase too", key=True)
+        scope.check_names()
         for name, phase in scope.source.mission.phases.items():
             inside = replace(scope, phase=name)
-            self.names.append(inside.full_phase)
+            if inside.full_phase not in self.names:  # a repeated call has its phases once
+                self.names.append(inside.full_phase)
             _PhaseWriter(self, inside, handlers).write(phase, ("phases", name))
 
     def source(self, name: str, scope: Scope, path: Path) -> Source | None:
@@ -124,6 +124,14 @@ class _Compiler:
             scope.problems.add("mission.depth", path, f"calls are nested more than {DEEPEST_CALL}")
             return None
         return self.called[file]
+
+
+def _robot_of(source: Source) -> FilePath | str:
+    """The folder of a mission's robot; different paths may lead to one."""
+    try:
+        return library.find_robot(source.mission.robot, source.path.resolve().parent)
+    except PirateError:
+        return source.mission.robot
 
 
 def _said(end: model.End) -> str:
@@ -161,7 +169,7 @@ class _PhaseWriter:
         within, target, name = inf, Label(), ""
         if phase.within is not None:
             at = (*path, "within")
-            within = scope.duration(phase.within.time, (*at, "time")) or 0.0
+            within = scope.duration(phase.within.time, (*at, "time"))
             target, name = scope.target(phase.within.go, (*at, "go")), phase.within.go
         triggers = tuple(
             self._trigger(trigger, (*path, "wait", number))
@@ -178,12 +186,12 @@ class _PhaseWriter:
         go = scope.target(trigger.go, (*path, "go"))
         spec = out.TriggerSpec(name, "", go, trigger.go)  # type: ignore[arg-type]
         if isinstance(trigger, model.ConditionTrigger):
-            held = scope.duration(trigger.held, (*path, "held")) or 0.0
+            held = scope.duration(trigger.held, (*path, "held"))
             condition = scope.condition(trigger.when, (*path, "when"))
             text = trigger.when + (f" for {held:g} s" if held else "")
             return spec._replace(text=text, condition=condition, held_s=held)
         if isinstance(trigger, model.TimeTrigger):
-            after = scope.duration(trigger.after, (*path, "after")) or 0.0
+            after = scope.duration(trigger.after, (*path, "after"))
             return spec._replace(text=f"after {after:g} s", after_s=after)
         return spec._replace(text=f"operator: {trigger.operator}", answer=trigger.operator)
 
@@ -226,7 +234,7 @@ class _PhaseWriter:
         self._emit(
             out.Do,
             command=scope.command(step.command, (*path, "command")),
-            timeout_s=scope.duration(step.timeout, (*path, "timeout")),
+            timeout_s=scope.limit(step.timeout, (*path, "timeout")),
             retries=scope.count(step.retry, (*path, "retry")),
             skip_unneeded=step.unneeded == "skip",
             next=after,
@@ -241,18 +249,26 @@ class _PhaseWriter:
         return self.scope.failure(step.on_failure, path)
 
     def _repeat(self, step: model.RepeatStep, path: Path, after: Label) -> None:
-        times = self.scope.count(step.repeat.times, (*path, "repeat", "times"))
+        at = (*path, "repeat", "times")
+        times = self.scope.count(step.repeat.times, at)
         if times < 1:
-            self.scope.problems.add(
-                "mission.repeat", (*path, "repeat", "times"), "repeat at least once"
-            )
+            self.scope.problems.add("mission.repeat", at, "repeat at least once")
         inside = self.scope if step.on_failure is None else self._failing(step, path, after)
-        writer = _PhaseWriter(self.compiler, inside, self.handlers)
-        for turn in range(times):
-            following = Label() if turn + 1 < times else after
-            writer._steps(step.repeat.do, (*path, "repeat", "do"), following)
-            if following is not after:
-                self.compiler.assembly.mark(following)
+        writer, assembly = (
+            _PhaseWriter(self.compiler, inside, self.handlers),
+            self.compiler.assembly,
+        )
+        try:
+            for turn in range(times):
+                following, before = Label() if turn + 1 < times else after, assembly.length
+                writer._steps(step.repeat.do, (*path, "repeat", "do"), following)
+                if assembly.length == before:
+                    return  # nothing in it could be written, which has been said
+                if following is not after:
+                    assembly.mark(following)
+        except TooLongError as error:
+            error.by = self.scope.problems, at
+            raise
 
     def _failing(self, step: model.Step, path: Path, after: Label) -> Scope:
         """The scope inside a step whose own ``on_failure`` comes before the phase's."""
@@ -301,7 +317,7 @@ class _PhaseWriter:
                 choices.append((choice, refused[-1][0]))
             else:
                 choices.append((choice, scope.target(leads, (*path, "choices", choice))))
-        timeout = scope.duration(step.timeout, (*path, "timeout"))
+        timeout = scope.limit(step.timeout, (*path, "timeout"))
         text = scope.message(step.ask, (*path, "ask"))
         self._emit(
             out.Question, text=text, choices=tuple(choices), failed=failed,
@@ -317,7 +333,7 @@ class _PhaseWriter:
         source = self.compiler.source(step.call, scope, (*path, "call"))
         if source is None:
             return
-        self._check_call(source.mission, (*path, "call"))
+        self._check_call(source, (*path, "call"))
         failed = self._failure(step, path, after)
         values = self._arguments(step, source, path)
         inside = replace(
@@ -348,21 +364,21 @@ class _PhaseWriter:
         given = {name: scope.argument(v, (*at, name)) for name, v in step.arguments.items()}
         values |= parameters.given(mission.parameters, given, at, scope.problems)
         for name in mission.parameters.keys() - values.keys():
-            if name not in step.arguments and mission.parameters[name].default is None:
-                scope.problems.add(
-                    "mission.parameter", path, f"'{mission.mission}' needs the parameter '{name}'"
-                )
+            values[name] = parameters.stand_in(mission.parameters[name])
+            scope.problems.add(
+                "mission.parameter", path, f"'{mission.mission}' needs the parameter '{name}'"
+            )
         return values
 
-    def _check_call(self, mission: model.Mission, path: Path) -> None:
-        own = self.scope.source.mission
+    def _check_call(self, source: Source, path: Path) -> None:
+        mission, own = source.mission, self.scope.source
         polarity = self.scope.robot.polarity
         if mission.polarity not in {None, polarity}:
             self.scope.problems.add(
                 "mission.polarity", path,
                 f"'{mission.mission}' is {mission.polarity}, this mission is {polarity}",
             )  # fmt: skip
-        if mission.robot != own.robot:
+        if _robot_of(source) != _robot_of(own):
             self.scope.problems.add(
                 "mission.robot", path, f"'{mission.mission}' is for the robot '{mission.robot}'"
             )

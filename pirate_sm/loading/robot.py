@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Literal
 
 from pirate_sm.engine.chart_table import ChartTable
 from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.loading.chart import ChartOutline, outline_chart
 from pirate_sm.loading.chart_cache import cached_table
+from pirate_sm.loading.chart_outline import ChartOutline, outline_chart
 from pirate_sm.loading.folders import PROFILE_FILE, shown
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot_actuation import resolve_actuation
+from pirate_sm.loading.robot_body import check_body
 from pirate_sm.loading.robot_commands import resolve_commands, resolve_faults, resolve_parts
 from pirate_sm.loading.robot_signals import Signals, resolve_signals
 from pirate_sm.loading.robot_slots import resolve_slots
@@ -67,6 +68,7 @@ def load_robot(folder: Path) -> LoadedRobot:
     if profile is None:
         problems.raise_errors()
         raise AssertionError("raise_errors raises here")
+    check_body(profile, problems)
     chart_document = read_document(folder / profile.chart, shown(folder / profile.chart))
     outline = outline_chart(chart_document, problems)
     if outline is not None:
@@ -75,6 +77,7 @@ def load_robot(folder: Path) -> LoadedRobot:
     problems.raise_errors()
     assert outline is not None  # raise_errors has raised otherwise
     table = cached_table(chart_document, outline, problems)
+    _check_reached(outline, table, problems.about(chart_document))
     normal = _resolve(profile, table, "normal", problems)
     problems.raise_errors()
     mirrored = _resolve(profile, table, "mirrored", problems)
@@ -117,6 +120,18 @@ def _check_regions(profile: Profile, outline: ChartOutline, problems: Problems) 
             problems.add(
                 "robot.actuation", ("actuation", region), f"{region}.{name} is missing here"
             )
+
+
+def _check_reached(outline: ChartOutline, table: ChartTable, problems: Problems) -> None:
+    """A state that no commands lead to is a mistake of the chart."""
+    for place, (region, states) in enumerate(zip(table.regions, table.states, strict=True)):
+        reached = {configuration[place] for configuration in table.configurations}
+        for state in states:
+            if state not in reached:
+                problems.add(
+                    "chart.unreachable", outline.place_of(region, state),
+                    f"no commands lead to {region}.{state}", key=True,
+                )  # fmt: skip
 
 
 def _dangling(

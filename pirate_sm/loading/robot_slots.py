@@ -12,8 +12,6 @@ from pirate_sm.model import profile as model
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE, TORQUE
 
-SLOTS_PER_BOARD_AT_MOST = 16
-
 
 @dataclass(frozen=True)
 class Slots:

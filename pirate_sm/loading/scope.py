@@ -13,7 +13,7 @@ from pirate_sm.loading.assembly import Handlers, Label
 from pirate_sm.loading.parameters import Value, Values
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.source import Document
-from pirate_sm.model.mission import Mission
+from pirate_sm.model.mission import CONTINUE, FAIL, Mission
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.quantities import Parameter
 from pirate_sm.spelling import nearest, one_of
@@ -69,6 +69,22 @@ class Scope:
         """``file:line:col`` of a part of the mission."""
         return str(self.source.document.place_of(path))
 
+    def check_names(self) -> None:
+        """No name of the mission means two things, and it starts with a phase."""
+        mission, add = self.source.mission, self.problems.add
+        for name in mission.ends:
+            if name in mission.phases:
+                add("mission.name", ("ends", name), f"'{name}' is a phase too", key=True)
+        for section in ("phases", "ends"):
+            for name in getattr(mission, section).keys() & {CONTINUE, FAIL}:
+                message = f"'{name}' has a meaning of its own: choose another name"
+                add("mission.name", (section, name), message, key=True)
+        if CAUSE in mission.parameters:
+            message = f"'{{{CAUSE}}}' is why something failed: choose another name"
+            add("mission.name", ("parameters", CAUSE), message, key=True)
+        if mission.start in mission.ends:
+            add("mission.name", ("start",), f"'{mission.start}' is an end: start with a phase")
+
     def target(self, name: str, path: Path) -> Label:
         """The label of a phase or end; a problem when there is none of that name."""
         label = self.targets.get(name)
@@ -105,13 +121,12 @@ class Scope:
         for number, handler in enumerate(self.source.mission.on_fault):
             path: Path = ("on_fault", number)
             go = self.target(handler.go, (*path, "go")) if handler.go else None
-            for code in handler.fault:
+            for place, code in enumerate(handler.fault):
+                at = (*path, "fault", place)
                 if code not in known:
-                    self._unknown("fault", code, known, (*path, "fault"))
+                    self._unknown("fault", code, known, at)
                 elif not known[code]:
-                    self.problems.add(
-                        "mission.fault", (*path, "fault"), f"'{code}' cannot be caught"
-                    )
+                    self.problems.add("mission.fault", at, f"'{code}' cannot be caught")
                 own.append((code, go, f"{self.prefix}{handler.go}" if handler.go else ""))
         return (*own, *self.outer)
 
@@ -136,28 +151,39 @@ class Scope:
             self.problems.add_expression(path, error)
             return None
 
-    def duration(self, value: float | Parameter | None, path: Path) -> float | None:
-        """Seconds; a parameter has its value."""
-        if not isinstance(value, Parameter):
-            return value
-        quantity = self._value(value.name, path).quantity
+    def duration(self, value: float | Parameter, path: Path, *, positive: bool = False) -> float:
+        """Seconds; a parameter has its value. A time is never negative, nor 0 if ``positive``."""
+        seconds = value if not isinstance(value, Parameter) else self._seconds(value, path)
+        if seconds < 0 or (positive and seconds == 0):
+            least = "more than 0 s" if positive else "at least 0 s"
+            self.problems.add("mission.time", path, f"expected {least}, got {seconds:g} s")
+        return seconds
+
+    def limit(self, value: float | Parameter | None, path: Path) -> float | None:
+        """Seconds of a limit, which is never 0; None where there is none."""
+        return None if value is None else self.duration(value, path, positive=True)
+
+    def _seconds(self, parameter: Parameter, path: Path) -> float:
+        quantity = self._value(parameter.name, path).quantity
         if quantity.dimension != TIME:
             kind = describe(quantity.dimension)
             self.problems.add(
-                "mission.parameter", path, f"${value.name} is {kind}", expected="a duration"
+                "mission.parameter", path, f"${parameter.name} is {kind}", expected="a duration"
             )
-        return quantity.value
+        return abs(quantity.value) if quantity.dimension != TIME else quantity.value
 
     def count(self, value: int | Parameter, path: Path) -> int:
         """A whole number; a parameter has its value."""
         if not isinstance(value, Parameter):
             return value
         quantity = self._value(value.name, path).quantity
-        if quantity.dimension != DIMENSIONLESS or quantity.value != int(quantity.value):
+        number = quantity.value
+        if quantity.dimension != DIMENSIONLESS or number < 0 or number != int(number):
             self.problems.add(
                 "mission.parameter", path, f"${value.name} is no count", expected="a whole number"
             )
-        return int(quantity.value)
+            return 1
+        return int(number)
 
     def message(self, text: str, path: Path) -> str:
         """The text with parameters written out; ``{cause}`` stays."""

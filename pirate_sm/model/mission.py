@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, model_validator
 
 from pirate_sm.model.base import FaultCode, Frozen, Name
 from pirate_sm.model.pipe import Pipe
@@ -20,7 +20,10 @@ ParameterType: TypeAlias = Literal[
     "duration", "length", "angle", "speed", "angular_speed", "torque", "force", "current",
     "ratio", "count", "number",
 ]  # fmt: skip
-ParameterValue: TypeAlias = str | int | float
+# Strict: else `true` would be the count 1.
+ParameterValue: TypeAlias = (
+    Annotated[str, Strict()] | Annotated[int, Strict()] | Annotated[float, Strict()]
+)
 
 
 class ParameterDefinition(Frozen):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from pirate_sm.model.base import Frozen, Name
 from pirate_sm.model.quantities import (
@@ -24,6 +24,12 @@ class Friction(Frozen):
 
     static: Annotated[Number, Field(ge=0, le=5)]
     kinetic: Annotated[Number, Field(ge=0, le=5)]
+
+    @model_validator(mode="after")
+    def _static_holds_more(self) -> Friction:
+        if self.kinetic > self.static:
+            raise ValueError("kinetic friction cannot be more than static friction")
+        return self
 
 
 class Noise(Frozen):

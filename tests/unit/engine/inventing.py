@@ -63,7 +63,7 @@ LOG = st.just({"log": "a line, after {cause}"})
 ASK = _with(
     {"ask": "Go on?"},
     choices=st.just({"yes": "continue", "no": "fail", "elsewhere": "p1"}),
-    timeout=TIMES,
+    timeout=st.sampled_from(["100 ms", "20 s"]),
 )
 STEP = st.recursive(
     st.one_of(COMMAND, COMMANDS, COMMAND, LOG, ASK),
