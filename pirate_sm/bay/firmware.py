@@ -1,0 +1,211 @@
+"""The firmware's loop: four cases to a bus cycle, a serial port in between, one thing at a time.
+
+idle (look for bytes), write setpoints, read a board, publish (thesis section 4-2). A write to a
+full send ring holds the whole loop up, as on the real controller; cases do not catch up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from typing import NamedTuple
+
+from pirate_sm.bay.conversation import Conversation, Message, log_message
+from pirate_sm.bay.frames import Frame, Reception
+from pirate_sm.bay.line import Line
+from pirate_sm.bay.robot import Robot
+from pirate_sm.bay.switches import Switches
+from pirate_sm.bay.wire import Array, Wire
+
+READY = "bay ready"
+_CASES = 4
+
+
+class Record(NamedTuple):
+    """Something that happened in the bay.
+
+    Attributes:
+        at_s: When.
+        event: ``received`` (an array came whole), ``applied`` (it is in force), ``echoed`` (its
+            echo has been handed to the line), ``reset``, ``booted``, ``hung``, ``resumed``,
+            ``unconfigured``, ``spontaneous``, ``fault`` (the host did something that it must
+            not), ``opened``, ``closed``.
+        setpoint_id: Of the array, where there is one.
+        counts: Its setpoints.
+        detail: For a person.
+    """
+
+    at_s: float
+    event: str
+    setpoint_id: int | None = None
+    counts: tuple[int, ...] = ()
+    detail: str = ""
+
+
+Tell = Callable[[Record], None]
+
+
+class Firmware:
+    """What runs on the controller between two restarts.
+
+    Args:
+        wire: The robot's messages.
+        line: To and from the host.
+        robot: Behind the bus.
+        switches: What goes wrong.
+        cycle_s: Of the bus.
+        echo_delay_s: From the reception of an array to its echo.
+        now_s: When the set-up is done and the loop begins.
+        tell: Takes what happens.
+    """
+
+    def __init__(
+        self,
+        wire: Wire,
+        line: Line,
+        robot: Robot,
+        switches: Switches,
+        *,
+        cycle_s: float,
+        echo_delay_s: float,
+        now_s: float,
+        tell: Tell,
+    ) -> None:
+        self._wire, self._line, self._robot = wire, line, robot
+        self._switches = switches
+        self._tell = tell
+        self._case_for_s = cycle_s / _CASES
+        self._echo_delay_s = echo_delay_s
+        self._talk = Conversation(wire.publishers, wire.subscribers)
+        self._reception = Reception()
+        self._turns = robot.turns(wire.one_value)
+        self._turn = 0
+        self._case = 0
+        self._case_s = now_s
+        self._poll_s = now_s if switches.poll_s is not None else math.inf
+        self._free_s = now_s
+        self._to_write: list[Array] = []
+        self._echoes: deque[tuple[float, Array]] = deque()
+        self._state: Message | None = None
+
+    @property
+    def configured(self) -> bool:
+        """Whether it publishes."""
+        return self._talk.configured
+
+    @property
+    def turn(self) -> int:
+        """Which turn is read next."""
+        return self._turn
+
+    @property
+    def due_s(self) -> float:
+        """When it does the next thing."""
+        due = min(self._case_s, self._poll_s)
+        if self._echoes and self._echoes[0][0] < due:
+            due = self._echoes[0][0]
+        return max(due, self._free_s)
+
+    def stall(self, until_s: float) -> None:
+        """The loop stands still until then."""
+        self._free_s = max(self._free_s, until_s)
+
+    def forget(self) -> None:
+        """It is unconfigured; it still obeys."""
+        self._talk.configured = False
+
+    def step(self) -> None:
+        """The next thing has been done."""
+        now = self.due_s
+        if self._echoes and self._echoes[0][0] <= now:
+            self._say_echo(now, self._echoes.popleft()[1])
+        elif self._poll_s <= now:
+            assert self._switches.poll_s is not None
+            self._poll(now)
+            self._poll_s = now + self._switches.poll_s
+        else:
+            self._do_case(now)
+
+    def _do_case(self, now_s: float) -> None:
+        self._case_s = now_s + self._case_for_s
+        case, self._case = self._case, (self._case + 1) % _CASES
+        if case == 0:
+            if self._switches.poll_s is None:
+                self._poll(now_s)
+        elif case == 1:
+            self._write_setpoints(now_s)
+        elif case == 2:
+            self._read(now_s)
+        else:
+            self._publish(now_s)
+
+    def _read(self, now_s: float) -> None:
+        """The board whose turn it is has been read."""
+        turn = self._turns[self._turn]
+        self._turn = (self._turn + 1) % len(self._turns)
+        counts = self._robot.read(now_s, turn) if self._switches.sensors_started else None
+        self._state = (
+            None if counts is None else self._wire.state(turn.board.board, turn.channel, counts)
+        )
+
+    def _write_setpoints(self, now_s: float) -> None:
+        """The last array that came is in force; those that it overtook never were."""
+        waiting, self._to_write = self._to_write, []
+        if not waiting or not self._switches.motors_started:
+            return
+        array = waiting[-1]
+        self._robot.set_values(self._wire.values(array))
+        self._tell(Record(now_s, "applied", array.setpoint_id, array.counts))
+
+    def _publish(self, now_s: float) -> None:
+        state, self._state = self._state, None
+        if state is not None and self._talk.configured:
+            self._say(now_s, state)
+
+    def _say_echo(self, now_s: float, array: Array) -> None:
+        if self._talk.configured:
+            self._say(now_s, self._wire.echo(array))
+            self._tell(Record(now_s, "echoed", array.setpoint_id, array.counts))
+
+    def _say(self, now_s: float, message: Message) -> None:
+        """The message is on its way; the loop goes on when the send ring has taken it."""
+        self._free_s = self._line.write(message, max(now_s, self._free_s))
+
+    def _poll(self, now_s: float) -> None:
+        arrivals, overrun = self._line.read(now_s)
+        if overrun and self._switches.old_client:
+            self._talk.configured = False
+        for frame in self._reception.feed(arrivals):
+            if self._line.lets_in(frame.topic):
+                self._take(now_s, frame)
+        was = self._talk.configured
+        for message in self._talk.tick(now_s):
+            self._say(now_s, message)
+        if was and not self._talk.configured:
+            self._tell(Record(now_s, "unconfigured", detail="no answer to its time requests"))
+
+    def _take(self, now_s: float, frame: Frame) -> None:
+        was = self._talk.configured
+        answer = self._talk.take(frame, now_s)
+        for message in answer.says:
+            self._say(now_s, message)
+        if self._talk.configured and not was:
+            self._say(now_s, log_message(READY))
+        if answer.fault:
+            self._tell(Record(now_s, "fault", detail=answer.fault))
+        if answer.delivered is not None:
+            self._obey(now_s, answer.delivered)
+
+    def _obey(self, now_s: float, buffer: bytes) -> None:
+        """The array that the buffer begins with will be written, and echoed later."""
+        array = self._wire.array(buffer)
+        if array is None:
+            self._tell(Record(now_s, "fault", detail="a payload that is no array of setpoints"))
+            return
+        self._tell(Record(now_s, "received", array.setpoint_id, array.counts))
+        arrives, echoes = self._robot.delivery(now_s)
+        if arrives:
+            self._to_write.append(array)
+        if arrives and echoes:
+            self._echoes.append((now_s + self._echo_delay_s, array))

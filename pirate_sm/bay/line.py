@@ -1,0 +1,94 @@
+"""The line with everything that may happen to bytes and frames on it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pirate_sm.bay.conversation import Message
+from pirate_sm.bay.frames import encode
+from pirate_sm.bay.switches import Corruption, Loss, Switches
+from pirate_sm.bay.uart import Inlet, Outlet
+
+_SEND_RING = 64
+_BITS_PER_BYTE = 10
+
+
+class Line:
+    """Both directions of the serial line, with loss, damage and delay.
+
+    Args:
+        baud: Of the line.
+        switches: What goes wrong.
+        rng: Source of chance.
+
+    Attributes:
+        connected: Whether somebody has the port open; what is sent otherwise is gone.
+    """
+
+    def __init__(self, baud: int, switches: Switches, rng: np.random.Generator) -> None:
+        rate = baud / _BITS_PER_BYTE
+        chances = rng.spawn(6)
+        self.connected = False
+        self._inlet = Inlet(rate, switches.ring)
+        self._outlet = Outlet(rate, _SEND_RING)
+        self._loss_in = Loss(switches.loss_in, switches.never_two, chances[0])
+        self._loss_out = Loss(switches.loss_out, switches.never_two, chances[1])
+        self._damage_in = Corruption(switches.corruption, chances[2])
+        self._damage_out = Corruption(switches.corruption, chances[3])
+        self._delay_s, self._jitter_s = switches.delay_s, switches.jitter_s
+        self._late_in, self._late_out = chances[4], chances[5]
+
+    @property
+    def overrun(self) -> int:
+        """How many bytes of the host came to a full ring."""
+        return self._inlet.lost
+
+    @property
+    def due_s(self) -> float:
+        """When the frame on its way has reached the host."""
+        return self._outlet.due_s
+
+    def receive(self, data: bytes, now_s: float) -> None:
+        """The host has written these bytes in one call."""
+        self._inlet.send(self._damage_in.damage(data), now_s + self._late(self._late_in))
+
+    def read(self, now_s: float) -> tuple[list[tuple[int, float]], bool]:
+        """The bytes that wait, with their times of arrival, and whether others were lost."""
+        lost = self._inlet.lost
+        return self._inlet.read(now_s), self._inlet.lost > lost
+
+    def lets_in(self, topic: int) -> bool:
+        """Whether a frame that came whole really came."""
+        return self._loss_in.arrives(topic)
+
+    def write(self, message: Message, now_s: float) -> float:
+        """The frame is on its way; returns when the write does."""
+        data = encode(message.topic, message.payload)
+        start, done = self._outlet.write(len(data), now_s)
+        if self.connected and self._loss_out.arrives(message.topic):
+            late = self._late(self._late_out)
+            self._outlet.carry(self._damage_out.damage(data), start + late)
+        return done
+
+    def collect(self, now_s: float) -> bytes:
+        """What has reached the host since the last call."""
+        return self._outlet.collect(now_s)
+
+    def hang_up(self) -> None:
+        """Nobody has the port open."""
+        self.connected = False
+        self._outlet.discard()
+
+    def restart(self, now_s: float) -> None:
+        """The firmware's rings are empty."""
+        self._outlet.cut(now_s)
+        self._inlet.clear(now_s)
+
+    def ignore(self, now_s: float) -> None:
+        """What has come until now has gone to nobody."""
+        self._inlet.clear(now_s)
+
+    def _late(self, rng: np.random.Generator) -> float:
+        if self._jitter_s == 0.0:
+            return self._delay_s
+        return self._delay_s + float(rng.uniform(0.0, self._jitter_s))

@@ -1,0 +1,181 @@
+"""What can be made to go wrong with an emulated bay, and the chance behind it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+from typing import Literal
+
+import numpy as np
+
+from pirate_sm.errors import UsageError
+
+Topic = Literal["state", "echo", "setpoints"]
+TOPICS: tuple[Topic, ...] = ("state", "echo", "setpoints")
+
+RING = 64
+"""Bytes that the controller holds for a firmware that is busy."""
+
+
+@dataclass(frozen=True)
+class Switches:
+    """All off unless said otherwise. Times are seconds since the bay was switched on.
+
+    Attributes:
+        loss_in: Share of frames lost on their way to the bay.
+        loss_out: Share of frames lost on their way to the host.
+        never_two: Of two consecutive frames of one topic one always arrives (thesis 4-2-2); the
+            shares hold, so at most half of the frames can be lost.
+        corruption: Share of bytes changed on their way, either way.
+        delay_s: Further time every frame takes, either way.
+        jitter_s: Up to so much more, drawn evenly per frame; the order stays.
+        reset_at_s: When the firmware starts again.
+        reset_every_s: Mean time between further restarts, 0 for none.
+        hang_at_s: When the firmware stands still.
+        hang_for_s: For how long.
+        boot_s: How long boot loader and set-up take after a restart; None: drawn anew each time
+            between three quarters and the whole of the profile's time.
+        ring: Bytes that wait for the firmware, None for no end: no overrun.
+        poll_s: How often the firmware looks for bytes; None: in the idle case of each cycle.
+        stale_every_s: Mean time between spells in which boards repeat their values, 0 for none.
+        stale_for_s: How long such a spell lasts.
+        wrong_md5: Topics that are announced with the md5 of another definition.
+        unconfigured_at_s: When the firmware forgets that it was configured: it obeys setpoints
+            but neither echoes nor publishes until it is asked for its topics.
+        spontaneous_at_s: When a motor that nobody asked moves.
+        spontaneous_every_s: Mean time between further such motions, 0 for none.
+        motors_started: Whether the actuators were started on the panel ([Play], thesis App. D);
+            if not, setpoints are echoed and motors ignore them.
+        sensors_started: Whether the sensors were ([Set]); if not, no board says anything.
+        old_client: The client of 2014 to 2017: unconfigured after an overrun.
+        defects: Names of the profile's defects.
+    """
+
+    loss_in: float = 0.0
+    loss_out: float = 0.0
+    never_two: bool = False
+    corruption: float = 0.0
+    delay_s: float = 0.0
+    jitter_s: float = 0.0
+    reset_at_s: tuple[float, ...] = ()
+    reset_every_s: float = 0.0
+    hang_at_s: float = math.inf
+    hang_for_s: float = math.inf
+    boot_s: float | None = None
+    ring: int | None = RING
+    poll_s: float | None = None
+    stale_every_s: float = 0.0
+    stale_for_s: float = 0.1
+    wrong_md5: tuple[Topic, ...] = ()
+    unconfigured_at_s: tuple[float, ...] = ()
+    spontaneous_at_s: tuple[float, ...] = ()
+    spontaneous_every_s: float = 0.0
+    motors_started: bool = True
+    sensors_started: bool = True
+    old_client: bool = False
+    defects: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        most = 0.5 if self.never_two else 1.0
+        for name, limit in (("loss_in", most), ("loss_out", most), ("corruption", 1.0)):
+            if not 0.0 <= getattr(self, name) <= limit:
+                raise UsageError(f"{name} is a share between 0 and {limit:.0%}")
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name.endswith("_s") and value is not None:
+                times = value if isinstance(value, tuple) else (value,)
+                if not all(each >= 0.0 for each in times):
+                    raise UsageError(f"{field.name} cannot be negative")
+        if self.ring is not None and self.ring < 1:
+            raise UsageError("ring is at least 1 byte")
+        if self.poll_s is not None and not self.poll_s > 0.0:
+            raise UsageError("poll_s must be more than 0")
+
+
+class Loss:
+    """Decides which frames arrive.
+
+    Args:
+        share: Of frames lost.
+        never_two: Whether of two consecutive frames of one kind one always arrives.
+        rng: Source of chance.
+    """
+
+    def __init__(self, share: float, never_two: bool, rng: np.random.Generator) -> None:
+        # After a loss one always arrives, so of the others more must be lost.
+        self._share = share / (1.0 - share) if never_two else share
+        self._never_two = never_two
+        self._rng = rng
+        self._just_lost: set[int] = set()
+
+    def arrives(self, topic: int) -> bool:
+        """Whether the next frame of this topic does."""
+        if self._share == 0.0:
+            return True
+        if topic in self._just_lost:
+            self._just_lost.discard(topic)
+            return True
+        if self._rng.random() >= self._share:
+            return True
+        if self._never_two:
+            self._just_lost.add(topic)
+        return False
+
+
+class Corruption:
+    """Changes bytes.
+
+    Args:
+        share: Of bytes changed.
+        rng: Source of chance.
+    """
+
+    def __init__(self, share: float, rng: np.random.Generator) -> None:
+        self._share = share
+        self._rng = rng
+        self._spared = self._gap()
+
+    def _gap(self) -> int:
+        """How many bytes pass before the next one is changed."""
+        return int(self._rng.geometric(self._share)) - 1 if self._share > 0.0 else 0
+
+    def damage(self, data: bytes) -> bytes:
+        """The bytes as they arrive."""
+        if self._share == 0.0:
+            return data
+        changed = bytearray(data)
+        while self._spared < len(changed):
+            changed[self._spared] ^= int(self._rng.integers(1, 256))
+            self._spared += 1 + self._gap()
+        self._spared -= len(changed)
+        return bytes(changed)
+
+
+class Occasions:
+    """Moments at which something happens: given ones, and random ones.
+
+    Args:
+        at_s: The given ones.
+        every_s: Mean time between random ones, 0 for none.
+        rng: Source of chance.
+    """
+
+    def __init__(self, at_s: Sequence[float], every_s: float, rng: np.random.Generator) -> None:
+        self._given = sorted(at_s)
+        self._pause: Callable[[], float] = (
+            (lambda: float(rng.exponential(every_s))) if every_s > 0.0 else (lambda: math.inf)
+        )
+        self._random_s = self._pause()
+
+    @property
+    def due_s(self) -> float:
+        """When the next one is; infinite when none is to come."""
+        return min(self._given[0] if self._given else math.inf, self._random_s)
+
+    def pass_one(self) -> None:
+        """The next one has been."""
+        if self._given and self._given[0] <= self._random_s:
+            self._given.pop(0)
+        else:
+            self._random_s += self._pause()

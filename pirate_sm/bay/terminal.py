@@ -1,0 +1,174 @@
+"""The bay behind a pseudo-terminal, in real time: any program may open it as a serial port."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import termios
+import time
+import tty
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from types import FrameType
+from typing import Self, TextIO
+
+from pirate_sm.bay.firmware import Record
+from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.errors import BackendError, UsageError
+
+# Short beside the firmware's cases of 4 ms.
+_PAUSE_S = 0.001
+_READ_AT_ONCE = 4096
+
+
+class Terminal:
+    """A pseudo-terminal whose other end a host opens; a context manager.
+
+    Args:
+        link: Where a symbolic link to it is to stand; an old link there is replaced.
+
+    Attributes:
+        name: Path of the end that a host opens.
+
+    Raises:
+        UsageError: The link cannot be made.
+        BackendError: There is no pseudo-terminal to be had.
+    """
+
+    def __init__(self, link: Path | None = None) -> None:
+        try:
+            self._ours, theirs = os.openpty()
+        except OSError as error:
+            raise BackendError(f"no pseudo-terminal: {error.strerror}") from None
+        self.name = os.ttyname(theirs)
+        tty.setraw(theirs)
+        # From now on a hang-up shows whether a host has it open.
+        os.close(theirs)
+        os.set_blocking(self._ours, False)
+        self._poll = select.poll()
+        self._poll.register(self._ours, select.POLLIN)
+        self._link = link
+        if link is not None:
+            self._make_link(link)
+
+    def _make_link(self, link: Path) -> None:
+        try:
+            if link.is_symlink():
+                link.unlink()
+            link.symlink_to(self.name)
+        except OSError as error:
+            self._link = None
+            self.close()
+            raise UsageError(f"no link can be made at '{link}': {error.strerror}") from None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """The pseudo-terminal and the link to it are gone."""
+        os.close(self._ours)
+        if self._link is not None and self._link.is_symlink():
+            with suppress(OSError):
+                if str(self._link.readlink()) == self.name:
+                    self._link.unlink()
+
+    def wait(self, patience_s: float) -> tuple[bool, bytes]:
+        """Whether a host has it open, and what it has written; waits no longer than this."""
+        events = dict(self._poll.poll(patience_s * 1000.0)).get(self._ours, 0)
+        data = b""
+        if events & select.POLLIN:
+            with suppress(OSError):  # the host has gone meanwhile
+                data = os.read(self._ours, _READ_AT_ONCE)
+        return not events & select.POLLHUP, data
+
+    def write(self, data: bytes) -> None:
+        """The host can read it; what it has no room for is gone, as on the real port."""
+        with suppress(OSError):
+            os.write(self._ours, data)
+
+    def flush(self) -> None:
+        """Nothing that was written to a host before this one is left."""
+        with suppress(termios.error):
+            termios.tcflush(self._ours, termios.TCIOFLUSH)
+
+
+class Told:
+    """SIGINT and SIGTERM end the bay instead of the process; a context manager."""
+
+    def __init__(self) -> None:
+        self.stop = False
+        self._before: dict[signal.Signals, object] = {}
+
+    def __enter__(self) -> Self:
+        for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            self._before[each] = signal.signal(each, self._hear)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for each, before in self._before.items():
+            signal.signal(each, before)  # type: ignore[arg-type]
+
+    def _hear(self, number: int, frame: FrameType | None) -> None:
+        self.stop = True
+
+
+def serve(
+    bay: VirtualBay,
+    terminal: Terminal,
+    stopped: Callable[[], bool],
+    log: TextIO | None = None,
+    clock: Callable[[], float] = time.monotonic,
+) -> None:
+    """The bay has run in real time until it was told to stop.
+
+    Args:
+        bay: Switched on just now.
+        terminal: Where hosts reach it.
+        stopped: Whether it is to end.
+        log: Takes a line of JSON for each thing that happens.
+        clock: Seconds.
+    """
+    began = clock()
+    connected = False
+    while not stopped():
+        there, data = terminal.wait(_PAUSE_S)
+        now = clock() - began
+        if there and not connected:
+            bay.open(now)
+        elif connected and not there:
+            bay.close(now)
+            terminal.flush()
+        connected = there
+        if data:
+            bay.receive(data, now)
+        out = bay.advance(now)
+        if out:
+            terminal.write(out)
+        write_log(bay.records, log)
+        if not there:
+            # A hang-up makes every wait return at once.
+            time.sleep(_PAUSE_S)
+
+
+def write_log(records: list[Record], log: TextIO | None) -> None:
+    """The records are in the log, and gone from the list."""
+    if log is not None and records:
+        log.writelines(line_of(record) for record in records)
+        log.flush()
+    records.clear()
+
+
+def line_of(record: Record) -> str:
+    """The record as a line of JSON, without what it does not have."""
+    line: dict[str, object] = {"at_s": round(record.at_s, 6), "event": record.event}
+    if record.setpoint_id is not None:
+        line |= {"id": record.setpoint_id, "setpoints": list(record.counts)}
+    if record.detail:
+        line["detail"] = record.detail
+    return json.dumps(line) + "\n"

@@ -1,0 +1,228 @@
+"""The whole bay in virtual time: bytes go in, bytes come out, nothing waits for a clock."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from pirate_sm.backends.simulator.backend import Truth
+from pirate_sm.bay.firmware import Firmware, Record
+from pirate_sm.bay.line import Line
+from pirate_sm.bay.robot import Robot
+from pirate_sm.bay.switches import Occasions, Switches
+from pirate_sm.bay.wire import Array, Wire, serial_of
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.profile import Profile
+from pirate_sm.model.simulation import Defect
+
+_SHORTEST_BOOT = 0.75
+"""Share of the profile's boot time that a quick start takes: 1.5 to 2 s for an Arduino Mega."""
+
+
+class VirtualBay:
+    """A bay that was switched on at time 0 with nothing connected to it.
+
+    Calls must come in order of time. Equal seeds and calls give equal bytes.
+
+    Args:
+        profile: The robot; it must have a serial link.
+        pipe: Where it is.
+        texts: The ``.msg`` text of each message type, by its name on the wire.
+        switches: What goes wrong.
+        seed: Of everything random.
+        start_values: Setpoints of the configuration that the robot starts in, one per slot, for
+            a start with clamped parts; None for a straight robot.
+
+    Attributes:
+        records: What has happened, oldest first; a reader may clear it.
+        last_array: The last array of setpoints that came whole; None before the first.
+        last_applied: The last one whose setpoints came into force.
+
+    Raises:
+        UsageError: Robot, pipe, texts and switches do not fit together.
+    """
+
+    def __init__(
+        self,
+        profile: Profile,
+        pipe: Pipe,
+        texts: Mapping[str, str],
+        switches: Switches | None = None,
+        seed: int = 0,
+        start_values: Sequence[float] | None = None,
+    ) -> None:
+        self._switches = switches = switches or Switches()
+        serial = serial_of(profile)
+        chances = np.random.default_rng((seed, 1)).spawn(5)
+        self._wire = Wire(profile, texts, switches.wrong_md5)
+        self._robot = Robot(
+            profile, pipe, seed=seed, defects=switches.defects, extra=_stale(switches),
+            start_values=start_values,
+        )  # fmt: skip
+        self._turns = self._robot.turns(self._wire.one_value)
+        self._line = Line(serial.baud, switches, chances[0])
+        self._boot = (serial.boot * _SHORTEST_BOOT, serial.boot, chances[1])
+        self._cycle_s = profile.link.cycle
+        self._echo_delay_s = profile.link.echo_delay
+        self._twitches = chances[2]
+        self._resets = Occasions(switches.reset_at_s, switches.reset_every_s, chances[3])
+        self._motions = Occasions(
+            switches.spontaneous_at_s, switches.spontaneous_every_s, chances[4]
+        )
+        self._lapses = Occasions(switches.unconfigured_at_s, 0.0, chances[4])
+        self._hang_s = switches.hang_at_s
+        self._cycles = 0
+        self._booted_s = math.inf
+        self.records: list[Record] = []
+        self.last_array: Array | None = None
+        self.last_applied: Array | None = None
+        self._firmware: Firmware | None = self._set_up(0.0)
+
+    @property
+    def truth(self) -> Truth:
+        """Where the robot really is."""
+        return self._robot.truth
+
+    @property
+    def duties(self) -> tuple[float, ...]:
+        """Duties in force, of the joints at each wheel, then of the wheels."""
+        return tuple(self._robot.world.command.tolist())
+
+    @property
+    def configured(self) -> bool:
+        """Whether the firmware runs, has been asked for its topics, and publishes."""
+        return self._firmware is not None and self._firmware.configured
+
+    @property
+    def overrun(self) -> int:
+        """How many bytes of the host have come to a full receive ring."""
+        return self._line.overrun
+
+    @property
+    def due_s(self) -> float:
+        """No byte reaches the host before this time if nothing is received."""
+        return min(self._line.due_s, self._next_s())
+
+    def open(self, now_s: float) -> None:
+        """Somebody has opened the port, which resets the controller; the boot loader runs."""
+        self._run(now_s)
+        self._line.connected = True
+        self._tell(Record(now_s, "opened"))
+        self._reset(now_s, "the port was opened")
+
+    def close(self, now_s: float) -> None:
+        """Nobody has the port open; the bay goes on, and what it says is gone."""
+        self._run(now_s)
+        self._line.hang_up()
+        self._tell(Record(now_s, "closed"))
+
+    def receive(self, data: bytes, now_s: float) -> None:
+        """The host has written these bytes in one call."""
+        self._run(now_s)
+        self._line.receive(data, now_s)
+
+    def advance(self, now_s: float) -> bytes:
+        """The bay has run until this time; returns what has reached the host since the last call.
+
+        Args:
+            now_s: Not before that of any earlier call.
+        """
+        self._run(now_s)
+        return self._line.collect(now_s)
+
+    def _next_s(self) -> float:
+        firmware = self._firmware.due_s if self._firmware is not None else self._booted_s
+        occasions = min(self._resets.due_s, self._motions.due_s, self._lapses.due_s)
+        return min(firmware, occasions, self._hang_s, self._world_s)
+
+    @property
+    def _world_s(self) -> float:
+        return (self._cycles + 1) * self._cycle_s
+
+    def _run(self, now_s: float) -> None:
+        while True:
+            due = self._next_s()
+            if due > now_s:
+                return
+            if due == self._world_s:
+                self._move(due)
+            elif self._firmware is not None and due == self._firmware.due_s:
+                self._firmware.step()
+            elif due == self._booted_s:
+                self._start(due)
+            else:
+                self._go_wrong(due)
+
+    def _move(self, now_s: float) -> None:
+        """The robot has moved for a cycle."""
+        self._cycles += 1
+        turn = self._turns[self._firmware.turn if self._firmware is not None else 0]
+        if self._robot.step(now_s, turn):
+            self._reset(now_s, "a defect of the firmware")
+
+    def _go_wrong(self, now_s: float) -> None:
+        if now_s == self._resets.due_s:
+            self._resets.pass_one()
+            self._reset(now_s, "the firmware started again by itself")
+        elif now_s == self._motions.due_s:
+            self._motions.pass_one()
+            self._robot.twitch(self._twitches)
+            self._tell(Record(now_s, "spontaneous"))
+        elif now_s == self._lapses.due_s:
+            self._lapses.pass_one()
+            if self._firmware is not None:
+                self._firmware.forget()
+            self._tell(Record(now_s, "unconfigured", detail="forgotten"))
+        else:
+            self._hang_s = math.inf
+            until = now_s + self._switches.hang_for_s
+            if self._firmware is not None:
+                self._firmware.stall(until)
+            self._tell(Record(now_s, "hung", detail=f"until {until:g} s"))
+
+    def _reset(self, now_s: float, why: str) -> None:
+        """The controller has started again; motors go on as they were until it is set up."""
+        self._line.restart(now_s)
+        self._firmware = None
+        least, most, rng = self._boot
+        drawn = float(rng.uniform(least, most))
+        self._booted_s = now_s + (drawn if self._switches.boot_s is None else self._switches.boot_s)
+        self._tell(Record(now_s, "reset", detail=why))
+
+    def _start(self, now_s: float) -> None:
+        """The set-up is done: initial setpoints are written, the loop begins."""
+        self._booted_s = math.inf
+        self._line.ignore(now_s)
+        self._robot.rest()
+        self._firmware = self._set_up(now_s)
+        self._tell(Record(now_s, "booted"))
+
+    def _set_up(self, now_s: float) -> Firmware:
+        return Firmware(
+            self._wire, self._line, self._robot, self._switches,
+            cycle_s=self._cycle_s, echo_delay_s=self._echo_delay_s, now_s=now_s, tell=self._tell,
+        )  # fmt: skip
+
+    def _tell(self, record: Record) -> None:
+        self.records.append(record)
+        if record.setpoint_id is None:
+            return
+        if record.event == "received":
+            self.last_array = Array(record.setpoint_id, record.counts)
+        elif record.event == "applied":
+            self.last_applied = Array(record.setpoint_id, record.counts)
+
+
+def _stale(switches: Switches) -> tuple[Defect, ...]:
+    if switches.stale_every_s == 0.0:
+        return ()
+    return (
+        Defect(
+            kind="stale_repeats",
+            description="boards repeat their values",
+            every=switches.stale_every_s,
+            lasting=switches.stale_for_s,
+        ),
+    )
