@@ -8,13 +8,14 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test check format bench seeds clean
+.PHONY: help demo test check format golden bench seeds clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
 	@echo "make test    style, types, layers and tests"
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend mission from 1,000 seeds"
+	@echo "make golden  the golden traces anew, after a change that is meant"
 	@echo "make format  every Python file in the one style"
 	@echo "make clean   the tree without environments and caches"
 
@@ -33,6 +34,9 @@ check: $(VENV)/.ready-dev
 format: $(VENV)/.ready-dev
 	$(BIN)/ruff check --fix
 	$(BIN)/ruff format
+
+golden: $(VENV)/.ready-dev
+	GOLDEN=write $(BIN)/python -m pytest --quiet tests/golden
 
 bench: $(VENV)/.ready-bench
 	$(BIN)/python -m benchmarks.bench

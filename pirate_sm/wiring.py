@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.program import Wait
@@ -18,10 +18,17 @@ from pirate_sm.spelling import nearest, one_of
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
 
+_Say = Callable[[str], None]
+
 BACKENDS: Mapping[str, str] = {
     "sim": "the kinematic simulator",
     "trace": "nothing moves; shows what would be sent",
 }
+
+COMPILING = (
+    "Compiling the simulator to machine code for this processor, so that it runs hundreds of "
+    "times faster than real time: some ten seconds, once ..."
+)
 
 _COMPILED = {"llvmlite", "numba", "numpy"}
 """What the extra `sim` installs."""
@@ -103,9 +110,6 @@ def load(order: Order) -> LoadedMission:
         LoadError: Everything that is wrong with them.
         UsageError: An argument does not fit.
     """
-    if order.backend not in BACKENDS:
-        meant = _meant(order.backend, BACKENDS)
-        raise UsageError(f"there is no backend '{order.backend}': {meant}")
     return load_mission(
         library.find_mission(order.mission),
         robot=order.robot,
@@ -116,18 +120,22 @@ def load(order: Order) -> LoadedMission:
     )
 
 
-def prepare(order: Order, loaded: LoadedMission | None = None) -> Prepared:
+def prepare(
+    order: Order, loaded: LoadedMission | None = None, say: Callable[[str], None] | None = None
+) -> Prepared:
     """Mission, engine and backend are at hand.
 
     Args:
         order: What is wanted.
         loaded: What :func:`load` made of it, where that has been done before.
+        say: Takes what a person should know while this takes longer than a moment.
 
     Raises:
         LoadError: Everything that is wrong with the files.
         UsageError: An argument does not fit, or an optional part is not installed.
     """
-    return _BACKENDS[order.backend](order, loaded or load(order))
+    make = _BACKENDS.get(order.backend) or _unknown_backend(order.backend)
+    return make(order, loaded or load(order), say or (lambda text: None))
 
 
 def answers(loaded: LoadedMission) -> dict[str, tuple[str, ...]]:
@@ -141,12 +149,13 @@ def answers(loaded: LoadedMission) -> dict[str, tuple[str, ...]]:
     return heard
 
 
-def _simulator(order: Order, loaded: LoadedMission) -> Prepared:
+def _simulator(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
     if loaded.pipe is None:
         raise UsageError("the mission names no pipe to simulate: give one with --pipe NAME")
     if order.firings:
         raise UsageError("triggers can be fired in a trace only: use --backend trace")
     try:
+        from pirate_sm.backends.simulator import kernel
         from pirate_sm.backends.simulator.backend import SimulatorBackend
         from pirate_sm.backends.simulator.scene import Jitter
     except ModuleNotFoundError as error:
@@ -156,6 +165,8 @@ def _simulator(order: Order, loaded: LoadedMission) -> Prepared:
             f"the simulator needs {error.name}, which is not installed: "
             "pip install 'pirate-sm[sim]' (or use --backend trace)"
         ) from None
+    if not kernel.is_compiled():
+        say(COMPILING)
     jitter = Jitter(order.start_jitter_m, order.friction_jitter, order.diameter_jitter_m)
     backend = SimulatorBackend(
         loaded.loaded_robot.profile,
@@ -182,7 +193,11 @@ def _start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
     return at_rest_in(loaded.robot, configuration).values
 
 
-def _trace(order: Order, loaded: LoadedMission) -> Prepared:
+def _unknown_backend(name: str) -> NoReturn:
+    raise UsageError(f"there is no backend '{name}': {_meant(name, BACKENDS)}")
+
+
+def _trace(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
     from pirate_sm.backends.trace import IDEAL, TraceBackend
 
     if order.defects:
@@ -216,7 +231,7 @@ def _meant(word: str, known: Mapping[str, object] | set[str]) -> str:
     return f"did you mean '{close}'?" if close else f"expected {one_of(sorted(known))}"
 
 
-_BACKENDS: Mapping[str, Callable[[Order, LoadedMission], Prepared]] = {
+_BACKENDS: Mapping[str, Callable[[Order, LoadedMission, _Say], Prepared]] = {
     "sim": _simulator,
     "trace": _trace,
 }

@@ -33,7 +33,10 @@ class Lines:
             if isinstance(effect, Ended):
                 there = self._situation
                 text = summary(effect, now_s, there.distance_m(), there.odometry_m())
-                self._write(now_s, "end", text)
+                if self._quiet:
+                    self._out.write(f"{there.prepared.loaded.mission.mission}: {text}\n")
+                else:
+                    self._write(now_s, "end", text)
             elif not self._quiet:
                 for topic, text in self._teller.lines(effect):
                     self._write(now_s, topic, text)

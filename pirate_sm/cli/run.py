@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 from pirate_sm.cli.guard import say, say_bug, show_traceback, silence_stdout
 from pirate_sm.cli.jsonl import JsonLines
 from pirate_sm.cli.lines import Lines
+from pirate_sm.cli.reader import watch_pipe
 from pirate_sm.cli.script import read_fire, read_script
 from pirate_sm.cli.situation import Situation
 from pirate_sm.errors import UsageError
@@ -73,7 +74,7 @@ def run_mission(wishes: Wishes) -> int:
         raise UsageError("--json and --quiet exclude each other")
     on_terminal = is_terminal() and not (wishes.json or wishes.quiet)
     factor = read_speed(wishes.speed, ON_A_TERMINAL if is_terminal() else inf)
-    prepared = prepare(read_order(wishes))
+    prepared = prepare(read_order(wishes), say=say)
     requests = StopRequests()
     with CaughtSignals(requests):
         return _show(prepared, wishes, factor, on_terminal, requests)
@@ -88,18 +89,24 @@ def _show(
     with ExitStack() as stack:
         operator = _operator(prepared, wishes, on_terminal, live, stack)
         output = _output(situation, wishes, live, factor, operator)
+        pipe = watch_pipe(sys.stdout)
         companions: list[Companion] = [*prepared.companions, operator or FirstChoice()]
         run = MissionRun(
             prepared.engine,
             prepared.backend,
             observers=[output],
-            watchers=[output] if isinstance(output, Watcher) else [],
+            watchers=[each for each in (output, pipe) if isinstance(each, Watcher)],
             companions=companions,
             requests=requests,
             factor=factor,
         )
         situation.run = run
-        output.begin()
+        try:
+            output.begin()
+        except OSError as error:
+            silence_stdout()
+            say(f"nothing has moved: the output cannot be written: {error.strerror}")
+            return OUTPUT_LOST
         if isinstance(output, AbstractContextManager):
             stack.enter_context(output)
         result = run.execute()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import takewhile
 from math import degrees, isinf, isnan
 from typing import Any, NamedTuple
 
@@ -20,8 +21,16 @@ class Line(NamedTuple):
 class Teller:
     """Turns effects into lines; remembers what it has said so that it tells changes only."""
 
-    def __init__(self, robot: RobotSpec, *, with_setpoints: bool) -> None:
+    def __init__(self, robot: RobotSpec, *, with_setpoints: bool, short: bool = False) -> None:
+        """Nothing has been told.
+
+        Args:
+            robot: Whose slots and regions are told about.
+            with_setpoints: Whether setpoints are told.
+            short: Whether regions are named without the ending that they share.
+        """
         self._robot = robot
+        self._labels = shortened(robot.regions) if short else list(robot.regions)
         self._with_setpoints = with_setpoints
         self._values: tuple[float, ...] = (0.0,) * len(robot.slots)
         self._states: tuple[str, ...] = ()
@@ -41,15 +50,16 @@ class Teller:
         before = self._states or it.states
         first = not self._states
         changes = []
-        for region, old, new in zip(self._robot.regions, before, it.states, strict=True):
+        for index, (old, new) in enumerate(zip(before, it.states, strict=True)):
+            region, label = self._robot.regions[index], self._labels[index]
             doubtful = region in it.unconfirmed
             mark = " (unconfirmed)" if doubtful else ""
             if old != new:
-                changes.append(f"{region} {old} → {new}{mark}")
+                changes.append(f"{label} {old} → {new}{mark}")
             elif first:
-                changes.append(f"{region} {new}{mark}")
+                changes.append(f"{label} {new}{mark}")
             elif doubtful != (region in self._unconfirmed):
-                changes.append(f"{region} {new} {'unconfirmed' if doubtful else 'confirmed'}")
+                changes.append(f"{label} {new} {'unconfirmed' if doubtful else 'confirmed'}")
         self._states, self._unconfirmed = it.states, it.unconfirmed
         return [Line("state", ", ".join(changes))] if changes else []
 
@@ -132,3 +142,10 @@ def summary(
         ways.append(f"odometer {odometry_m:z.2f} m")
     way = f" ({', '.join(ways)})" if ways else ""
     return f"{ended.outcome} after {now_s:.1f} s{way}: {ended.message}"
+
+
+def shortened(names: Sequence[str]) -> list[str]:
+    """The names without the ending that all of them share."""
+    endings = zip(*map(reversed, names), strict=False)
+    shared = sum(1 for _ in takewhile(lambda letters: len(set(letters)) == 1, endings))
+    return [name[: len(name) - shared] or name for name in names]

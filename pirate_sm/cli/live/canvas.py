@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot
+from math import floor, hypot
 
 from rich.text import Text
 
@@ -21,7 +21,7 @@ class Canvas:
 
     def dot(self, x: float, y: float, style: str) -> None:
         """There is a dot, unless it lies outside; y counts downwards."""
-        column, row = round(x), round(y)
+        column, row = floor(x + 0.5), floor(y + 0.5)  # round() leaves gaps at halves
         if 0 <= column < self.width and 0 <= row < self.height:
             across, down = column // ACROSS, row // DOWN
             self._bits[down][across] |= _BITS[row % DOWN][column % ACROSS]

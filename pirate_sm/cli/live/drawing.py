@@ -14,7 +14,10 @@ from pirate_sm.wiring import Truth
 WALL, LINK, WHEEL, HEAD = "bright_black", "cyan", "green", "bright_magenta"
 
 _ROOM = 1.4
-"""How many lengths of the robot must be visible, at least."""
+"""How many lengths of the robot are visible, at least."""
+
+_WHEEL_DOTS = 2.0
+"""The whole pipe is shown as long as the radius of a wheel is no smaller than this."""
 
 Place = tuple[float, float]
 
@@ -47,9 +50,8 @@ def _frame(truth: Truth, width: int, height: int) -> tuple[float, float, float]:
     whole = min(width / (high[0] - low[0] + 2 * margin), height / (high[1] - low[1] + 2 * margin))
     length = sum(hypot(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(truth.wheels))
     near = min(width, height) / (_ROOM * length + 4 * margin)
-    scale = max(whole, near)
-    seen, _ = _bounds(truth.wheels)
-    _, far = _bounds(truth.wheels)
+    scale = whole if whole >= near or truth.wheel_radius_m * whole >= _WHEEL_DOTS else near
+    seen, far = _bounds(truth.wheels)
     left = _placed((seen[0] + far[0]) / 2, width / scale, low[0] - margin, high[0] + margin)
     bottom = _placed((seen[1] + far[1]) / 2, height / scale, low[1] - margin, high[1] + margin)
     return scale, left, bottom + height / scale

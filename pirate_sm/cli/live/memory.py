@@ -34,7 +34,7 @@ class Memory:
     """
 
     def __init__(self, robot: RobotSpec) -> None:
-        self._teller = Teller(robot, with_setpoints=False)
+        self._teller = Teller(robot, with_setpoints=False, short=True)
         self.phase = Visit("", 0.0)
         self.spent_s: dict[str, float] = {}
         self.wait: tuple[fx.WaitArmed, float] | None = None

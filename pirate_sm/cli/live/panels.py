@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import takewhile
 from math import isinf, isnan
 
 from rich.text import Text
@@ -13,7 +12,7 @@ from pirate_sm.cli.lines import headline
 from pirate_sm.cli.live.gauges import Gauge
 from pirate_sm.cli.live.memory import Memory
 from pirate_sm.cli.situation import Situation
-from pirate_sm.cli.telling import setpoint
+from pirate_sm.cli.telling import setpoint, shortened
 from pirate_sm.engine.robot import RobotSpec
 
 OUTCOME = {
@@ -53,6 +52,9 @@ def phases(situation: Situation, memory: Memory, rows: int) -> list[Text]:
     lines = []
     for name in names[first : first + rows]:
         depth, own = name.count("/"), name.rpartition("/")[2]
+        if current.startswith(f"{name}/") and memory.ended is None:
+            lines.append(Text(f"▶ {'  ' * depth}{own}"))
+            continue
         if name == current and memory.ended is None:
             mark, style, spent_s = "▶", "bold", situation.now_s - since_s
             spent_s += memory.spent_s.get(name, 0.0)
@@ -98,7 +100,7 @@ def _left(now_s: float, since_s: float, deadline_s: float, width: int) -> Text:
     text = f" {left_s:.1f} s left"
     room = max(width - len(text), 0)
     filled = round(room * min(1.0, (now_s - since_s) / max(deadline_s - since_s, 1e-9)))
-    bar = Text("━" * filled, "cyan")
+    bar = Text().append("━" * filled, "cyan")
     bar.append("━" * (room - filled), "bright_black")
     return bar.append(text)
 
@@ -119,22 +121,15 @@ def states(robot: RobotSpec, memory: Memory) -> list[Text]:
     """The state of each region; an open mark where it is not confirmed."""
     if memory.states is None:
         return []
-    labels = _short(robot.regions)
+    labels = shortened(robot.regions)
     wide = max(len(label) for label in labels)
     lines = []
     for region, label, name in zip(robot.regions, labels, memory.states.states, strict=True):
         open_ = region in memory.states.unconfirmed
-        line = Text("○ " if open_ else "● ", "yellow" if open_ else "green")
+        line = Text().append("○ " if open_ else "● ", "yellow" if open_ else "green")
         line.append(f"{label:<{wide}} ", "bright_black").append(name, "yellow" if open_ else "")
         lines.append(line)
     return lines
-
-
-def _short(names: Sequence[str]) -> list[str]:
-    """The names without the ending that all of them share."""
-    endings = zip(*map(reversed, names), strict=False)
-    shared = sum(1 for _ in takewhile(lambda letters: len(set(letters)) == 1, endings))
-    return [name[: len(name) - shared] or name for name in names]
 
 
 def sensors(situation: Situation, chosen: Sequence[Gauge], width: int) -> list[Text]:
@@ -147,7 +142,7 @@ def sensors(situation: Situation, chosen: Sequence[Gauge], width: int) -> list[T
         line = Text()
         for label, value in cells[start : start + across]:
             room = width // across - 1
-            cell = Text(f"{label} ", "bright_black").append(value, "")
+            cell = Text().append(f"{label} ", "bright_black").append(value)
             cell.truncate(room, overflow="ellipsis", pad=True)
             line.append_text(cell).append(" ")
         lines.append(line)
@@ -178,6 +173,6 @@ def events(memory: Memory, rows: int) -> list[Text]:
     recent = list(memory.recent)[-rows:] if rows > 0 else []
     lines = []
     for now_s, (topic, text) in recent:
-        line = Text(f"{now_s:8.2f} ", "bright_black").append(f"{topic:<9} ", _TOPIC.get(topic, ""))
-        lines.append(line.append(text, _TOPIC.get(topic, "")))
+        line = Text().append(f"{now_s:8.2f} ", "bright_black")
+        lines.append(line.append(f"{topic:<9} {text}", _TOPIC.get(topic)))
     return lines

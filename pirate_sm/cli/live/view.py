@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from typing import Self
 
 from rich.console import Console, ConsoleOptions, RenderResult
@@ -34,6 +35,7 @@ class View:
         self._operator = operator
         self._memory = Memory(situation.robot)
         self._gauges = gauges(situation.prepared.loaded.loaded_robot.profile)
+        self._spare = 1
         self._live = Live(
             self,
             console=console,
@@ -50,16 +52,20 @@ class View:
 
     def __exit__(self, *_: object) -> None:
         """The last frame stands, and below it how the run ended."""
-        try:
+        with suppress(OSError):  # the terminal may have gone, and the run stopped for it
+            conclusion = self._conclusion()
+            # Room for it and for the shell's prompt, so that nothing scrolls away.
+            self._spare += -(-len(conclusion.plain) // self._console.width)
             self._live.stop()
-            ended = self._memory.ended
-            if ended is not None:
-                there = self._situation
-                text = summary(ended, there.now_s, there.distance_m(), there.odometry_m())
-                mission = there.prepared.loaded.mission.mission
-                self._console.print(Text(f"{mission}: {text}", panels.OUTCOME[ended.outcome]))
-        except OSError:
-            pass  # the terminal has gone, and the run has been stopped for it
+            self._console.print(conclusion)
+
+    def _conclusion(self) -> Text:
+        there, ended = self._situation, self._memory.ended
+        if ended is None:
+            return Text()
+        text = summary(ended, there.now_s, there.distance_m(), there.odometry_m())
+        mission = there.prepared.loaded.mission.mission
+        return Text(f"{mission}: {text}", panels.OUTCOME[ended.outcome])
 
     def begin(self) -> None:
         """What a person must know stands above the view."""
@@ -75,9 +81,9 @@ class View:
         self._live.refresh()
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        """The frame, one line below the terminal's height, so that nothing scrolls."""
+        """The frame, a little less high than the terminal, so that nothing scrolls."""
         width, height = console.size
-        for line in self.frame(width, height - 1):
+        for line in self.frame(width, height - self._spare):
             line.truncate(width, overflow="ellipsis")
             line.no_wrap, line.end = True, "\n"
             yield line
@@ -106,9 +112,10 @@ class View:
         """Phases, what is waited for, states; the phases get what room the others leave."""
         there, memory = self._situation, self._memory
         states = [*panels.states(there.robot, memory), panels.words(there)]
-        least = max(3, min(6, rows - len(states) - 6))
-        waiting = panels.waiting(there, memory, self._operator, _LEFT)[:least]
-        waiting += [Text()] * (least - len(waiting))
+        most = max(3, min(6, rows - len(states) - 6))
+        waiting = panels.waiting(there, memory, self._operator, _LEFT)[:most]
+        if memory.ended is None:
+            waiting = _filled(waiting, most)
         room = max(rows - len(states) - len(waiting) - 3, 1)
         return [
             panels.title("phases", _LEFT),

@@ -1,0 +1,79 @@
+"""The backends that the suite holds to the protocol; `CANDIDATES` takes one more entry for each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import inf
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pirate_sm.backends.protocol import Backend
+from pirate_sm.backends.simulator.backend import SimulatorBackend
+from pirate_sm.backends.trace import TraceBackend
+from pirate_sm.errors import BackendError
+from pirate_sm.loading.pipe import load_pipe
+from pirate_sm.loading.robot import load_robot
+from pirate_sm.model.events import Event, SubmitResult
+
+NEWT = Path(__file__).resolve().parents[1] / "robots" / "newt"
+
+STILL = (0.0,) * 7
+CLAMPING = (0.0, 0.0, -0.5, 0.0, 0.5, 0.0, 0.0)
+
+
+class Candidate(NamedTuple):
+    """A way to make a backend of the small robot, and where its robot is (empty: nowhere)."""
+
+    make: Callable[[int], Backend]
+    places: Callable[[Any], Sequence[tuple[float, float]]] = lambda backend: ()
+
+
+class LateBackend:
+    """A stand-in for a wire: what happens on it comes late, and every third echo is lost."""
+
+    name = "late"
+    completion = "nominal"
+    real_time = False
+
+    def __init__(self, delay_s: float = 0.3, unknown_s: float = 0.8, lose_every: int = 3) -> None:
+        self._delay_s, self._unknown_s, self._lose_every = delay_s, unknown_s, lose_every
+        self._now_s = 0.0
+        self._sent = 0
+        self._due: list[tuple[float, SubmitResult]] = []
+        self._closed = False
+
+    def open(self) -> Sequence[Event]:
+        return ()
+
+    def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
+        if self._closed:
+            raise BackendError("closed")
+        self._sent += 1
+        lost = self._sent % self._lose_every == 0
+        wait_s = self._unknown_s if lost else self._delay_s
+        status = "unknown" if lost else "accepted"
+        self._due.append((self._now_s + wait_s, SubmitResult(setpoint_id, status, "")))
+
+    def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
+        due_s = min((at for at, _ in self._due), default=inf)
+        if min(due_s, until_s) == inf:
+            raise BackendError("nothing will ever happen")
+        self._now_s = max(self._now_s, min(due_s, until_s))
+        events = [result for at, result in self._due if at <= self._now_s]
+        self._due = [(at, result) for at, result in self._due if at > self._now_s]
+        return self._now_s, events
+
+    def close(self) -> None:
+        self._closed = True
+
+
+def _simulator(seed: int) -> Backend:
+    pipe, _ = load_pipe(NEWT / "elbow.yaml")
+    return SimulatorBackend(load_robot(NEWT).profile, pipe, seed=seed)
+
+
+CANDIDATES = {
+    "trace": Candidate(lambda seed: TraceBackend()),
+    "sim": Candidate(_simulator, lambda backend: backend.truth.wheels),
+    "late": Candidate(lambda seed: LateBackend()),
+}

@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from pirate_sm.cli.entry import commands, only_run
+
+ROOT = Path(__file__).resolve().parents[3]
+NEWT = ROOT / "tests" / "robots" / "newt"
+
+
+@pytest.fixture
+def pirate_run() -> Callable[..., Result]:
+    """Calls `pirate-run` in this process; standard output is no terminal."""
+    return lambda *arguments: CliRunner().invoke(only_run, [str(each) for each in arguments])
+
+
+@pytest.fixture
+def pirate() -> Callable[..., Result]:
+    """Calls `pirate` in this process."""
+    return lambda *arguments: CliRunner().invoke(commands, [str(each) for each in arguments])
+
+
+def _usual_signals() -> None:
+    """A child hears signals even where the tests themselves were started to ignore them."""
+    for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)
+
+
+@pytest.fixture
+def start() -> Iterator[Callable[..., subprocess.Popen[str]]]:
+    """Starts `pirate-run` as a process of its own, with pipes."""
+    started: list[subprocess.Popen[str]] = []
+
+    def start_it(*arguments: Any, **options: Any) -> subprocess.Popen[str]:
+        code = "from pirate_sm.cli.entry import run_main; run_main()"
+        process = subprocess.Popen(
+            [sys.executable, "-c", code, *map(str, arguments)],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            cwd=ROOT,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            preexec_fn=_usual_signals,  # noqa: PLW1509 - this process has no threads
+            **options,
+        )
+        started.append(process)
+        return process
+
+    yield start_it
+    for process in started:
+        process.kill()
+        process.communicate()

@@ -1,0 +1,207 @@
+"""Misuse gives one clear message and exit code 2; nothing has moved."""
+
+from __future__ import annotations
+
+import builtins
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pirate_sm import __version__
+
+from .conftest import NEWT, ROOT
+
+PATROL = NEWT / "patrol.yaml"
+TRACE = ("--backend", "trace")
+
+
+def refused(result: Any) -> str:
+    """The message of a command that was refused."""
+    assert result.exit_code == 2, result.output
+    assert result.stdout == ""
+    assert "Traceback" not in result.stderr
+    return result.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--speed", "fast"), "expected max, realtime, or a factor"),
+        (("--speed", "0"), "expected max, realtime, or a factor"),
+        (("--speed", "-2"), "expected max, realtime, or a factor"),
+        (("--speed", "nan"), "expected max, realtime, or a factor"),
+        (("--speed", "inf"), "expected max, realtime, or a factor"),
+        (("--seed", "one"), "--seed"),
+        (("--seed", "-1"), "--seed"),
+        (("--backend", "simulator"), "--backend"),
+        (("--set", "look"), "expected NAME=VALUE"),
+        (("--set", "=3 s"), "expected NAME=VALUE"),
+        (("--set", "look=3"), "look=3"),
+        (("--set", "look=1 h"), "look"),
+        (("--set", "lok=3 s"), "did you mean 'look'"),
+        (("--set", "look=3 s", "--set", "look=4 s"), "twice"),
+        (("--from", "outt"), "did you mean 'out'"),
+        (("--state", "Grip"), "expected REGION=STATE"),
+        (("--state", "Grpi=Loose"), "Grip"),
+        (("--robot", "pirate_iii"), "did you mean 'pirate_ii'"),
+        (("--pipe", "mitre_9"), "did you mean 'mitre_90'"),
+        (("--pipe", "mitre_90"), "cannot clamp"),
+        (("--defect", "hind_wheel_ded"), "did you mean 'hind_wheel_dead'"),
+        (("--defect", "hind_wheel_dead", *TRACE), "--backend sim"),
+        (("--fire", "look"), "--backend trace"),
+        (("--fire", "loook", *TRACE), "did you mean 'look'"),
+        (("--fire", "look=soon", *TRACE), "expected TRIGGER or TRIGGER=SECONDS"),
+        (("--fire", "look=-1", *TRACE), "expected TRIGGER or TRIGGER=SECONDS"),
+        (("--script", "nowhere.yaml", *TRACE), "nowhere.yaml"),
+        (("--json", "--quiet"), "exclude each other"),
+        (("--no-such-option",), "--no-such-option"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
+)
+def test_an_option_that_does_not_fit(
+    pirate_run: Any, options: tuple[str, ...], message: str
+) -> None:
+    assert message in refused(pirate_run(PATROL, *options))
+
+
+def test_no_mission_at_all(pirate_run: Any) -> None:
+    assert "MISSION" in refused(pirate_run())
+
+
+def test_a_shipped_mission_that_is_misspelt(pirate_run: Any) -> None:
+    assert "did you mean 'mitre_bend'" in refused(pirate_run("mitre_bent"))
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (None, "there is no such file"),
+        (b"", "empty"),
+        (b"\x00\x01\x02\xff\xfe", "text"),
+        (b"just words", "mapping"),
+    ],
+)
+def test_a_file_that_is_no_mission(
+    pirate_run: Any, tmp_path: Path, content: bytes | None, message: str
+) -> None:
+    path = tmp_path / "mission.yaml"
+    if content is not None:
+        path.write_bytes(content)
+
+    text = refused(pirate_run(path))
+    assert "mission.yaml" in text
+    assert message in text
+
+
+def test_a_directory(pirate_run: Any, tmp_path: Path) -> None:
+    assert "directory" in refused(pirate_run(f"{tmp_path}/"))
+
+
+def test_a_mission_with_many_faults_shows_them_all_with_their_lines(
+    pirate_run: Any, tmp_path: Path
+) -> None:
+    mission = tmp_path / "wrong.yaml"
+    text = PATROL.read_text("utf-8").replace("GoAhead", "GoAhaed").replace("30 s", "30")
+    mission.write_text(text.replace("robot: ../newt", f"robot: {NEWT}"), encoding="utf-8")
+
+    told = refused(pirate_run(mission))
+    assert told.count("wrong.yaml:") >= 2
+
+
+def test_a_mission_without_a_pipe_cannot_be_simulated(pirate_run: Any) -> None:
+    assert "--pipe" in refused(pirate_run(NEWT / "take_hold.yaml"))
+
+
+@pytest.mark.parametrize(
+    ("script", "message"),
+    [
+        ("trigger: look", "expected a list"),
+        ("- {trigger: look, afer: 1 s}", "after"),
+        ("- {trigger: look, after: 3}", "after"),
+        ("- {trigger: look, phase: inside}", "inside"),
+    ],
+)
+def test_a_script_that_does_not_fit(
+    pirate_run: Any, tmp_path: Path, script: str, message: str
+) -> None:
+    path = tmp_path / "fire.yaml"
+    path.write_text(script, encoding="utf-8")
+
+    assert message in refused(pirate_run(PATROL, *TRACE, "--script", path))
+
+
+def test_a_missing_extra_is_named_with_how_to_install_it(
+    pirate_run: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in [name for name in sys.modules if name.startswith("pirate_sm.backends.simulator")]:
+        monkeypatch.delitem(sys.modules, name)
+    genuine = builtins.__import__
+
+    def without_numba(name: str, *arguments: Any, **options: Any) -> Any:
+        if name.partition(".")[0] == "numba":
+            raise ModuleNotFoundError("No module named 'numba'", name="numba")
+        return genuine(name, *arguments, **options)
+
+    monkeypatch.setattr(builtins, "__import__", without_numba)
+
+    told = refused(pirate_run(PATROL))
+    assert "numba" in told
+    assert "pip install 'pirate-sm[sim]'" in told
+
+
+def test_options_do_what_they_say(pirate_run: Any, tmp_path: Path) -> None:
+    script = tmp_path / "fire.yaml"
+    script.write_text("- {phase: look, trigger: home, after: 250 ms}\n", encoding="utf-8")
+    result = pirate_run(
+        PATROL, *TRACE, "--json", "--fire", "look=3", "--script", script, "--set", "look=1 min"
+    )  # fmt: skip
+    lines = [json.loads(text) for text in result.stdout.splitlines()]
+    waits = {line["phase"]: line["t"] for line in lines if line.get("status") == "waiting"}
+    fired = {line["phase"]: line["t"] for line in lines if line["type"] == "trigger"}
+
+    assert result.exit_code == 0
+    assert fired["out"] - waits["out"] == pytest.approx(3.0)
+    assert fired["look"] - waits["look"] == pytest.approx(0.25)
+
+
+def test_a_run_may_begin_with_a_later_phase(pirate_run: Any) -> None:
+    result = pirate_run(
+        PATROL, *TRACE, "--json", "--from", "home",
+        "--state", "Grip=BothHeld", "--state", "Lamp=Lit",
+    )  # fmt: skip
+    lines = [json.loads(text) for text in result.stdout.splitlines()]
+
+    assert [line["phase"] for line in lines if line.get("status") == "entered"] == ["home", "halt"]
+    assert lines[0]["from"] == "home"
+    assert result.exit_code == 0
+
+
+def test_help_and_version_ask_for_nothing_heavy() -> None:
+    code = (
+        "import sys, pirate_sm.cli.entry; "
+        "heavy = {'pydantic', 'numpy', 'numba', 'statemachine', 'yaml', 'rich', 'asyncio'}; "
+        "print(sorted(heavy & set(sys.modules)))"
+    )
+    told = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True
+    )
+    assert told.stdout == "[]\n"
+
+
+def test_help_names_every_option(pirate_run: Any, pirate: Any) -> None:
+    for result in (pirate_run("--help"), pirate("run", "--help")):
+        assert result.exit_code == 0
+        for option in (
+            "--backend", "--robot", "--pipe", "--set", "--from", "--seed", "--speed", "--defect",
+            "--json", "--quiet",
+        ):  # fmt: skip
+            assert option in result.stdout
+
+
+def test_the_version_is_told(pirate_run: Any, pirate: Any) -> None:
+    for result in (pirate_run("--version"), pirate("--version")):
+        assert (result.exit_code, result.stdout) == (0, f"pirate-sm {__version__}\n")
