@@ -322,7 +322,8 @@ class Engine:
 
     @property
     def _listen_every_s(self) -> float:
-        return self.robot.link.stale_after_s / 2
+        link = self.robot.link
+        return min(link.stale_after_s, link.silent_after_s) / 2
 
 
 _Handler = Callable[[Engine, EngineState, Any, float, list[Effect]], EngineState]

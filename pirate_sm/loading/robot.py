@@ -12,7 +12,7 @@ from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.loading.chart_cache import cached_table
 from pirate_sm.loading.chart_outline import ChartOutline, outline_chart
 from pirate_sm.loading.folders import PROFILE_FILE, shown
-from pirate_sm.loading.problems import Problems
+from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.robot_actuation import resolve_actuation
 from pirate_sm.loading.robot_body import check_body
 from pirate_sm.loading.robot_commands import resolve_commands, resolve_faults, resolve_parts
@@ -69,13 +69,14 @@ def load_robot(folder: Path) -> LoadedRobot:
         problems.raise_errors()
         raise AssertionError("raise_errors raises here")
     check_body(profile, problems)
-    chart_document = read_document(folder / profile.chart, shown(folder / profile.chart))
-    outline = outline_chart(chart_document, problems)
+    chart_document = _chart(folder / profile.chart, problems)
+    outline = outline_chart(chart_document, problems) if chart_document else None
     if outline is not None:
         _check_commands(profile, outline, problems)
         _check_regions(profile, outline, problems)
     problems.raise_errors()
-    assert outline is not None  # raise_errors has raised otherwise
+    assert chart_document is not None  # raise_errors has raised otherwise
+    assert outline is not None
     table = cached_table(chart_document, outline, problems)
     _check_reached(outline, table, problems.about(chart_document))
     normal = _resolve(profile, table, "normal", problems)
@@ -84,10 +85,24 @@ def load_robot(folder: Path) -> LoadedRobot:
     return LoadedRobot(profile, table, (document, chart_document), normal, mirrored)
 
 
+def _chart(path: Path, problems: Problems) -> Document | None:
+    """The chart's file; a file that is not there is a fault of the profile."""
+    try:
+        return read_document(path, shown(path))
+    except LoadError as error:
+        for problem in error.problems:
+            if problem.place.line:
+                problems.put(problem)
+            else:
+                problems.add("robot.chart", ("chart",), f"{problem.place}: {problem.message}")
+        return None
+
+
 def _check_commands(profile: Profile, outline: ChartOutline, problems: Problems) -> None:
     events, commands = set(outline.commands), profile.commands.keys()
     for name in sorted(events - commands):
-        problems.add("robot.command", ("commands",), f"the chart's event '{name}' is missing here")
+        message = f"the chart's event '{name}' is missing here"
+        problems.add("robot.command", ("commands",), message, key=True)
     for name in commands - events:
         _dangling(problems, ("commands", name), f"the chart has no event '{name}'", name, events)
     for alias, name in profile.aliases.items():
@@ -106,7 +121,8 @@ def _check_regions(profile: Profile, outline: ChartOutline, problems: Problems) 
     for region, names in states.items():
         given = profile.actuation.get(region)
         if given is None:
-            problems.add("robot.actuation", ("actuation",), f"region '{region}' is missing here")
+            message = f"region '{region}' is missing here"
+            problems.add("robot.actuation", ("actuation",), message, key=True)
             continue
         for name in given.keys() - set(names):
             _dangling(
@@ -117,9 +133,8 @@ def _check_regions(profile: Profile, outline: ChartOutline, problems: Problems) 
                 names,
             )
         for name in (name for name in names if name not in given):
-            problems.add(
-                "robot.actuation", ("actuation", region), f"{region}.{name} is missing here"
-            )
+            message = f"{region}.{name} is missing here"
+            problems.add("robot.actuation", ("actuation", region), message, key=True)
 
 
 def _check_reached(outline: ChartOutline, table: ChartTable, problems: Problems) -> None:

@@ -38,6 +38,7 @@ def check_body(profile: model.Profile, problems: Problems) -> None:
     _check_motors(profile, problems)
     _check_slots(profile, problems)
     _check_channels(profile, problems)
+    _check_safe_state(profile, problems)
     _check_detector(profile, problems)
     for name, defect in profile.simulation.defects.items():
         _check_defect(profile, defect, ("simulation", "defects", name), problems)
@@ -139,6 +140,14 @@ def _check_channels(profile: model.Profile, problems: Problems) -> None:
 
 def _drives(slot: model.Slot) -> bool:
     return any((slot.joint, slot.wheel, slot.roll))
+
+
+def _check_safe_state(profile: model.Profile, problems: Problems) -> None:
+    """No wheel turns in the safe state."""
+    for slot in profile.slots:
+        if slot.wheel is not None and slot.name not in profile.safe_state.zero:
+            message = f"'{slot.name}' drives a wheel: it must be zero in the safe state"
+            problems.add("robot.safe_state", ("safe_state", "zero"), message)
 
 
 def _check_detector(profile: model.Profile, problems: Problems) -> None:

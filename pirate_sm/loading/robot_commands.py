@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pirate_sm.engine.chart_table import ChartTable
 from pirate_sm.engine.robot import (
+    BUILT_IN_FAULTS,
     AcceptedSpec,
     AlignedSpec,
     BelowSpec,
@@ -41,6 +42,10 @@ def resolve_parts(
         frozenset(i for i, condition in enumerate(conditions) if _is_true(condition, states))
         for states in table.configurations
     )
+    for number, name in enumerate(profile.body.parts):
+        if conditions[number] is not None and not any(number in parts for parts in held):
+            path = ("body", "parts", name, "held")
+            problems.add("robot.condition", path, f"no configuration ever holds the part '{name}'")
     regions = tuple(
         frozenset(table.regions.index(name) for name in condition.names)
         if condition
@@ -71,7 +76,7 @@ def resolve_faults(
     profile: model.Profile, signals: Signals, problems: Problems
 ) -> tuple[FaultSpec, ...]:
     """One rule per fault and, with ``for_each``, per number that is written out in it."""
-    rules = []
+    rules: list[FaultSpec] = []
     for number, fault in enumerate(profile.faults):
         for index in fault.for_each or (None,):
             when, message = fault.when, fault.message
@@ -82,8 +87,21 @@ def resolve_faults(
             except ExpressionError as error:
                 problems.add_expression(("faults", number, "when"), error)
                 break
+            _check_catchable(fault, number, rules, problems)
             rules.append(FaultSpec(fault.code, message, condition, fault.held, fault.catchable))
     return tuple(rules)
+
+
+def _check_catchable(
+    fault: model.FaultRule, number: int, rules: list[FaultSpec], problems: Problems
+) -> None:
+    """One code is caught or not, whoever raises it: else a mission could not tell."""
+    known = {**{rule.code: rule.catchable for rule in rules}, **BUILT_IN_FAULTS}
+    if known.get(fault.code, fault.catchable) != fault.catchable:
+        can, must = ("can", "true") if known[fault.code] else ("cannot", "false")
+        key = "catchable" if "catchable" in fault.model_fields_set else "code"
+        message = f"'{fault.code}' {can} be caught: `catchable` must be {must} here too"
+        problems.add("robot.fault", ("faults", number, key), message)
 
 
 def _on_states(
@@ -121,8 +139,14 @@ def _criterion(  # noqa: C901 - one case per kind
         case criteria.Accepted():
             return AcceptedSpec()
         case criteria.Stalled():
-            rates = tuple(_rate(name, signals, path, problems) for name in done.joints)
-            torques = tuple(_torque(profile, name, signals, path, problems) for name in done.loaded)
+            rates = tuple(
+                _rate(name, signals, (*path, "joints", number), problems)
+                for number, name in enumerate(done.joints)
+            )
+            torques = tuple(
+                _torque(profile, name, signals, (*path, "loaded", number), problems)
+                for number, name in enumerate(done.loaded)
+            )
             return StalledSpec(rates, torques, done.torque, done.still, done.for_s)
         case criteria.Reached():
             for joint in profile.body.joints if done.or_still is not None else ():
@@ -133,10 +157,16 @@ def _criterion(  # noqa: C901 - one case per kind
         case criteria.Stopped():
             return StoppedSpec(tuple(w.speed for w in wheels), done.below, done.for_s)
         case criteria.Aligned():
-            pairs = [_angle_slot(profile, name, signals, path, problems) for name in done.slots]
+            pairs = [
+                _angle_slot(profile, name, signals, (*path, "slots", number), problems)
+                for number, name in enumerate(done.slots)
+            ]
             return AlignedSpec(tuple(pair for pair in pairs if pair), done.within)
         case criteria.Below():
-            numbers = tuple(signals.number(name, (*path, "signals")) for name in done.signals)
+            numbers = tuple(
+                signals.number(name, (*path, "signals", number))
+                for number, name in enumerate(done.signals)
+            )
             for name in done.signals:
                 kind = signals.vocabulary.types.get(name)
                 if isinstance(kind, NumberType) and kind.dimension != done.limit.dimension:
@@ -157,11 +187,11 @@ def _rate(name: str, signals: Signals, path: Path, problems: Problems) -> int:
 def _torque(
     profile: model.Profile, name: str, signals: Signals, path: Path, problems: Problems
 ) -> int:
-    joint = next((each for each in profile.body.joints if each.name == name), None)
-    if joint is None or joint.torque is None:
-        problems.add("robot.criterion", path, f"'{name}' is no joint with a torque signal")
-        return -1
-    return signals.number(joint.torque, path)
+    for place, joint in enumerate(profile.body.joints):
+        if joint.name == name and joint.torque is not None:
+            return signals.number(joint.torque, ("body", "joints", place, "torque"))
+    problems.add("robot.criterion", path, f"'{name}' is no joint with a torque signal")
+    return -1
 
 
 def _angle_slot(
@@ -170,5 +200,5 @@ def _angle_slot(
     for index, slot in enumerate(profile.slots):
         if slot.name == name and slot.unit == "angle" and slot.roll:
             return index, signals.number(slot.roll, path)
-    problems.add("robot.criterion", (*path, "slots"), f"'{name}' is no slot that takes an angle")
+    problems.add("robot.criterion", path, f"'{name}' is no slot that takes an angle")
     return None

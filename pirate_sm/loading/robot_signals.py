@@ -184,15 +184,16 @@ def resolve_signals(
         types[region] = EnumType(states)
     types[DETECTOR] = EnumType(tuple(profile.detector.words))
     types[SEGMENT] = EnumType(SEGMENTS)
+    for word in profile.detector.words:
+        _check_name(DETECTOR, EnumType((word,)), ("detector", "words", word), problems, key=True)
     _measured(signals, types)
     _derived(signals, types)
     problems.raise_errors()
-    try:
-        signals.vocabulary = Vocabulary(types)
-    except ValueError as error:
-        problems.add("robot.signal", (), str(error))
-        problems.raise_errors()
+    signals.vocabulary = Vocabulary(types)
     signals.wheels = _wheels(signals)
+    for number, link in enumerate(profile.body.links):
+        if link.roll is not None:
+            signals.number(link.roll, ("body", "links", number, "roll"), ANGLE)
     return signals
 
 
@@ -216,6 +217,22 @@ def _measured(signals: Signals, types: dict[str, NumberType | EnumType]) -> None
                 )
             dimension = signals.scales[convert][1] if convert else DIMENSIONLESS
             types[channel.signal] = NumberType(dimension)
+            _check_name(channel.signal, types[channel.signal], (*path, "signal"), signals.problems)
+
+
+def _check_name(
+    name: str,
+    kind: NumberType | EnumType,
+    path: Path,
+    problems: Problems,
+    *,
+    key: bool = False,
+) -> None:
+    """Conditions must be able to name it."""
+    try:
+        Vocabulary({name: kind})
+    except ValueError as error:
+        problems.add("robot.name", path, str(error), key=key)
 
 
 def _derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
@@ -232,6 +249,7 @@ def _derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
                     expected=one_of(sorted(valid)), suggestion=nearest(source, valid) or "",
                 )  # fmt: skip
         types[name] = NumberType(_dimension(signals, derived, types, path))
+        _check_name(name, types[name], path, signals.problems, key=True)
 
 
 def _sources(derived: model.Derived) -> tuple[str, ...]:
@@ -248,7 +266,9 @@ def _valid_sources(
         case model.OdometryOf() | model.SpeedOf():
             return [wheel.name for wheel in profile.body.wheels]
         case _:
-            return [name for name, kind in types.items() if isinstance(kind, NumberType)]
+            measured = [c.signal for board in profile.boards for c in board.channels if c.signal]
+            numbers = [name for name, kind in types.items() if isinstance(kind, NumberType)]
+            return [*numbers, *measured]  # one with a faulty conversion is known all the same
 
 
 def _dimension(

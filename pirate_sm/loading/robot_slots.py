@@ -67,8 +67,10 @@ def _slot(
         return SlotSpec(slot.name, "angle", -limit, limit, link.angle_resolution, angle)
     if slot.joint is None:
         return SlotSpec(slot.name, "duty", -1.0, 1.0, link.duty_resolution)
-    joint = next((each for each in profile.body.joints if each.name == slot.joint), None)
-    torque = joint.torque if joint else None
+    joints = profile.body.joints
+    place = next((n for n, joint in enumerate(joints) if joint.name == slot.joint), -1)
+    torque = joints[place].torque if place >= 0 else None
+    torque_path: Path = ("body", "joints", place, "torque")
     loop, settings = None, motor.position_loop
     if settings is not None:
         loop = LoopSpec(
@@ -79,7 +81,7 @@ def _slot(
         slot.name, "duty", -1.0, 1.0, link.duty_resolution,
         angle=signals.number(slot.joint, (*path, "joint"), ANGLE),
         rate=signals.rate_of(slot.joint),
-        torque=signals.number(torque, path, TORQUE) if torque else -1,
+        torque=signals.number(torque, torque_path, TORQUE) if torque else -1,
         loop=loop,
     )  # fmt: skip
 

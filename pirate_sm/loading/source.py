@@ -59,6 +59,8 @@ class Document:
         node, line, column = self._root, self._root.line, self._root.column
         for part in path:
             child = node.child(part)
+            if child is None and part == 0:
+                continue  # a list of one may stand without its brackets
             if child is None:
                 return Place(self.name, line, column)
             node, key_line, key_column = child

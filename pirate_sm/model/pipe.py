@@ -52,8 +52,8 @@ class Blockage(Frozen):
     """
 
     at: Annotated[Length, Field(ge=0)]
-    lasting: Duration
-    from_s: Annotated[Duration, Field(alias="from")] = 0.0
+    lasting: Annotated[Duration, Field(ge=0)]
+    from_s: Annotated[Duration, Field(alias="from", ge=0)] = 0.0
 
 
 class Start(Frozen):

@@ -16,8 +16,10 @@ from pirate_sm.model.criteria import Criterion
 from pirate_sm.model.quantities import (
     Angle,
     AngularSpeed,
+    Count,
     Current,
     Duration,
+    Flag,
     Length,
     Mass,
     Number,
@@ -44,7 +46,7 @@ class Wheel(Frozen):
     name: Name
     part: Name
     direction: Literal[1, -1]
-    mass: Mass
+    mass: Annotated[Mass, Field(gt=0)]
     angle: Name
     speed: Name
 
@@ -54,7 +56,7 @@ class Link(Frozen):
 
     module: Name
     length: PositiveLength
-    mass: Mass
+    mass: Annotated[Mass, Field(gt=0)]
     roll: Name | None = None
 
 
@@ -129,7 +131,7 @@ class Slot(Frozen):
     joint: Name | None = None
     wheel: Name | None = None
     roll: Name | None = None
-    mirrors: bool = False
+    mirrors: Flag = False
     limit: Angle | None = None
 
 
@@ -159,10 +161,10 @@ class Channel(Frozen):
 class Board(Frozen):
     """A board on the bus: its motor slots and its channels in the order of the wire."""
 
-    id: int
+    id: Count
     module: Name
-    fitted: bool = True
-    channels_fitted: bool = True
+    fitted: Flag = True
+    channels_fitted: Flag = True
     slots: tuple[Slot, ...]
     channels: tuple[Channel, ...] = ()
 
@@ -172,13 +174,13 @@ class LinkSettings(Frozen):
 
     cycle: PositiveDuration
     state_message: Literal["board", "value"] = "board"
-    echo_delay: Duration = 0.0
+    echo_delay: Annotated[Duration, Field(ge=0)] = 0.0
     duty_resolution: Annotated[Ratio, Field(gt=0)]
     angle_resolution: Annotated[Angle, Field(gt=0)]
     stale_after: PositiveDuration
     silent_after: PositiveDuration
     resend_after: PositiveDuration
-    resend_limit: Annotated[int, Field(ge=0)]
+    resend_limit: Count
 
 
 class Conversion(Frozen):
@@ -289,7 +291,7 @@ class Command(Frozen):
     done: Criterion
     timeout: PositiveDuration
     nominal: PositiveDuration
-    lets_go: bool = False
+    lets_go: Flag = False
     description: str = ""
 
 
@@ -304,10 +306,10 @@ class FaultRule(Frozen):
 
     code: FaultCode
     when: str
-    held: Duration
+    held: Annotated[Duration, Field(ge=0)]
     message: str
-    catchable: bool = True
-    for_each: tuple[int, ...] = ()
+    catchable: Flag = True
+    for_each: tuple[Count, ...] = ()
 
 
 class DetectorPoint(Frozen):

@@ -10,6 +10,7 @@ from pirate_sm.model.base import Frozen, Name
 from pirate_sm.model.quantities import (
     Acceleration,
     Angle,
+    Count,
     Current,
     Duration,
     Length,
@@ -75,10 +76,10 @@ class Defect(Frozen):
     joint: Name | None = None
     signals: tuple[Name, ...] = ()
     raw: dict[Name, Number] = {}
-    boards: tuple[int, ...] = ()
-    after: Duration = 0.0
-    every: Duration = 0.0
-    lasting: Duration = 0.0
+    boards: tuple[Count, ...] = ()
+    after: Annotated[Duration, Field(ge=0)] = 0.0
+    every: Annotated[Duration, Field(ge=0)] = 0.0
+    lasting: Annotated[Duration, Field(ge=0)] = 0.0
     friction: Annotated[Torque, Field(ge=0)] = 0.0
     share: Annotated[Ratio, Field(ge=0, le=0.5)] = 0.0
 
