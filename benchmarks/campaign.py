@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from functools import cache
-from math import isnan
 from multiprocessing import get_context
 from os import cpu_count
 from typing import TYPE_CHECKING
@@ -84,16 +83,13 @@ def run(order: Order) -> Outcome:
     assert run_.state is not None
     engine, state = prepared.engine, run_.state
     real = prepared.backend.truth  # type: ignore[attr-defined]
-    signals = engine.signals(state)
-    joints = prepared.loaded.loaded_robot.profile.body.joints
-    torques = tuple(signals[joint.torque] for joint in joints if joint.torque)
     return Outcome(
         order.seed, result.ended.outcome, result.ended.message, result.exit_code, result.now_s,
         real.distance_m, real.arcs_m, real.gone,
         all(state.robot.values[slot] == 0 for slot in engine.robot.safe_zero),
         tuple(notes.states), tuple(notes.faults),
         bool(engine.robot.held[state.robot.configuration]),
-        tuple(0.0 if isnan(torque) else torque for torque in torques),
+        real.torques_nm,
     )  # fmt: skip
 
 

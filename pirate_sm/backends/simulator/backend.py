@@ -45,6 +45,7 @@ class Truth:
         walls: Corners of the walls on side A and on side B, m.
         arcs_m: Place of each wheel along the pipe.
         distance_m: How far the robot's middle has come along the pipe.
+        torques_nm: What the bend joint at each wheel bears; 0 where there is none.
         gone: Whether the robot has left the pipe.
     """
 
@@ -54,6 +55,7 @@ class Truth:
     walls: tuple[tuple[tuple[float, float], ...], tuple[tuple[float, float], ...]]
     arcs_m: tuple[float, ...]
     distance_m: float
+    torques_nm: tuple[float, ...]
     gone: bool
 
 
@@ -162,6 +164,7 @@ class SimulatorBackend:
             (world.pipe.wall_a, world.pipe.wall_b),
             tuple(world.values("arc")),
             self._middle() - self._start,
+            tuple(world.values("bend_torque")),
             world.gone,
         )
 
@@ -250,13 +253,19 @@ class SimulatorBackend:
         fault = self._obstacles.step(world, arcs, self._cycle_s)
         if fault is not None:
             events.append(fault)
+        events += self._reports(arcs)
+        return events
+
+    def _reports(self, arcs: list[float]) -> list[Event]:
+        """What somebody outside has to say in this cycle."""
+        events: list[Event] = []
         if self._cycles % _DETECT_EVERY == 0:
             word = self._detector.look(self._now, arcs)
             if word is not None:
                 events.append(word)
         if self._cycles % _SURVEY_EVERY == 0:
-            world.check_gone(arcs)
-            report = self._surroundings.look(world, arcs)
+            self._world.check_gone(arcs)
+            report = self._surroundings.look(self._world, arcs)
             if report is not None:
                 events.append(report)
         return events
