@@ -218,5 +218,7 @@ def _conclude(result: Result, wishes: Wishes) -> int:
         show_traceback(result.error)
     elif result.exit_code == OUTPUT_LOST:
         silence_stdout()
-        say(f"the mission was stopped safely: {result.ended.message}")
+        ended = result.ended
+        how = "was stopped safely" if ended.outcome == "interrupted" else ended.outcome
+        say(f"the output cannot be written; the mission {how}: {ended.message}")
     return result.exit_code

@@ -6,6 +6,7 @@ import json
 import signal
 import subprocess
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -87,6 +88,22 @@ def test_a_closed_pipe_behind_the_output_stops_the_mission(
 
     assert process.returncode == 141
     assert "stopped safely" in err
+    assert "Traceback" not in err
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+@pytest.mark.parametrize(
+    ("form", "said"), [((), "nothing has moved"), (("--quiet",), "the mission succeeded")]
+)
+def test_an_output_that_cannot_be_written_is_told(
+    start: Start, form: tuple[str, ...], said: str
+) -> None:
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
+        process = start(*DRIVES[:3], *form, stdout=full)
+        _, err = process.communicate(timeout=60)
+
+    assert process.returncode == 141
+    assert said in err
     assert "Traceback" not in err
 
 
