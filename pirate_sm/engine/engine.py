@@ -216,8 +216,8 @@ class Engine:
     def _settle(
         self, before: EngineState, state: EngineState, now: float, effects: list[Effect]
     ) -> tuple[EngineState, Effects]:
-        listen_at_s = state.sensing.checked_s + self._listen_every_s
-        if has_come(now, min(state.wake_at_s, listen_at_s)):
+        due = has_come(now, state.wake_at_s)
+        if due:
             state = self._housekeep(state, now, effects)
         if state.mission.ending is not None:
             state = self._finish_ending(state, now, effects)
@@ -231,26 +231,25 @@ class Engine:
             or state.mission is not before.mission
             or state.word_until_s != before.word_until_s
         )
-        if changed or effects or has_come(now, state.wake_at_s):
+        if changed or effects or due:
             state = self._set_wake(state, effects)
         return state, tuple(effects)
 
     def _go_on(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
-        if not (state.mission.before_pause and state.mission.before_pause.suspended):
+        before = state.mission.before_pause
+        if state.robot.motion is not None and not (before and before.suspended):
             state = self._watch(state, now, effects)
         if state.mission.diverting is not None:
             state = divert(self._setting, state, now, effects)
         state = pausing.begin_if_wanted(self.robot, state, now, effects)
         state = advance(self._setting, state, now, effects)
         limit_s = self.program.time_limit_s
-        if has_come(state.mission.clock(now), limit_s):
+        if limit_s < inf and has_come(state.mission.clock(now), limit_s):
             message = f"the mission's time limit of {limit_s:g} s has passed"
             state = end(self._setting, state, "failed", message, "", now, effects)
         return pausing.begin_if_wanted(self.robot, state, now, effects)
 
     def _watch(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
-        if state.robot.motion is None:
-            return state
         robot, finished = machine.watch(
             self.robot, state.robot, state.sensing, now, self.nominal, effects
         )

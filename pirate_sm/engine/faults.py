@@ -70,6 +70,8 @@ def _blind(
 ) -> tuple[frozenset[int], list[Found]]:
     """Which channels have no value, and a fault for each that has just lost its own."""
     found: list[Found] = []
+    if not blind and not isnan(sum([numbers[target] for _, target, _ in board.channels])):
+        return blind, found  # one sum tells that none is NaN
     for _, target, _ in board.channels:
         if isnan(numbers[target]) != (target in blind):
             blind ^= {target}

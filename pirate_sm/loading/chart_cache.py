@@ -18,8 +18,6 @@ from pirate_sm.loading.chart_outline import ChartOutline
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.source import Document
 
-FORMAT = 1
-
 
 def cached_table(document: Document, outline: ChartOutline, problems: Problems) -> ChartTable:
     """The chart's table, explored now or read from an earlier exploration of the same text.
@@ -47,8 +45,9 @@ def _key(document: Document) -> str:
         library = version("python-statemachine")
     except PackageNotFoundError:  # pragma: no cover - it is a dependency
         library = "unknown"
-    text = "\n".join(document.lines)
-    return sha256(f"{FORMAT}\n{library}\n{text}".encode()).hexdigest()[:32]
+    # A table that an earlier version of the compiler made may give other reasons.
+    compiler = Path(chart.__file__).read_text(encoding="utf-8")
+    return sha256(f"{library}\n{compiler}\n{document.text}".encode()).hexdigest()[:32]
 
 
 def _read(path: Path) -> ChartTable | None:
