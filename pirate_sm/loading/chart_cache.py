@@ -13,7 +13,8 @@ from pathlib import Path
 from platformdirs import user_cache_path
 
 from pirate_sm.engine.chart_table import ChartTable
-X
+from pirate_sm.loading import chart
+from pirate_sm.loading.chart import compile_chart
 from pirate_sm.loading.chart_outline import ChartOutline
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.source import Document
