@@ -50,7 +50,7 @@ clean:
 
 # One environment; each set of extras is installed once, and again when pyproject.toml changes.
 $(VENV)/.ready-sim: EXTRAS := sim
-$(VENV)/.ready-dev: EXTRAS := dev,sim
+$(VENV)/.ready-dev: EXTRAS := dev,sim,serial
 $(VENV)/.ready-bench: EXTRAS := bench,sim
 
 $(VENV)/.ready-%: pyproject.toml | $(VENV)/.created
