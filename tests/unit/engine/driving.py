@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -27,9 +27,6 @@ mission: under_test
 robot: {robot}
 """
 
-CLAMPED = math.radians(100)
-"""An angle at which a part touches the wall."""
-
 
 class Driver:
     """An engine with its state, its clock and the world's answers.
@@ -44,7 +41,8 @@ class Driver:
         self.robot = robot
         self.engine = Engine(robot, program, nominal=nominal)
         self.now = 0.0
-        self.signals: dict[str, float] = {}
+        upright = {"acc_z": 9.81} if "acc_z" in robot.vocabulary.numbers else {}
+        self.signals: dict[str, float] = dict(upright)
         self.state, effects = self.engine.start(0.0)
         self.effects: list[fx.Effect] = list(effects)
 
@@ -103,16 +101,51 @@ class Driver:
                 self.signals[name] = self.signals.get(name, 0.0) + rate * step
             self.report_all(self.now + step)
 
-    def clamp(self, part_signals: Iterable[tuple[str, str]]) -> None:
-        """The joints of a part stand still under torque until the command under way is done."""
-        for angle, torque in part_signals:
-            self.signals |= {angle: CLAMPED, torque: 0.7}
-        self.run(self.now + 0.5)
+    def obey(self, lasting: float = 0.1) -> None:
+        """What was sent is accepted and done by the robot for a while, as its sensors tell."""
+        if self.in_flight:
+            self.accept()
+        names, body = self.robot.vocabulary.numbers, self.state.robot
+        for loop in body.loops:
+            self.signals[names[loop.angle]] = loop.target_rad
+        for slot, value in zip(self.robot.slots, body.values, strict=True):
+            if slot.torque >= 0:
+                self.signals[names[slot.torque]] = value
+            if slot.unit == "angle" and slot.angle >= 0 and not math.isnan(value):
+                self.signals[names[slot.angle]] = value
+        turning = {names[w.angle]: 3.0 * body.values[w.slot] for w in self.robot.wheels}
+        self.run(self.now + lasting, every=lasting, **turning)
+
+    def until(self, seen: Callable[[Driver], object], at_most: float = 30.0) -> None:
+        """The robot obeys until something is seen."""
+        give_up = self.now + at_most
+        while not seen(self):
+            assert self.now < give_up, "it never came"
+            assert not self.ended, f"it ended before: {self.ended}"
+            self.obey()
+
+    def until_done(self, command: str, times: int = 1) -> None:
+        """The robot obeys until the command is done, for so many times since the start."""
+        self.until(lambda driver: driver.statuses.count((command, "done")) >= times)
+
+    def until_sent(self, command: str, times: int = 1) -> None:
+        """The robot obeys until the command's first array is in flight."""
+        self.until(lambda driver: driver.statuses.count((command, "sent")) >= times)
+
+    def until_waiting(self, phase: str) -> None:
+        self.until(lambda driver: any(each.phase == phase for each in driver.of(fx.WaitArmed)))
+        while self.in_flight:
+            self.accept()
 
     # --- what is seen ---
 
     def of(self, kind: type[E]) -> list[E]:
         return [effect for effect in self.effects if isinstance(effect, kind)]
+
+    @property
+    def in_flight(self) -> bool:
+        """Whether the fate of an array is open."""
+        return self.state.robot.flight is not None
 
     @property
     def setpoints(self) -> fx.Setpoints:
@@ -179,3 +212,32 @@ def write_mission(folder: Path, body: str, robot: Path = PIRATE, name: str = "m.
 def driver_of(path: Path, *, nominal: bool = False, **options: Any) -> Driver:
     loaded = load_mission(path, **options)
     return Driver(loaded.robot, loaded.program, nominal=nominal)
+
+
+IDLE = """\
+start: idle
+phases:
+  idle:
+    wait: [{operator: stop, go: stopped}]
+    within: {time: 10 h, go: stopped}
+ends:
+  stopped: {succeed: Stopped}
+"""
+"""Does nothing by itself: the operator gives the commands."""
+
+BOTH_CLAMPED = {
+    "BendingState": "DoubleClamped",
+    "FrontWheelsState": "Fixed",
+    "RearWheelsState": "Fixed",
+}
+DRIVING_FORWARD = {
+    "BendingState": "DoubleClamped",
+    "FrontWheelsState": "DrivingForward",
+    "RearWheelsState": "DrivingForward",
+}
+FRONT_CLAMPED = {"BendingState": "FrontClampedRearRelaxed", "FrontWheelsState": "Fixed"}
+REAR_CLAMPED = {"BendingState": "RearClampedFrontRelaxed", "RearWheelsState": "Fixed"}
+
+
+def command(driver: Driver, name: str) -> list[fx.Effect]:
+    return driver.give(ev.OperatorCommand(name))

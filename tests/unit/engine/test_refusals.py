@@ -1,0 +1,194 @@
+"""When a command is refused, and by which of the two words (decisions, section 3)."""
+
+from __future__ import annotations
+
+import pytest
+from driving import (
+    BOTH_CLAMPED,
+    DRIVING_FORWARD,
+    FRONT_CLAMPED,
+    IDLE,
+    PIRATE,
+    REAR_CLAMPED,
+    command,
+)
+
+from pirate_sm.engine.robot_state import at_rest_in, refusal
+from pirate_sm.loading.robot import load_robot
+from pirate_sm.model.events import Skip
+
+FRONT_HELD = {
+    "FrontClampedRearRelaxed", "DoubleClamped", "FrontClampedRearBending",
+    "FrontClampedRearBendingBack",
+}  # fmt: skip
+REAR_HELD = {
+    "RearClampedFrontRelaxed", "DoubleClamped", "RearClampedFrontBending",
+    "RearClampedFrontBendingBack",
+}  # fmt: skip
+DRIVING = {"DrivingForward", "DrivingBackward"}
+
+
+def is_so_already(name: str, front: str, rear: str, bend: str, rotation: str, light: str) -> bool:
+    """What section 3 says that each command asks for."""
+    wheels = {front, rear}
+    asked = {
+        "ClampFront": bend in FRONT_HELD,
+        "ClampRear": bend in REAR_HELD,
+        "RelaxFront": bend in {"Unclamped", "RearClampedFrontRelaxed"},
+        "RelaxRear": bend in {"Unclamped", "FrontClampedRearRelaxed"},
+        "BendInto": bend in {"RearClampedFrontBending", "FrontClampedRearBending"},
+        "BendBack": bend in {"RearClampedFrontBendingBack", "FrontClampedRearBendingBack"},
+        "DriveForward": "DrivingForward" in wheels,
+        "DriveBackward": "DrivingBackward" in wheels,
+        "Brake": not wheels & DRIVING,
+        "AlignStraight": rotation == "AlignedStraight",
+        "AlignLeft": rotation == "AlignedLeft",
+        "AlignRight": rotation == "AlignedRight",
+        "ToggleLighting": False,
+        "Reset": (front, rear, bend, rotation, light)
+        == ("Free", "Free", "Unclamped", "Unaligned", "Off"),
+    }
+    return asked[name]
+
+
+def test_in_every_configuration_each_command_moves_or_is_refused_by_the_right_word():
+    robot = load_robot(PIRATE).normal
+    counted = {"moves": 0, "unneeded": 0, "impossible": 0}
+
+    for here, states in enumerate(robot.table.configurations):
+        for number, name in enumerate(robot.table.commands):
+            reason = refusal(robot, at_rest_in(robot, here), number)
+            if robot.table.follow(here, number) != here:
+                assert reason == "", (states, name)
+                counted["moves"] += 1
+            else:
+                word = "unneeded" if is_so_already(name, *states) else "impossible"
+                assert reason.startswith(f"{word}: "), (states, name, reason)
+                counted[word] += 1
+
+    assert counted["moves"] == 1173
+    assert sum(counted.values()) == 2464
+
+
+def test_only_reset_reaches_the_state_that_operation_must_never_enter():
+    table = load_robot(PIRATE).table
+    bending = table.regions.index("BendingState")
+    leading = {
+        table.commands[number]
+        for here, states in enumerate(table.configurations)
+        for number in range(len(table.commands))
+        if states[bending] != "Unclamped"
+        and table.configurations[table.follow(here, number)][bending] == "Unclamped"
+    }
+
+    assert leading == {"Reset"}
+
+
+@pytest.mark.parametrize(
+    ("states", "name", "reason"),
+    [
+        (FRONT_CLAMPED, "ClampFront", "unneeded"),
+        (FRONT_CLAMPED, "RelaxFront", "impossible: guard In('BendingState.DoubleClamped') or"),
+        ({}, "DriveForward", "impossible: no state machine knows it here"),
+        (
+            DRIVING_FORWARD,
+            "RelaxRear",
+            "impossible: guard not In('FrontWheelsState.DrivingForward'), guard not In(",
+        ),
+        (BOTH_CLAMPED, "AlignLeft", "impossible: guard not In('BendingState.DoubleClamped')"),
+        ({}, "AlignOther", "impossible: there is no such command"),
+        ({}, "clampfront", "impossible: there is no such command"),
+    ],
+)
+def test_a_refusal_names_the_guard_or_says_that_nothing_knows_it(drive, states, name, reason):
+    driver = drive(IDLE, states=states)
+
+    command(driver, name)
+
+    assert driver.last_status.status == "refused"
+    assert driver.last_status.reason.startswith(reason)
+    assert not driver.in_flight, "nothing is sent"
+
+
+def test_an_unconfirmed_clamp_is_no_clamp(drive):
+    driver = drive(IDLE, states=REAR_CLAMPED)
+    driver.report_all(0.1)
+    command(driver, "ClampFront")
+    driver.accept()
+    driver.run(20.0)  # no torque ever comes
+    assert driver.statuses[-1] == ("ClampFront", "failed")
+    assert driver.states["BendingState"] == "DoubleClamped"
+
+    command(driver, "RelaxRear")
+
+    assert driver.last_status.reason == (
+        "impossible: it would let go of the last confirmed clamp (rear)"
+    )
+    command(driver, "RelaxFront")  # the other way round it is safe
+    assert driver.statuses[-1] == ("RelaxFront", "sent")
+
+
+def test_a_clamp_that_was_passed_over_is_no_clamp_either(drive):
+    mission = """\
+start: hold
+phases:
+  hold: {do: [ClampRear, ClampFront, RelaxRear], go: held, on_failure: idle}
+  idle: {wait: [{operator: x, go: held}], within: {time: 1 h, go: held}}
+ends: {held: {succeed: Held}}
+"""
+    driver = drive(mission)
+    driver.until_sent("ClampFront")
+    driver.accept()
+
+    driver.give(Skip())
+
+    assert ("ClampFront", "skipped") in driver.statuses
+    assert driver.statuses[-1] == ("RelaxRear", "refused")
+    assert "last confirmed clamp (rear)" in driver.last_status.reason
+
+
+def test_the_same_command_again_is_purposeful_after_a_failure(drive):
+    driver = drive(IDLE)
+    driver.report_all(0.1)
+    command(driver, "ClampFront")
+    driver.accept()
+    driver.run(20.0)
+    assert driver.unconfirmed == {"FrontWheelsState", "BendingState"}
+
+    command(driver, "ClampFront")
+    driver.until_done("ClampFront")
+
+    assert driver.unconfirmed == set()
+    command(driver, "ClampFront")
+    assert driver.last_status.reason == "unneeded: it is so already"
+
+
+def test_reset_may_open_the_last_clamp(drive):
+    driver = drive(IDLE, states=FRONT_CLAMPED)
+
+    command(driver, "Reset")
+
+    assert driver.statuses[-1] == ("Reset", "sent")
+
+
+def test_clamping_is_open_even_when_nothing_is_confirmed(drive):
+    driver = drive(IDLE)
+    driver.report_all(0.1)
+    command(driver, "ClampFront")
+    driver.accept()
+    driver.run(20.0)
+
+    command(driver, "ClampRear")
+
+    assert driver.statuses[-1] == ("ClampRear", "sent")
+
+
+def test_one_command_at_a_time(drive):
+    driver = drive(IDLE)
+    command(driver, "ClampFront")
+
+    command(driver, "ToggleLighting")
+    assert driver.last_status.reason == "impossible: another command is under way"
+    driver.accept()
+    command(driver, "ToggleLighting")
+    assert driver.last_status.reason == "impossible: another command is under way"

@@ -1,0 +1,215 @@
+"""What is sent for each state, as section 4 of the decisions has it, in both polarities."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from driving import BOTH_CLAMPED, DRIVING_FORWARD, FRONT_CLAMPED, IDLE, REAR_CLAMPED, command
+
+from pirate_sm.model import effects as fx
+from pirate_sm.model import events as ev
+
+CLAMP = {"bend_1": -0.7, "bend_2": 0.7}
+HOLD = {"bend_3": -0.7, "bend_4": 0.7}
+FRONT_AHEAD = {"wheel_1": 1, "wheel_2": -1, "wheel_3": 1}
+REAR_AHEAD = {"wheel_4": -1, "wheel_5": 1, "wheel_6": -1}
+NOT_MIRRORED = {"rotate", "led_front", "led_rear"}
+
+
+def turned(values: dict[str, float]) -> dict[str, float]:
+    return {name: -value for name, value in values.items()}
+
+
+def near(values: dict[str, float]) -> object:
+    return pytest.approx({name: float(value) for name, value in values.items()})
+
+
+@pytest.mark.parametrize("polarity", ["normal", "mirrored"])
+@pytest.mark.parametrize(
+    ("states", "name", "sent"),
+    [
+        ({}, "ClampFront", CLAMP),
+        ({}, "ClampRear", HOLD),
+        (FRONT_CLAMPED, "ClampRear", CLAMP | HOLD),
+        (BOTH_CLAMPED, "RelaxFront", HOLD),
+        (BOTH_CLAMPED, "RelaxRear", CLAMP),
+        (BOTH_CLAMPED, "DriveForward", CLAMP | HOLD | FRONT_AHEAD | REAR_AHEAD),
+        (BOTH_CLAMPED, "DriveBackward", CLAMP | HOLD | turned(FRONT_AHEAD) | turned(REAR_AHEAD)),
+        (REAR_CLAMPED, "DriveForward", HOLD | REAR_AHEAD),
+        (FRONT_CLAMPED, "DriveForward", CLAMP | FRONT_AHEAD),
+        (DRIVING_FORWARD, "Brake", CLAMP | HOLD),
+        (DRIVING_FORWARD, "DriveBackward", CLAMP | HOLD | turned(FRONT_AHEAD | REAR_AHEAD)),
+        (FRONT_CLAMPED, "AlignLeft", CLAMP | {"rotate": -math.pi / 2}),
+        (FRONT_CLAMPED, "AlignRight", CLAMP | {"rotate": math.pi / 2}),
+        (FRONT_CLAMPED | {"RotationState": "AlignedLeft"}, "AlignStraight", CLAMP),
+        ({}, "ToggleLighting", {"led_front": 1, "led_rear": 1}),
+        ({"LightingState": "On"}, "ToggleLighting", {}),
+    ],
+)
+def test_the_first_array_of_a_command_puts_its_states_in_force(drive, states, name, sent, polarity):
+    driver = drive(f"polarity: {polarity}\n{IDLE}", states=states)
+
+    command(driver, name)
+
+    sign = -1 if polarity == "mirrored" else 1
+    expected = {
+        slot: value if slot in NOT_MIRRORED else sign * value for slot, value in sent.items()
+    }
+    assert driver.nonzero == near(expected)
+    assert driver.setpoints.setpoint_id == 1
+    assert len(driver.array) == 18
+
+
+def bending(driver, joints: dict[str, float]) -> dict[str, float]:
+    """The array after the joints have been seen at these angles."""
+    driver.signals |= joints
+    driver.report_all(driver.now + 0.1)
+    while driver.in_flight:
+        driver.accept()
+    return driver.nonzero
+
+
+@pytest.mark.parametrize(("polarity", "sign"), [("normal", 1), ("mirrored", -1)])
+def test_bending_into_goes_to_its_angles_then_pushes(drive, polarity, sign):
+    driver = drive(f"polarity: {polarity}\n{IDLE}", states=REAR_CLAMPED)
+    goal = sign * math.radians(-45)
+    hold = {name: sign * value for name, value in HOLD.items()}
+    driver.show(0.1, gamma_1=0.0, gamma_2=0.0)
+
+    command(driver, "BendInto")
+    assert driver.nonzero == near(hold | {"bend_1": sign * -0.5, "bend_2": sign * -0.5})
+    driver.accept()
+    assert driver.states["BendingState"] == "RearClampedFrontBending"
+
+    one_there = bending(driver, {"gamma_1": goal, "gamma_2": goal / 2})
+    assert one_there == near(hold | {"bend_2": sign * -0.5})
+    assert ("BendInto", "done") not in driver.statuses
+
+    both_there = bending(driver, {"gamma_1": goal, "gamma_2": goal})
+    assert both_there == near(hold | {"bend_2": sign * -0.3})
+    assert driver.last_status.status == "done"
+    assert driver.last_status.reason == "every joint has come to its angle"
+    assert driver.unconfirmed == set()
+
+
+def test_bending_back_ends_with_the_loops_at_zero(drive):
+    driver = drive(IDLE, states=FRONT_CLAMPED)
+    driver.show(0.1, gamma_3=0.0, gamma_4=0.0)
+    command(driver, "BendBack")
+    driver.accept()
+
+    there = bending(driver, {"gamma_3": math.radians(-30), "gamma_4": math.radians(-30)})
+
+    assert there == near(CLAMP)
+    assert driver.last_status.status == "done"
+
+
+def test_a_loop_drives_in_proportion_with_a_least_and_a_largest_duty(drive):
+    driver = drive(IDLE, states=FRONT_CLAMPED)
+    driver.show(0.1, gamma_3=0.0, gamma_4=0.0)
+    command(driver, "BendBack")
+    driver.accept()
+    goal = math.radians(-30)
+
+    def duty_at(error_deg: float) -> float:
+        return bending(driver, {"gamma_3": goal - math.radians(error_deg)}).get("bend_3", 0.0)
+
+    assert duty_at(-30) == pytest.approx(-0.5)
+    assert duty_at(-5) == pytest.approx(-4 * math.radians(5), abs=0.001)
+    assert duty_at(+5) == pytest.approx(4 * math.radians(5), abs=0.001)
+    assert duty_at(-3.1) == pytest.approx(-4 * math.radians(3.1), abs=0.001)
+    assert duty_at(-2.9) == 0
+    assert duty_at(math.nan) == 0, "a blind loop does not drive"
+
+
+def test_a_joint_that_the_wall_stops_counts_when_it_bears_the_push(drive):
+    driver = drive(IDLE, states=REAR_CLAMPED)
+    driver.show(0.1, gamma_1=0.0, gamma_2=0.0)
+    command(driver, "BendInto")
+    driver.accept()
+    bending(driver, {"gamma_1": math.radians(-45), "gamma_2": math.radians(-20)})
+
+    stuck = {"gamma_1": math.radians(-45), "gamma_2": math.radians(-20)}
+    for _ in range(10):
+        bending(driver, stuck)  # it stands still, but its spring is not wound
+    assert ("BendInto", "done") not in driver.statuses
+    for _ in range(5):
+        bending(driver, stuck | {"bend_torque_2": -0.5})  # 0.7 * 50 % of 1.01 Nm are enough
+    assert driver.last_status.reason == "gamma_2 stopped by the wall, standing still under torque"
+
+
+def test_the_other_way_round_is_no_push(drive):
+    driver = drive(IDLE, states=REAR_CLAMPED)
+    driver.show(0.1, gamma_1=0.0, gamma_2=0.0)
+    command(driver, "BendInto")
+    driver.accept()
+    for _ in range(10):
+        stuck = {"gamma_1": math.radians(-45), "gamma_2": math.radians(-20)}
+        bending(driver, stuck | {"bend_torque_2": 0.9})
+
+    assert ("BendInto", "done") not in driver.statuses
+
+
+def test_nothing_is_sent_while_an_array_of_a_loop_is_in_flight(drive):
+    driver = drive(IDLE, states=FRONT_CLAMPED)
+    driver.show(0.1, gamma_3=0.0, gamma_4=0.0)
+    command(driver, "BendBack")
+    driver.accept()
+    driver.show(0.2, gamma_3=math.radians(-26))
+    assert driver.in_flight
+    before = len(driver.of(fx.Setpoints))
+
+    driver.show(0.3, gamma_3=math.radians(-27))
+    assert len(driver.of(fx.Setpoints)) == before
+
+    driver.accept()
+    assert len(driver.of(fx.Setpoints)) == before + 1
+
+
+def test_unaligned_keeps_the_angle_that_is_measured(drive):
+    driver = drive(IDLE)
+    driver.show(0.1, phi=0.4)
+
+    command(driver, "ClampFront")
+
+    assert driver.array["rotate"] == pytest.approx(0.4, abs=1e-3)
+
+
+def test_an_angle_to_keep_that_nobody_has_measured_is_zero(drive):
+    driver = drive(IDLE)
+
+    command(driver, "ClampFront")
+
+    assert driver.array["rotate"] == 0
+
+
+def test_an_angle_once_sent_is_kept_even_when_the_sensor_says_otherwise(drive):
+    driver = drive(IDLE)
+    driver.show(0.1, phi=0.4)
+    command(driver, "ClampFront")
+    driver.accept()
+    driver.show(0.2, phi=0.9)
+    driver.run(20.0)
+
+    command(driver, "ClampFront")
+
+    assert driver.array["rotate"] == pytest.approx(0.4, abs=1e-3)
+
+
+def test_reset_lets_go_of_everything_by_angle(drive):
+    driver = drive(IDLE, states=BOTH_CLAMPED | {"LightingState": "On"})
+    driver.show(0.1, gamma_1=-1.0, gamma_2=1.0, gamma_3=-1.0, gamma_4=1.0)
+
+    command(driver, "Reset")
+
+    assert driver.nonzero == near({"bend_1": 0.5, "bend_2": -0.5, "bend_3": 0.5, "bend_4": -0.5})
+
+
+def test_a_board_of_another_robot_says_nothing(drive):
+    driver = drive(IDLE)
+    before = driver.engine.signals(driver.state)
+
+    driver.give(ev.SensorFrame(99, (1.0,) * 9), 0.1)
+
+    assert repr(driver.engine.signals(driver.state)) == repr(before)
