@@ -8,13 +8,14 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test check format golden bench seeds clean
+.PHONY: help demo test check format golden bench seeds defects clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
 	@echo "make test    style, types, layers and tests"
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend mission from 1,000 seeds"
+	@echo "make defects every known defect of the robot, in several missions"
 	@echo "make golden  the golden traces anew, after a change that is meant"
 	@echo "make format  every Python file in the one style"
 	@echo "make clean   the tree without environments and caches"
@@ -43,6 +44,9 @@ bench: $(VENV)/.ready-bench
 
 seeds: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.seeds
+
+defects: $(VENV)/.ready-sim
+	$(BIN)/python -m benchmarks.defects
 
 clean:
 	rm -rf $(VENV) build dist .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

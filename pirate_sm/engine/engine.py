@@ -54,7 +54,7 @@ class Engine:
     def start(self, now_s: float = 0.0) -> tuple[EngineState, Effects]:
         """The mission has begun; its first effects are returned with the first state."""
         robot = robot_state.at_rest_in(self.robot, self.program.start_configuration)
-        sensing = nothing_known(self.robot)
+        sensing = nothing_known(self.robot, blind=self.nominal)
         sensing = sensing._replace(heard_s=(now_s,) * len(sensing.heard_s), checked_s=now_s)
         words = (*robot_state.states_of(self.robot, robot), None, None)
         mission = MissionState(self.program.start, offset_s=now_s)

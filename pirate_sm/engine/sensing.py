@@ -31,10 +31,10 @@ class Sensing(NamedTuple):
     shares: tuple[float, ...] = ()
 
 
-def nothing_known(robot: RobotSpec) -> Sensing:
-    """Every signal is unknown, the odometer stands at zero."""
+def nothing_known(robot: RobotSpec, *, blind: bool = False) -> Sensing:
+    """Every signal is unknown; the odometer stands at zero unless nothing will ever be seen."""
     numbers = [nan] * len(robot.vocabulary.numbers)
-    if robot.odometry >= 0:
+    if robot.odometry >= 0 and not blind:
         numbers[robot.odometry] = 0.0
     wheels = (0.0,) * len(robot.wheels)
     return Sensing(tuple(numbers), (-inf,) * len(robot.boards), shares=wheels)
