@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Mapping, Sequence
+from copy import copy
+from functools import cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -36,6 +38,7 @@ class MessageType:
         except (TypesysError, KeyError) as error:
             raise UsageError(f"the message text of {name} cannot be used: {error}") from None
         self._fields = dict(store.fielddefs[self._known][1])
+        self._blank = _blank(store, self._known)
 
     def room(self, field: str) -> int | None:
         """How many numbers a field holds; None for any number of them.
@@ -63,12 +66,12 @@ class MessageType:
         Raises:
             UsageError: A field is not there, or has no room for its numbers.
         """
-        message = _blank(self._store, self._known)
+        message = copy(self._blank)
         for field, value in content.items():
             kind, what = self._field(field)
             if kind == Nodetype.BASE:
                 assert not isinstance(value, Sequence)
-                setattr(message, field, _number(value, what[0]))
+                setattr(message, field, _held([value], np.dtype(what[0]))[0])
                 continue
             assert isinstance(value, Sequence)
             size = self.room(field)
@@ -79,7 +82,7 @@ class MessageType:
                     f" not for {len(value)}"
                 )
             made = np.zeros(size, dtype=what[0][1][0])
-            made[: len(value)] = [_number(each, what[0][1][0]) for each in value]
+            made[: len(value)] = _held(value, made.dtype)
             setattr(message, field, made)
         return bytes(self._store.serialize_ros1(message, self._known))
 
@@ -104,14 +107,19 @@ def _inner(name: str) -> str:
     return f"{package}/msg/{kind}"
 
 
-def _number(value: float, dtype: str) -> float:
-    """The number as an element of this type can hold it."""
-    if dtype.startswith("float"):
-        return float(value)
-    if dtype == "bool":
-        return bool(value)
+def _held(values: Sequence[float], dtype: np.dtype[Any]) -> np.ndarray[Any, Any]:
+    """The numbers as elements of this type can hold them."""
+    numbers = np.asarray(values, dtype=np.float64)
+    if dtype.kind in "iu":
+        low, high = _limits(dtype)
+        numbers = np.clip(np.rint(numbers), low, high)
+    return numbers.astype(dtype)
+
+
+@cache
+def _limits(dtype: np.dtype[Any]) -> tuple[int, int]:
     limits = np.iinfo(dtype)
-    return int(min(max(round(value), limits.min), limits.max))
+    return limits.min, limits.max
 
 
 def _blank(store: Typestore, known: str) -> Any:
@@ -119,7 +127,7 @@ def _blank(store: Typestore, known: str) -> Any:
     content: dict[str, Any] = {}
     for field, (kind, what) in store.fielddefs[known][1]:
         if kind == Nodetype.BASE:
-            content[field] = "" if what[0] == _TEXT else _number(0, str(what[0]))
+            content[field] = "" if what[0] == _TEXT else np.dtype(str(what[0])).type(0)
         elif kind == Nodetype.NAME:
             content[field] = _blank(store, str(what))
         else:

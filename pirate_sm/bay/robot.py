@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from pirate_sm.backends.simulator.backend import Truth
 from pirate_sm.backends.simulator.defects import make_effects
 from pirate_sm.backends.simulator.geometry import Pipe
 from pirate_sm.backends.simulator.machine import BoardChannels, machine_of
@@ -19,8 +19,28 @@ from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
 
 _GONE_EVERY = 16
-_TOUCHING_N = 0.05
 _SPONTANEOUS_DUTY = 0.3
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What only a simulator knows.
+
+    Attributes:
+        wheels: Place of each wheel in the drawing of the pipe, m.
+        arcs_m: Place of each wheel along the pipe.
+        distance_m: How far the robot's middle has come along the pipe.
+        bends_rad: Angle at each wheel between the links that meet there.
+        rolls_rad: Angle of the roll joint, and roll of the part ahead and behind.
+        gone: Whether the robot has left the pipe for good.
+    """
+
+    wheels: tuple[tuple[float, float], ...]
+    arcs_m: tuple[float, ...]
+    distance_m: float
+    bends_rad: tuple[float, ...]
+    rolls_rad: tuple[float, ...]
+    gone: bool
 
 
 class Turn(NamedTuple):
@@ -147,11 +167,10 @@ class Robot:
         world = self.world
         return Truth(
             tuple((float(x), float(y)) for x, y in world.state.position),
-            tuple(press > _TOUCHING_N for press in world.values("press")),
-            world.machine.chain.wheel_radius_m,
-            (world.pipe.wall_a, world.pipe.wall_b),
             tuple(world.values("arc")),
             self._middle() - self._start_m,
+            tuple(world.state.bend.tolist()),
+            tuple(world.state.roll.tolist()),
             world.gone,
         )
 

@@ -159,6 +159,9 @@ class Occasions:
         at_s: The given ones.
         every_s: Mean time between random ones, 0 for none.
         rng: Source of chance.
+
+    Attributes:
+        due_s: When the next one is; infinite when none is to come.
     """
 
     def __init__(self, at_s: Sequence[float], every_s: float, rng: np.random.Generator) -> None:
@@ -167,11 +170,7 @@ class Occasions:
             (lambda: float(rng.exponential(every_s))) if every_s > 0.0 else (lambda: math.inf)
         )
         self._random_s = self._pause()
-
-    @property
-    def due_s(self) -> float:
-        """When the next one is; infinite when none is to come."""
-        return min(self._given[0] if self._given else math.inf, self._random_s)
+        self.due_s = self._next_s()
 
     def pass_one(self) -> None:
         """The next one has been."""
@@ -179,3 +178,7 @@ class Occasions:
             self._given.pop(0)
         else:
             self._random_s += self._pause()
+        self.due_s = self._next_s()
+
+    def _next_s(self) -> float:
+        return min(self._given[0] if self._given else math.inf, self._random_s)

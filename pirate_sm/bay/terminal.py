@@ -99,7 +99,13 @@ class Terminal:
 
 
 class Told:
-    """SIGINT and SIGTERM end the bay instead of the process; a context manager."""
+    """SIGINT, SIGTERM and SIGHUP end the bay instead of the process; a context manager.
+
+    A signal that this process was started to ignore (``nohup``) stays ignored.
+
+    Attributes:
+        stop: Whether one has come.
+    """
 
     def __init__(self) -> None:
         self.stop = False
@@ -107,7 +113,8 @@ class Told:
 
     def __enter__(self) -> Self:
         for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            self._before[each] = signal.signal(each, self._hear)
+            if signal.getsignal(each) != signal.SIG_IGN:
+                self._before[each] = signal.signal(each, self._hear)
         return self
 
     def __exit__(self, *_: object) -> None:

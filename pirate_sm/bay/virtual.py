@@ -7,10 +7,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from pirate_sm.backends.simulator.backend import Truth
 from pirate_sm.bay.firmware import Firmware, Record
 from pirate_sm.bay.line import Line
-from pirate_sm.bay.robot import Robot
+from pirate_sm.bay.robot import Robot, Truth
 from pirate_sm.bay.switches import Occasions, Switches
 from pirate_sm.bay.wire import Array, Wire, serial_of
 from pirate_sm.model.pipe import Pipe
@@ -102,7 +101,7 @@ class VirtualBay:
 
     @property
     def due_s(self) -> float:
-        """No byte reaches the host before this time if nothing is received."""
+        """No frame is whole at the host before this time if nothing is received."""
         return min(self._line.due_s, self._next_s())
 
     def open(self, now_s: float) -> None:
