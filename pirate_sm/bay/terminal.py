@@ -22,6 +22,10 @@ from pirate_sm.errors import BackendError, UsageError
 # Short beside the firmware's cases of 4 ms.
 _PAUSE_S = 0.001
 _READ_AT_ONCE = 4096
+# Where the speeds stand in what `termios.tcgetattr` returns.
+_SPEEDS = slice(4, 6)
+_AT_ANOTHER_RATE = bytes((byte * 3 + 0x5B) % 256 for byte in range(256))
+"""What is read of each byte at a rate that it was not sent at: never a frame."""
 
 
 class Terminal:
@@ -29,6 +33,8 @@ class Terminal:
 
     Args:
         link: Where a symbolic link to it is to stand; an old link there is replaced.
+        baud: Of the device. A host that sets the port to another rate sends and reads garbage;
+            one that leaves it alone does not. None, or a rate that has no name here: any does.
 
     Attributes:
         name: Path of the end that a host opens.
@@ -38,13 +44,15 @@ class Terminal:
         BackendError: There is no pseudo-terminal to be had.
     """
 
-    def __init__(self, link: Path | None = None) -> None:
+    def __init__(self, link: Path | None = None, baud: int | None = None) -> None:
+        self._speed: int | None = getattr(termios, f"B{baud}", None)
         try:
             self._ours, theirs = os.openpty()
         except OSError as error:
             raise BackendError(f"no pseudo-terminal: {error.strerror}") from None
         self.name = os.ttyname(theirs)
         tty.setraw(theirs)
+        self._set_speed()
         # From now on a hang-up shows whether a host has it open.
         os.close(theirs)
         os.set_blocking(self._ours, False)
@@ -84,18 +92,32 @@ class Terminal:
         data = b""
         if events & select.POLLIN:
             with suppress(OSError):  # the host has gone meanwhile
-                data = os.read(self._ours, _READ_AT_ONCE)
+                data = self._at_rate(os.read(self._ours, _READ_AT_ONCE))
         return not events & select.POLLHUP, data
 
     def write(self, data: bytes) -> None:
         """The host can read it; what it has no room for is gone, as on the real port."""
         with suppress(OSError):
-            os.write(self._ours, data)
+            os.write(self._ours, self._at_rate(data))
 
-    def flush(self) -> None:
-        """Nothing that was written to a host before this one is left."""
+    def _at_rate(self, data: bytes) -> bytes:
+        """The bytes as they are read when the host's rate may not be the device's."""
+        if self._speed is None or termios.tcgetattr(self._ours)[_SPEEDS] == [self._speed] * 2:
+            return data
+        return data.translate(_AT_ANOTHER_RATE)
+
+    def _set_speed(self) -> None:
+        """The port has the device's rate until a host sets another."""
+        if self._speed is not None:
+            settings = termios.tcgetattr(self._ours)
+            settings[_SPEEDS] = [self._speed] * 2
+            termios.tcsetattr(self._ours, termios.TCSANOW, settings)
+
+    def renew(self) -> None:
+        """Nothing that a host left is there for the next one: no bytes, no other rate."""
         with suppress(termios.error):
             termios.tcflush(self._ours, termios.TCIOFLUSH)
+            self._set_speed()
 
 
 class Told:
@@ -150,7 +172,7 @@ def serve(
             bay.open(now)
         elif connected and not there:
             bay.close(now)
-            terminal.flush()
+            terminal.renew()
         connected = there
         if data:
             bay.receive(data, now)

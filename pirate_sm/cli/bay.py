@@ -95,11 +95,12 @@ def run_bay(wishes: BayWishes) -> int:
     texts = message_texts(at.folder, at.profile)
     if not kernel.is_compiled():
         say(COMPILING)
+    baud = at.profile.serial.baud if at.profile.serial is not None else None
     bay = VirtualBay(at.profile, at.pipe, texts, switches, wishes.seed, at.start_values)
     with ExitStack() as stack:
         told = stack.enter_context(Told())
         log = stack.enter_context(_log(wishes.log)) if wishes.log is not None else None
-        terminal = stack.enter_context(Terminal(wishes.link))
+        terminal = stack.enter_context(Terminal(wishes.link, baud))
         print(terminal.name, flush=True)
         serve(bay, terminal, lambda: told.stop, log)
     return 0

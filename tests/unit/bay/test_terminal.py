@@ -7,6 +7,7 @@ import os
 import select
 import subprocess
 import sys
+import termios
 import threading
 import time
 import tty
@@ -29,6 +30,7 @@ from pirate_sm.model.profile import Profile
 from .conftest import SETPOINTS, array
 
 PATIENCE_S = 10.0
+LAST = 1000
 
 
 @pytest.fixture
@@ -39,7 +41,7 @@ def served(
     bay = VirtualBay(profile, pipe, texts, Switches(boot_s=0.05))
     link, log = tmp_path / "port", tmp_path / "log"
     stop = threading.Event()
-    with Terminal(link) as terminal, log.open("w") as lines:
+    with Terminal(link, 57600) as terminal, log.open("w") as lines:
         thread = threading.Thread(target=serve, args=(bay, terminal, stop.is_set, lines))
         thread.start()
         yield str(link), log
@@ -64,31 +66,60 @@ def read_until(port: int, wanted: bytes, ask: bytes) -> bytes:
 
 
 def talk(path: str, number: int) -> None:
-    """A host has come, sent one array, seen its echo, and gone."""
+    """A host has come, sent one array, seen its echo, sent another one and gone at once."""
     port = os.open(path, os.O_RDWR | os.O_NOCTTY)
     try:
         tty.setraw(port)
         read_until(port, b"bay ready", encode(0, b""))
         payload = array(number)
         read_until(port, encode(126, payload), encode(SETPOINTS, payload))
+        os.write(port, encode(SETPOINTS, array(number + LAST)))
     finally:
         os.close(port)
 
 
-def test_hosts_come_and_go(served: tuple[str, Path]) -> None:
+def events(log: Path, until: int) -> list[tuple[str, int | None]]:
+    """What has happened, once the array of this id is in force."""
+    deadline = time.monotonic() + PATIENCE_S
+    found: list[tuple[str, int | None]] = []
+    while ("applied", until) not in found and time.monotonic() < deadline:
+        time.sleep(0.01)
+        lines = [json.loads(line) for line in log.read_text().splitlines()]
+        found = [(line["event"], line.get("id")) for line in lines]
+    return found
+
+
+def test_hosts_come_and_go_and_what_they_sent_last_counts(served: tuple[str, Path]) -> None:
     path, log = served
     talk(path, 7)
-    events: list[str] = []
-    deadline = time.monotonic() + PATIENCE_S
-    while "closed" not in events and time.monotonic() < deadline:
-        events = [json.loads(line)["event"] for line in log.read_text().splitlines()]
+    assert ("applied", 7) in events(log, 7 + LAST)
     talk(path, 8)
+    found = events(log, 8 + LAST)
 
-    lines = [json.loads(line) for line in log.read_text().splitlines()]
-    assert [line["event"] for line in lines if line["event"] in {"opened", "reset", "closed"}][
-        :5
-    ] == ["opened", "reset", "closed", "opened", "reset"]
-    assert {line["id"] for line in lines if line["event"] == "applied"} == {7, 8}
+    visits = [event for event, _ in found if event in {"opened", "reset", "closed"}]
+    assert visits == ["opened", "reset", "closed"] * 2
+    assert {number for event, number in found if event == "applied"} == {7, 1007, 8, 1008}
+
+
+def test_a_host_at_another_rate_reads_and_sends_garbage() -> None:
+    with Terminal(baud=57600) as terminal:
+        port = os.open(terminal.name, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+        try:
+            heard = {}
+            for name, speed in (("right", termios.B57600), ("wrong", termios.B9600)):
+                settings = termios.tcgetattr(port)
+                settings[4] = settings[5] = speed
+                termios.tcsetattr(port, termios.TCSANOW, settings)
+                os.write(port, b"to the bay")
+                terminal.write(b"to the host")
+                heard[name] = (terminal.wait(PATIENCE_S)[1], os.read(port, 100))
+        finally:
+            os.close(port)
+
+    assert heard["right"] == (b"to the bay", b"to the host")
+    assert heard["wrong"][0] != b"to the bay"
+    assert heard["wrong"][1] != b"to the host"
+    assert len(heard["wrong"][1]) == len(b"to the host")
 
 
 def test_a_link_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
