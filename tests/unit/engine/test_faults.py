@@ -1,0 +1,309 @@
+"""Faults: who raises them, who may handle them, and what happens until the handler begins."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from driving import BOTH_CLAMPED, IDLE, REAR_CLAMPED, command
+
+from pirate_sm.model import effects as fx
+from pirate_sm.model import events as ev
+
+ROLLING = {f"theta_{n}": 3.0 if n % 2 else -3.0 for n in range(1, 7)}
+STUCK = ev.FaultReport("robot.stuck", "it does not move")
+HANDLED = """
+on_fault:
+  - {fault: [sensor.silent, wheel.dead], then: continue}
+  - {fault: robot.stuck, go: rescue}
+  - {fault: motor.hot, go: cool}
+start: a
+phases:
+  a: {do: [ClampFront, ClampRear, DriveForward], wait: [{operator: x, go: e}], within: {time: 1 h, go: e}}
+  rescue: {do: [{command: Brake, unneeded: skip}, {log: "rescued after {cause}"}], go: after}
+  cool: {wait: [{after: 10 s, go: e}]}
+  after: {wait: [{operator: x, go: e}], within: {time: 1 h, go: e}}
+ends: {e: {succeed: "After {cause}"}}
+"""  # noqa: E501
+
+
+def test_continue_only_logs(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+
+    driver.give(ev.FaultReport("wheel.dead", "wheel 3"))
+
+    assert driver.of(fx.Fault) == [fx.Fault("wheel.dead", "wheel 3", "continue")]
+    assert driver.nonzero["wheel_1"] == 1
+    assert driver.phases == ["a"]
+
+
+def test_a_fault_that_nobody_handles_ends_in_the_safe_stop(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+
+    driver.give(ev.FaultReport("firmware.reset", "the boards started again"))
+    driver.accept()
+
+    assert driver.ended.outcome == "fault"
+    assert driver.ended.message == "firmware.reset: the boards started again"
+    assert driver.nonzero == pytest.approx(
+        {"bend_1": -0.7, "bend_2": 0.7, "bend_3": -0.7, "bend_4": 0.7}
+    )
+
+
+@pytest.mark.parametrize(
+    "code", ["robot.fallen", "link.lost", "link.silent", "link.no_echo", "backend.failed"]
+)
+def test_what_cannot_be_caught_is_not(drive, code):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+
+    driver.give(ev.FaultReport(code, "bad"))
+
+    assert driver.faults == [(code, "stop")]
+    driver.accept()
+    assert driver.ended.outcome == "fault"
+
+
+def test_a_command_under_way_is_interrupted_and_stays_unconfirmed(drive):
+    driver = drive(HANDLED)
+    driver.until_sent("ClampRear")
+    driver.accept()
+
+    driver.give(STUCK)
+    assert driver.statuses[-1] == ("ClampRear", "failed")
+    assert driver.last_status.reason == "interrupted by robot.stuck: it does not move"
+    assert driver.phases == ["a"]
+    driver.accept()
+
+    assert driver.phases == ["a", "rescue", "after"]
+    assert driver.unconfirmed == {"RearWheelsState", "BendingState"}
+    messages = [log.message for log in driver.of(fx.Log)]
+    assert messages == ["rescued after robot.stuck: it does not move"]
+
+
+def test_the_array_in_flight_is_resolved_first(drive):
+    driver = drive(HANDLED)
+    driver.until_sent("ClampRear")
+    sent = driver.setpoints
+
+    driver.give(STUCK)
+    assert driver.setpoints == sent
+    driver.accept()
+
+    assert driver.states["BendingState"] == "DoubleClamped", "the chart has moved"
+    assert driver.setpoints.setpoint_id == sent.setpoint_id + 1
+    assert driver.nonzero == pytest.approx(
+        {"bend_1": -0.7, "bend_2": 0.7, "bend_3": -0.7, "bend_4": 0.7}
+    )
+
+
+def test_a_wait_does_not_go_on_while_the_wheels_are_being_stopped(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(STUCK)
+
+    driver.give(ev.Answer("x"))
+    driver.tick(driver.now + 0.1)
+
+    assert driver.fired == []
+    assert driver.phases == ["a"]
+
+
+def test_no_deadline_wakes_for_ever_while_the_wheels_are_being_stopped(drive):
+    driver = drive(
+        """
+on_fault: [{fault: robot.stuck, go: b}]
+starts_in: {BendingState: DoubleClamped, FrontWheelsState: Fixed, RearWheelsState: Fixed}
+start: a
+phases:
+  a: {do: [DriveForward], wait: [{operator: x, go: e}], within: {time: 100 ms, go: e}}
+  b: {go: e}
+ends: {e: {succeed: ok}}
+""",
+        nominal=True,
+    )
+    driver.accept()
+    driver.tick(0.5)
+    driver.give(STUCK, 0.55)
+
+    driver.tick(0.6)  # `within` is due, and the array is in flight
+
+    assert driver.state.wake_at_s == math.inf
+    assert driver.fired == []
+
+
+def test_stopped_wheels_are_not_what_the_chart_says(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+
+    driver.give(STUCK)
+
+    assert driver.states["FrontWheelsState"] == "DrivingForward"
+    assert driver.unconfirmed == {"FrontWheelsState", "RearWheelsState"}
+
+
+@pytest.mark.parametrize("second", ["robot.stuck", "motor.hot", "firmware.reset"])
+def test_a_fault_while_one_is_handled_ends_in_the_safe_stop(drive, second):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(STUCK)
+    driver.accept()
+    assert driver.statuses[-1] == ("Brake", "sent")
+
+    driver.give(ev.FaultReport(second, "and then this"))
+
+    assert driver.faults[-1] == (second, "stop")
+    driver.accept()
+    assert driver.ended.message == f"{second}: and then this"
+
+
+def test_a_fault_before_the_handler_has_begun_ends_in_the_safe_stop_too(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(STUCK)
+
+    driver.give(ev.FaultReport("motor.hot", "hot"))
+
+    assert driver.faults == [("robot.stuck", "rescue"), ("motor.hot", "stop")]
+
+
+def test_continue_only_logs_while_a_fault_is_handled(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(STUCK)
+    driver.accept()
+
+    driver.give(ev.FaultReport("wheel.dead", "wheel 3"))
+
+    assert driver.faults[-1] == ("wheel.dead", "continue")
+    assert driver.ended is None
+
+
+def test_handling_is_over_when_the_handler_has_gone_on(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(STUCK)
+    driver.accept()
+    driver.until_waiting("after")
+
+    driver.give(STUCK)
+    driver.until(lambda d: d.phases.count("rescue") == 2)
+
+    assert driver.faults == [("robot.stuck", "rescue")] * 2
+
+
+def test_two_faults_of_one_frame_and_nothing_after_the_end(drive):
+    driver = drive(IDLE)
+    for name in ("gamma_1", "bend_torque_1", "theta_1"):
+        driver.signals[name] = math.nan
+
+    effects = driver.report(22, 0.1)
+
+    assert driver.faults == [("sensor.silent", "stop")]
+    assert isinstance(effects[-1], fx.Ended)
+
+
+def test_an_open_question_is_withdrawn(drive):
+    driver = drive("""
+on_fault: [{fault: robot.stuck, go: b}]
+start: a
+phases: {a: {do: [{ask: Go on?}], go: b}, b: {wait: [{after: 1 s, go: e}]}}
+ends: {e: {succeed: ok}}
+""")
+    driver.give(STUCK, 0.1)
+
+    assert driver.of(fx.Ask) == [fx.Ask("Go on?", ("yes", "no")), fx.Ask("", ())]
+
+
+def test_a_stop_that_the_backend_refuses_is_not_taken_for_one(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(STUCK)
+
+    driver.accept("rejected", "queue full")
+
+    assert driver.phases == ["a"]
+    assert driver.faults[-1] == ("backend.failed", "stop")
+    driver.accept()
+    assert driver.ended.outcome == "fault"
+    assert driver.nonzero.keys() == {"bend_1", "bend_2", "bend_3", "bend_4"}
+
+
+# --- rules of the profile
+
+
+def driving(drive):
+    driver = drive(
+        "on_fault: [{fault: [robot.stuck, wheel.dead, motor.hot, sensor.silent], then: continue}]\n"
+        + IDLE,
+        states=BOTH_CLAMPED,
+    )
+    driver.report_all(0.1)
+    command(driver, "DriveForward")
+    driver.accept()
+    return driver
+
+
+def test_stuck_is_told_once_its_condition_has_held(drive):
+    driver = driving(drive)
+    driver.run(1.0, **ROLLING)
+    assert driver.statuses[-1] == ("DriveForward", "done")
+
+    driver.run(4.0)
+    assert driver.faults == []
+    driver.run(5.0)
+    assert driver.faults == [("robot.stuck", "continue")]
+    driver.run(9.0)
+    assert driver.faults == [("robot.stuck", "continue")]
+
+
+def test_a_fault_is_told_again_after_it_was_over(drive):
+    driver = driving(drive)
+    driver.run(1.0, **ROLLING)
+    driver.run(5.0)
+
+    driver.run(6.0, **ROLLING)
+    driver.run(10.0)
+
+    assert driver.faults == [("robot.stuck", "continue")] * 2
+
+
+def test_a_silence_breaks_what_has_held(drive):
+    driver = driving(drive)
+    driver.signals["bend_current_1"] = 0.3
+    driver.run(15.0, **ROLLING)
+    others = [board for board in driver.robot.boards if board != 22]
+    while driver.now < 16.0:
+        driver.now += 0.1
+        for board in others:
+            driver.report(board)
+    driver.run(25.0, **ROLLING)
+    assert ("motor.hot", "continue") not in driver.faults, "not 20 s without a break"
+
+    driver.run(37.0, **ROLLING)
+    assert driver.faults[-1] == ("motor.hot", "continue")
+
+
+def test_one_dead_wheel_is_a_fault_and_no_failed_command(drive):
+    driver = driving(drive)
+    turning = {f"theta_{n}": 3.0 if n % 2 else -3.0 for n in (1, 2, 4, 5, 6)}
+
+    driver.run(2.5, **turning)
+
+    assert driver.statuses[-1] == ("DriveForward", "done")
+    assert driver.faults == [("wheel.dead", "continue")]
+    assert driver.of(fx.Fault)[0].message == "wheel 3 is driven and does not turn"
+
+
+def test_free_fall_cannot_be_caught(drive):
+    driver = drive(
+        f"on_fault: [{{fault: robot.stuck, then: continue}}]\n{IDLE}", states=REAR_CLAMPED
+    )
+    driver.run(0.5)
+    driver.signals["acc_z"] = 0.5
+
+    driver.run(1.0)
+
+    assert driver.faults == [("robot.fallen", "stop")]
