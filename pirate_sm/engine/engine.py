@@ -19,7 +19,7 @@ from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import RobotState
 from pirate_sm.engine.sensing import forget_stale, nothing_known, observe
-from pirate_sm.engine.state import EngineState, MissionState
+from pirate_sm.engine.state import EngineState, MissionState, Words
 from pirate_sm.model import events
 from pirate_sm.model.effects import (
     CommandStatus,
@@ -103,7 +103,8 @@ class Engine:
             return state
         robot = state.robot
         sensing = observe(self.robot, state.sensing, event, robot.values, robot.latest, now)
-        faults, found = look(self.robot, state.faults, board, sensing, state.words, now)
+        words = self._obeyed_words(state)
+        faults, found = look(self.robot, state.faults, board, sensing, words, now)
         state = EngineState(
             state.robot, sensing, state.mission, faults, state.words,
             state.word_until_s, state.wake_at_s,
@@ -266,6 +267,13 @@ class Engine:
         words = (*robot_state.states_of(self.robot, robot), *state.words[-2:])
         return state._replace(robot=robot, words=words)
 
+    def _obeyed_words(self, state: EngineState) -> Words:
+        """What rules for faults see: wheels that a pause or a fault has stopped are not stuck."""
+        robot = state.robot
+        if state.mission.before_pause is None and all(m.command >= 0 for m in robot.marks):
+            return state.words
+        return (*robot_state.obeyed(self.robot, robot), *state.words[-2:])
+
     def _housekeep(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
         """What grows old has been looked at: signals, boards, the detector's word, the flight."""
         if has_come(now, state.word_until_s):
@@ -279,7 +287,7 @@ class Engine:
         sensing = forget_stale(self.robot, state.sensing, now)
         faults = state.faults
         if sensing.stale != state.sensing.stale:
-            faults = unsettle(self.robot, faults, sensing, state.words)
+            faults = unsettle(self.robot, faults, sensing, self._obeyed_words(state))
         faults, found = listen(self.robot, faults, sensing, now)
         state = state._replace(sensing=sensing, faults=faults)
         for fault in found:

@@ -123,6 +123,20 @@ def states_of(robot: RobotSpec, state: RobotState) -> Configuration:
     return robot.table.configurations[state.configuration]
 
 
+def obeyed(robot: RobotSpec, state: RobotState) -> tuple[str | None, ...]:
+    """The state of each region; None where its wheels have been stopped from outside it."""
+    found: list[str | None] = []
+    for region, name in enumerate(states_of(robot, state)):
+        driven = [
+            write.slot
+            for write in robot.actuation[region][name][-1]
+            if write.how == "set" and write.value != 0 and write.slot in robot.safe_zero
+        ]
+        stopped = bool(driven) and all(state.values[slot] == 0 for slot in driven)
+        found.append(None if stopped else name)
+    return tuple(found)
+
+
 def state_change(robot: RobotSpec, state: RobotState) -> StateChange:
     """The effect that tells the configuration and what of it is unconfirmed."""
     return StateChange(states_of(robot, state), unconfirmed(robot, state))

@@ -144,6 +144,18 @@ def test_stopped_wheels_are_not_what_the_chart_says(drive):
     assert driver.unconfirmed == {"FrontWheelsState", "RearWheelsState"}
 
 
+def test_wheels_that_a_fault_has_stopped_are_not_stuck(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(ev.FaultReport("motor.hot", "hot"))
+    driver.accept()
+    assert driver.phases[-1] == "cool"
+
+    driver.run(driver.now + 9)
+
+    assert driver.faults == [("motor.hot", "cool")]
+
+
 @pytest.mark.parametrize("second", ["robot.stuck", "motor.hot", "firmware.reset"])
 def test_a_fault_while_one_is_handled_ends_in_the_safe_stop(drive, second):
     driver = drive(HANDLED)
