@@ -223,8 +223,7 @@ def _awaited(
     setting: Setting, state: EngineState, it: Do, name: str, now: float, effects: list[Effect]
 ) -> EngineState:
     mission = state.mission
-    motion, flight = state.robot.motion, state.robot.flight
-    if mission.skipped is not None and motion is not None and flight is None:
+    if mission.skipped is not None and state.robot.flight is None:
         robot = machine.skip(setting.robot, state.robot, effects)
         return _go(state._replace(robot=robot), it.next)
     if mission.result is None:
