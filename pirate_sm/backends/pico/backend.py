@@ -1,0 +1,230 @@
+"""The serial backend: a session on a port, in the time of the port's clock."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from math import inf
+
+from pirate_sm.backends.pico.diagnosis import NO_SENSORS, mute, unanswered
+from pirate_sm.backends.pico.plan import Plan
+from pirate_sm.backends.pico.port import Port, PortLostError
+from pirate_sm.backends.pico.session import Session
+from pirate_sm.backends.protocol import Completion
+from pirate_sm.errors import BackendError
+from pirate_sm.model.events import Event, FaultReport, SensorFrame
+
+LOST = "link.lost"
+SILENT = "sensor.silent"
+OVERRULED = "runner.stalled"
+
+ANSWER_WITHIN_S = 6.0
+"""Beyond the boot loader's time; with every second frame lost that is enough."""
+
+SENSORS_WITHIN_S = 3.0
+_LOOK_UP_S = 0.1
+_REOPEN_EVERY_S = 0.5
+_FLUSH_WITHIN_S = 0.8
+_SAMPLE_BYTES = 4096
+
+
+class SerialBackend:
+    """The robot at the other end of a serial port.
+
+    Args:
+        plan: The robot on its wire.
+        port: Where it is.
+        baud: Of the line.
+        check: Is given the last frame of each board before anything else happens, and says
+            what does not agree with where the robot is believed to be; empty: nothing.
+    """
+
+    name = "serial"
+    completion: Completion = "measured"
+    real_time = True
+
+    def __init__(
+        self,
+        plan: Plan,
+        port: Port,
+        *,
+        baud: int | None = None,
+        check: Callable[[Sequence[SensorFrame]], str] = lambda frames: "",
+    ) -> None:
+        self.plan = plan
+        self._port = port
+        self._baud = baud or plan.serial.baud
+        self._check = check
+        self.session = Session(plan, port.now(), port.epoch_s, self._baud)
+        self._began_s = 0.0
+        self._now_s = 0.0
+        self._events: list[Event] = []
+        self._open = False
+        self._closed = False
+        self._lost_s = inf
+        self._retry_s = -inf
+        self._sample = b""
+
+    # --- the protocol -----------------------------------------------------------------------
+
+    def open(self) -> Sequence[Event]:
+        """The robot has been understood, its sensors speak, nothing has moved.
+
+        Raises:
+            BackendError: One sentence that says what to do.
+        """
+        if self._closed:
+            raise BackendError("the port has been closed")
+        self._port.open()
+        self._open = True
+        try:
+            self.session = Session(self.plan, self._port.now(), self._port.epoch_s, self._baud)
+            self._negotiate()
+            events = self._hear_sensors()
+        except BaseException:
+            self.close()
+            raise
+        self._began_s = self._port.now()
+        return events
+
+    def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
+        """The array is on its way; its fate comes from ``advance``."""
+        if self._closed or not self._open:
+            raise BackendError("the port is closed")
+        self.session.submit(setpoint_id, values, self._port.now())
+
+    def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
+        """Time has passed until there was something to say, or ``until_s``, or for a moment."""
+        if self._closed or not self._open:
+            raise BackendError("the port is closed")
+        if until_s < self._now_s:
+            return self._now_s, ()
+        deadline_s = min(self._began_s + until_s, self._port.now() + _LOOK_UP_S)
+        while True:
+            self._turn(deadline_s)
+            now = self._port.now()
+            self._events += self.session.take()
+            if self._events or now >= deadline_s:
+                # Not `now - began` alone, which rounding may leave a hair before `until_s`.
+                reached_s = until_s if now >= self._began_s + until_s else now - self._began_s
+                self._now_s = max(self._now_s, reached_s)
+                events, self._events = self._events, []
+                return self._now_s, events
+
+    def close(self) -> None:
+        """The last array has gone out, the device has been told to be quiet, the port is free."""
+        if self._closed:
+            return
+        self._closed = True
+        if self._open:
+            with suppress(BackendError):
+                self._flush()
+            if self.session.conversation.frames:  # to a rosserial device only
+                with suppress(BackendError):
+                    self._port.write(self.session.conversation.farewell())
+        self._open = False
+        self._port.close()
+
+    # --- beyond it --------------------------------------------------------------------------
+
+    def hold(self, values: tuple[float, ...]) -> None:
+        """Whoever survives this process sends this array, with the safe state's zeros, at once."""
+        self.session.hold(values)
+
+    # --- inside -----------------------------------------------------------------------------
+
+    def _turn(self, until_s: float) -> None:
+        """Everything due has been written, and what came by then has been taken in."""
+        if self._lost_s < inf:
+            self._retry(self._port.now())
+        now = self._port.now()
+        able = self._lost_s == inf
+        try:
+            while data := self.session.write(now, able):
+                self._port.write(data)
+            self._port.beat(self.session.safe_frame())
+            wait_s = min(until_s, self._due_s(now))
+            if not able:
+                self._port.wait(wait_s)
+                return
+            data = self._port.read(wait_s)
+        except PortLostError as error:
+            self._lose(str(error))
+            return
+        if data:
+            if not self.session.conversation.known:
+                self._sample = (self._sample + data)[-_SAMPLE_BYTES:]
+            self.session.receive(data, self._port.now())
+        if self._port.overruled():
+            message = "this program stood still for too long, the guardian of the port has stopped"
+            self._events.append(FaultReport(OVERRULED, f"{message} the robot"))
+
+    def _due_s(self, now: float) -> float:
+        if self._lost_s < inf:
+            return self._retry_s
+        return self.session.due_s(now)
+
+    def _lose(self, reason: str) -> None:
+        now = self._port.now()
+        if self._lost_s == inf:
+            self._lost_s = now
+            self._events.append(FaultReport(LOST, f"the link to the robot is lost: {reason}"))
+        self._retry_s = now + _REOPEN_EVERY_S
+
+    def _retry(self, now: float) -> None:
+        """A port that comes back is opened, negotiated with, and told the last array again."""
+        if now < self._retry_s:
+            return
+        self._retry_s = now + _REOPEN_EVERY_S
+        if self._port.reopen():
+            self._lost_s = inf
+            self.session.connected(self._port.now())
+
+    def _negotiate(self) -> None:
+        conversation = self.session.conversation
+        give_up_s = self._port.now() + self.plan.serial.boot + ANSWER_WITHIN_S
+        while not conversation.known:
+            self._turn(give_up_s)
+            if self.session.refused:
+                raise BackendError("; ".join(self.session.refused))
+            if self._lost_s < inf:
+                raise BackendError(f"{self._port.name} went away while it was being opened")
+            if self._port.now() >= give_up_s:
+                raise BackendError(
+                    unanswered(self._port.name, self._baud, conversation, self._sample)
+                )
+
+    def _hear_sensors(self) -> list[Event]:
+        """The last frame of every board, and a fault for those that say nothing.
+
+        Raises:
+            BackendError: None says anything.
+        """
+        session, boards = self.session, set(self.plan.channels)
+        give_up_s = self._port.now() + SENSORS_WITHIN_S
+        frames: dict[int, SensorFrame] = {}
+        told: list[Event] = []
+        while not boards <= frames.keys() and self._port.now() < give_up_s:
+            self._turn(give_up_s)
+            for event in session.take():
+                if isinstance(event, SensorFrame):
+                    frames[event.board] = event
+            if self._lost_s < inf:
+                raise BackendError(f"{self._port.name} went away while it was being opened")
+        silent = boards - frames.keys()
+        if boards and silent == boards:
+            raise BackendError(NO_SENSORS)
+        if silent:
+            told.append(FaultReport(SILENT, mute(self.plan.modules, silent)))
+        problem = self._check(tuple(frames.values()))
+        if problem:
+            raise BackendError(problem)
+        return [*frames.values(), *told]
+
+    def _flush(self) -> None:
+        """The last array has been confirmed, or the safe one has gone out once more."""
+        give_up_s = self._port.now() + _FLUSH_WITHIN_S
+        while not self.session.link.idle and self._port.now() < give_up_s:
+            self._turn(give_up_s)
+        if not self.session.link.idle:
+            self._port.write(self.session.safe_frame())

@@ -1,0 +1,100 @@
+"""Bytes become frames and frames bytes: rosserial protocol revision 1, without I/O.
+
+A frame is ``FF FE | length | check | topic | payload | check``, little-endian; each group with its
+check sums to 255 modulo 256. An 8-bit sum lets some damage through: who uses a payload must be
+able to tell.
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import NamedTuple
+
+SYNC = b"\xff\xfe"
+OVERHEAD_BYTES = 8
+LONGEST_PAYLOAD = 512
+"""The largest buffer of the Arduino client's default build."""
+
+_HEAD = struct.Struct("<2sHB")
+_TOPIC = struct.Struct("<H")
+_BEFORE_PAYLOAD = _HEAD.size + _TOPIC.size
+
+
+class Frame(NamedTuple):
+    """A payload on a topic, known by its number on this connection."""
+
+    topic: int
+    payload: bytes
+
+
+def encode(topic: int, payload: bytes = b"") -> bytes:
+    """The frame's bytes, to be written in one call.
+
+    Raises:
+        ValueError: The payload is longer than any receiver takes, or the topic no 16-bit number.
+    """
+    if len(payload) > LONGEST_PAYLOAD or not 0 <= topic <= 0xFFFF:
+        raise ValueError(f"no frame holds {len(payload)} bytes for topic {topic}")
+    length = len(payload)
+    head = _HEAD.pack(SYNC, length, 255 - (length % 256 + length // 256) % 256)
+    body = _TOPIC.pack(topic) + payload
+    return b"".join((head, body, bytes((255 - sum(body) % 256,))))
+
+
+class Decoder:
+    """Finds the frames in a stream of bytes, whatever is between them.
+
+    Any byte that begins no frame is dropped alone and the search goes on behind it, so that
+    damage costs the damaged frame and no other. The result does not depend on how the stream is
+    cut.
+
+    Attributes:
+        dropped: How many bytes belonged to no frame.
+    """
+
+    def __init__(self) -> None:
+        """Nothing has been received."""
+        self._pending = bytearray()
+        self.dropped = 0
+
+    def feed(self, data: bytes) -> list[Frame]:
+        """The frames that these bytes complete, oldest first."""
+        pending = self._pending
+        pending += data
+        frames: list[Frame] = []
+        at = 0
+        while True:
+            start = pending.find(SYNC, at)
+            if start < 0:
+                # The last byte may be the first half of a beginning.
+                start = len(pending) - pending.endswith(SYNC[:1])
+                self.dropped += max(start - at, 0)
+                at = max(start, at)
+                break
+            self.dropped += start - at
+            at = start
+            end = self._end(at)
+            if end > len(pending):
+                break
+            if end:
+                topic = _TOPIC.unpack_from(pending, at + _HEAD.size)[0]
+                frames.append(Frame(topic, bytes(pending[at + _BEFORE_PAYLOAD : end - 1])))
+                at = end
+            else:
+                self.dropped += 1
+                at += 1
+        del pending[:at]
+        return frames
+
+    def _end(self, at: int) -> int:
+        """Where the frame at this place ends; past the end if unknown yet, 0 if it is none."""
+        pending = self._pending
+        if len(pending) - at < _HEAD.size:
+            return len(pending) + 1
+        _, length, check = _HEAD.unpack_from(pending, at)
+        if (length % 256 + length // 256 + check) % 256 != 255 or length > LONGEST_PAYLOAD:
+            return 0
+        end: int = at + OVERHEAD_BYTES + length
+        if end <= len(pending) and sum(pending[at + _HEAD.size : end]) % 256 != 255:
+            return 0
+        return end

@@ -1,0 +1,146 @@
+"""A real serial port, by any URL that pyserial knows."""
+
+from __future__ import annotations
+
+import errno
+import os
+import select
+import time
+from contextlib import suppress
+from math import inf
+
+from pirate_sm.backends.pico.port import PortLostError
+from pirate_sm.errors import BackendError, UsageError
+
+try:
+    import serial
+    from serial.tools import list_ports
+except ModuleNotFoundError as error:
+    raise UsageError(
+        f"the serial backend needs {error.name}, which is not installed: "
+        "pip install 'pirate-sm[serial]'"
+    ) from None
+
+_WRITE_WITHIN_S = 0.5
+_POLL_S = 0.005
+_MOST_BYTES = 4096
+
+
+class SerialPort:
+    """One port, locked against every other program that locks it too.
+
+    Args:
+        url: A device such as ``/dev/ttyACM0``, or any URL of pyserial.
+        baud: Of the line.
+    """
+
+    def __init__(self, url: str, baud: int) -> None:
+        self.name = url
+        self._baud = baud
+        self._port: serial.Serial | None = None
+        self.epoch_s = time.time() - time.monotonic()
+
+    now = staticmethod(time.monotonic)
+
+    def open(self) -> None:
+        """It is ours alone."""
+        try:
+            self._port = serial.serial_for_url(
+                self.name, baudrate=self._baud, timeout=0, write_timeout=_WRITE_WITHIN_S,
+                exclusive=True,
+            )  # fmt: skip
+        except ValueError as error:
+            raise BackendError(f"{self.name} cannot be a serial port: {error}") from None
+        except (serial.SerialException, OSError) as error:
+            raise BackendError(_advice(self.name, error)) from None
+
+    def reopen(self) -> bool:
+        """Whether the port is ours again."""
+        self._let_go()
+        with suppress(BackendError):
+            self.open()
+        return self._port is not None
+
+    def write(self, data: bytes) -> None:
+        """The bytes have been handed over in one piece."""
+        if self._port is None:
+            raise PortLostError(f"{self.name} is closed")
+        try:
+            self._port.write(data)
+        except (serial.SerialException, OSError) as error:
+            raise PortLostError(f"{self.name} takes nothing any more: {error}") from None
+
+    def read(self, until_s: float) -> bytes:
+        """What has come, as soon as anything has."""
+        if self._port is None:
+            raise PortLostError(f"{self.name} is closed")
+        try:
+            self._wait(self._port, until_s)
+            return bytes(self._port.read(_MOST_BYTES))
+        except (serial.SerialException, OSError, TypeError) as error:
+            # pyserial raises a TypeError when its descriptor is taken away meanwhile.
+            raise PortLostError(f"{self.name} has gone: {error}") from None
+
+    def _wait(self, port: serial.Serial, until_s: float) -> None:
+        try:
+            descriptor = port.fileno()
+        except (AttributeError, OSError):
+            # A port without a descriptor, such as loop:// or a network's, can only be polled.
+            while not port.in_waiting and time.monotonic() < until_s:
+                time.sleep(_POLL_S)
+            return
+        timeout_s = None if until_s == inf else max(0.0, until_s - time.monotonic())
+        select.select([descriptor], [], [], timeout_s)
+
+    def wait(self, until_s: float) -> None:
+        """It is that time."""
+        time.sleep(max(0.0, until_s - time.monotonic()))
+
+    def beat(self, safe_frame: bytes) -> None:
+        """Nobody guards this one."""
+
+    def overruled(self) -> bool:
+        """Never: nobody guards this one."""
+        return False
+
+    def close(self) -> None:
+        """Everything written has gone out and the port is free."""
+        if self._port is not None:
+            with suppress(Exception):  # the port may have gone
+                self._port.flush()
+        self._let_go()
+
+    def _let_go(self) -> None:
+        if self._port is not None:
+            with suppress(Exception):
+                self._port.close()
+        self._port = None
+
+
+def _advice(name: str, error: OSError) -> str:
+    """Why a port cannot be opened, and what to do about it."""
+    code = error.errno
+    if code is None and "exclusively lock" in str(error):
+        code = errno.EBUSY
+    if code == errno.ENOENT:
+        found = ", ".join(sorted(port.device for port in list_ports.comports()))
+        there = f"there are {found}" if found else "there is none at all: is it plugged in?"
+        return f"there is no port {name}; {there}"
+    if code in {errno.EACCES, errno.EPERM}:
+        group = _group(name)
+        join = f" (on Linux: sudo usermod -a -G {group} $USER, then log in again)" if group else ""
+        return f"you may not use {name}: join the group that owns it{join}"
+    if code in {errno.EBUSY, errno.EAGAIN}:
+        return f"{name} is in use by another program: close it, or wait until its mission has ended"
+    if code in {errno.ENOTTY, errno.EINVAL, errno.EISDIR, errno.ENXIO, errno.EIO}:
+        return f"{name} is no serial port, or nothing is connected to it"
+    return f"{name} cannot be opened: {error}"
+
+
+def _group(name: str) -> str:
+    """Name of the group that owns the port; empty where there is none."""
+    with suppress(ImportError, OSError, KeyError):
+        import grp  # noqa: PLC0415 - not on every system
+
+        return grp.getgrgid(os.stat(name).st_gid).gr_name  # noqa: PTH116 - may be no path
+    return ""
