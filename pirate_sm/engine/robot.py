@@ -180,6 +180,7 @@ class BoardSpec:
         diameters: (number index of the apex angle, link length, 2r, target) of eq. 3-2.
         wheels: Its wheels.
         faults: Indexes of the fault rules that its signals can change.
+        zeros: (number index, what its sensor shows when it is zero), where that was calibrated.
     """
 
     id: int
@@ -192,6 +193,7 @@ class BoardSpec:
     diameters: tuple[tuple[int, float, float, int], ...]
     wheels: tuple[WheelSpec, ...]
     faults: tuple[int, ...]
+    zeros: tuple[tuple[int, float], ...] = ()
 
     @property
     def numbers(self) -> tuple[int, ...]:

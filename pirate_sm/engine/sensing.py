@@ -66,6 +66,8 @@ def observe(
     raw = frame.values
     for place, target, scale in board.channels:
         numbers[target] = raw[place] * scale
+    for target, zero in board.zeros:
+        numbers[target] -= zero
     elapsed = now - sensing.heard_s[board.position]
     if elapsed > 0:  # two frames of one moment have no rate of their own
         for source, target in board.rates:

@@ -37,6 +37,7 @@ class LoadedRobot:
         profile: What stands in the profile.
         table: Its chart, explored.
         documents: The files it was read from.
+        folder: Where they stand.
         normal: What the engine runs in normal polarity.
         mirrored: The same with every mirrored slot and wheel negated.
     """
@@ -44,6 +45,7 @@ class LoadedRobot:
     profile: Profile
     table: ChartTable
     documents: tuple[Document, ...]
+    folder: Path
     normal: RobotSpec
     mirrored: RobotSpec
 
@@ -82,7 +84,7 @@ def load_robot(folder: Path) -> LoadedRobot:
     normal = _resolve(profile, table, "normal", problems)
     problems.raise_errors()
     mirrored = _resolve(profile, table, "mirrored", problems)
-    return LoadedRobot(profile, table, (document, chart_document), normal, mirrored)
+    return LoadedRobot(profile, table, (document, chart_document), folder, normal, mirrored)
 
 
 def _chart(path: Path, problems: Problems) -> Document | None:

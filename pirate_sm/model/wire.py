@@ -44,6 +44,20 @@ class StateTopic(Frozen):
     value: Name = "value"
 
 
+class Advice(Frozen):
+    """What a person can do about what no message of the link tells; empty where unknown.
+
+    Attributes:
+        no_motion: When motors ignore setpoints.
+        no_sensors: When no board reports.
+        motor_error: When one motor does not move.
+    """
+
+    no_motion: str = ""
+    no_sensors: str = ""
+    motor_error: str = ""
+
+
 class Serial(Frozen):
     """The serial link to the robot, rosserial protocol revision 1.
 
@@ -63,3 +77,4 @@ class Serial(Frozen):
     setpoints: SetpointTopic
     echo: SetpointTopic
     state: StateTopic
+    advice: Advice = Advice()

@@ -1,0 +1,29 @@
+"""What the joint sensors of one robot show when it is straight."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, StringConstraints
+
+from pirate_sm.model.base import Frozen, Name
+from pirate_sm.model.quantities import Angle
+
+Date = Annotated[str, StringConstraints(pattern=r"^\d{4}-\d{2}-\d{2}$")]
+
+
+class Calibration(Frozen):
+    """The zeros of one robot, measured on one day.
+
+    Attributes:
+        date: Of the measurement.
+        port: Where the robot was connected.
+        zeros: What the sensor of each joint shows when the joint is at zero; it is subtracted
+            from what is read.
+    """
+
+    format: Literal[1]
+    robot: Name
+    date: Date
+    port: str = ""
+    zeros: Annotated[dict[Name, Angle], Field(min_length=1)]
