@@ -36,6 +36,7 @@ def check_body(profile: model.Profile, problems: Problems) -> None:
     _check_chain(profile.body, problems)
     _check_joints(profile.body, problems)
     _check_motors(profile, problems)
+    _check_boards(profile, problems)
     _check_slots(profile, problems)
     _check_channels(profile, problems)
     _check_safe_state(profile, problems)
@@ -94,11 +95,22 @@ def _slots(profile: model.Profile) -> Iterator[tuple[model.Slot, Path]]:
             yield slot, ("boards", number, "slots", place)
 
 
-def _check_slots(profile: model.Profile, problems: Problems) -> None:
+def _check_boards(profile: model.Profile, problems: Problems) -> None:
     if not profile.slots:
         problems.add("robot.slot", ("boards",), "no board has a slot")
+    ids = [board.id for board in profile.boards]
+    for number, each in enumerate(ids):
+        if each in ids[:number]:
+            problems.add("robot.board", ("boards", number, "id"), f"board {each} stands here twice")
+
+
+def _check_slots(profile: model.Profile, problems: Problems) -> None:
     driven: set[tuple[str, str]] = set()
+    names: set[str] = set()
     for slot, path in _slots(profile):
+        if slot.name in names:
+            problems.add("robot.slot", (*path, "name"), f"'{slot.name}' stands here twice")
+        names.add(slot.name)
         drives = [(kind, getattr(slot, kind)) for kind in ("joint", "wheel", "roll")]
         targets = [(kind, name) for kind, name in drives if name is not None]
         if len(targets) > 1:

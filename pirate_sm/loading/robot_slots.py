@@ -35,17 +35,11 @@ class Slots:
 
 def resolve_slots(profile: model.Profile, signals: Signals, problems: Problems) -> Slots:
     """Every slot knows its limits, its angle and its loop, or the problems say why not."""
-    specs: list[SlotSpec] = []
-    seen: set[str] = set()
-    for number, board in enumerate(profile.boards):
-        for place, slot in enumerate(board.slots):
-            path: Path = ("boards", number, "slots", place)
-            if slot.name in seen:
-                problems.add("robot.slot", (*path, "name"), f"slot '{slot.name}' stands here twice")
-            seen.add(slot.name)
-            specs.append(_slot(profile, signals, slot, path, problems))
-    if len({board.id for board in profile.boards}) < len(profile.boards):
-        problems.add("robot.board", ("boards",), "two boards have the same id")
+    specs = [
+        _slot(profile, signals, slot, ("boards", number, "slots", place), problems)
+        for number, board in enumerate(profile.boards)
+        for place, slot in enumerate(board.slots)
+    ]
     return Slots(tuple(specs), tuple(slot.mirrors for slot in profile.slots), problems)
 
 
