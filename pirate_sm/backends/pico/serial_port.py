@@ -81,11 +81,17 @@ class SerialPort:
             # pyserial raises a TypeError when its descriptor is taken away meanwhile.
             raise PortLostError(f"{self.name} has gone: {error}") from None
 
-    def _wait(self, port: serial.Serial, until_s: float) -> None:
+    @property
+    def descriptor(self) -> int:
+        """What can be waited for; -1 for a port, such as loop://, that can only be asked."""
         try:
-            descriptor = port.fileno()
+            return self._port.fileno() if self._port is not None else -1
         except (AttributeError, OSError):
-            # A port without a descriptor, such as loop:// or a network's, can only be polled.
+            return -1
+
+    def _wait(self, port: serial.Serial, until_s: float) -> None:
+        descriptor = self.descriptor
+        if descriptor < 0:
             while not port.in_waiting and time.monotonic() < until_s:
                 time.sleep(_POLL_S)
             return
