@@ -91,3 +91,11 @@ class Pipe(Frozen):
     friction: Friction | None = None
     start: Start | None = None
     blockages: tuple[Blockage, ...] = ()
+
+    def start_of(self, robot_length_m: float) -> float:
+        """Where the first wheel of a robot of this length begins, m along the axis."""
+        if self.start is not None:
+            return self.start.at
+        first = self.segments[0]
+        middle = 0.5 * first.straight if isinstance(first, Straight) else 0.0
+        return middle + 0.5 * robot_length_m

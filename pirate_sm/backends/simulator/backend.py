@@ -15,12 +15,13 @@ import numpy as np
 
 from pirate_sm.backends.protocol import Completion
 from pirate_sm.backends.simulator.defects import make_effects
-from pirate_sm.backends.simulator.detector import Detector, Surroundings
 from pirate_sm.backends.simulator.geometry import Pipe
 from pirate_sm.backends.simulator.machine import machine_of
 from pirate_sm.backends.simulator.obstacles import Obstacles
-from pirate_sm.backends.simulator.scene import Jitter, scene_of, vees_of, words_of
+from pirate_sm.backends.simulator.scene import Jitter, scene_of, vees_of
+from pirate_sm.backends.simulator.surroundings import Surroundings
 from pirate_sm.backends.simulator.world import World
+from pirate_sm.detectors.words import Detector, words_of
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import Event, SensorFrame, SubmitResult
 from pirate_sm.model.pipe import Pipe as PipeFile
@@ -97,6 +98,7 @@ class SimulatorBackend:
             with clamped parts; None for a straight robot.
         jitter: How far start, friction and diameter may differ from the files.
         defects: Names of the profile's defects to switch on.
+        detects: Whether it says the detector's words; False where somebody else does.
 
     Raises:
         UsageError: It does not fit: the robot into the pipe, the pipe into itself, a defect's
@@ -116,6 +118,7 @@ class SimulatorBackend:
         start_values: Sequence[float] | None = None,
         jitter: Jitter | None = None,
         defects: Sequence[str] = (),
+        detects: bool = True,
     ) -> None:
         link = profile.link
         machine = machine_of(profile)
@@ -131,11 +134,10 @@ class SimulatorBackend:
             machine, Pipe(scene.shape), scene.friction, scene.pose,
             cycle_s=link.cycle, seed=int(rng.integers(2**63)),
         )  # fmt: skip
-        words = words_of(profile, machine)
+        words = words_of(profile)
         errors = rng.normal(0.0, profile.simulation.noise.detector, len(words)).tolist()
-        self._detector = Detector(
-            words, errors, self._world.pipe.crossings_m, profile.detector.valid_for
-        )
+        crossings = self._world.pipe.crossings_m if detects else ()
+        self._detector = Detector(words, errors, crossings, profile.detector.valid_for)
         self._surroundings = Surroundings(vees_of(profile, machine), profile.body.wheel_radius)
         self._obstacles = Obstacles(scene.obstacles)
         self._effects = make_effects(defects, profile.simulation.defects, self._world, seed)

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from pirate_sm.backends.simulator.chain import Friction
-from pirate_sm.backends.simulator.detector import Point, Vee, Word
 from pirate_sm.backends.simulator.geometry import Mitre, PipeShape, Straight
 from pirate_sm.backends.simulator.machine import Machine
 from pirate_sm.backends.simulator.obstacles import Obstacle
+from pirate_sm.backends.simulator.surroundings import Vee
 from pirate_sm.backends.simulator.world import StartPose
 from pirate_sm.model import pipe as pipe_model
 from pirate_sm.model.profile import Profile
@@ -70,8 +70,9 @@ def scene_of(
     shape = PipeShape(pipe.diameter + diameter * jitter.diameter_m, parts, pipe.tilt, pipe.uphill)
     coefficients = pipe.friction if pipe.friction is not None else profile.simulation.friction
     scale = 1.0 + friction * jitter.friction
+    length = sum(link.length_m for link in machine.chain.links)
     pose = StartPose(
-        _start(machine, pipe) + start * jitter.start_m, _wound(machine, start_values), -pipe.roll
+        pipe.start_of(length) + start * jitter.start_m, _wound(machine, start_values), -pipe.roll
     )
     return Scene(
         shape,
@@ -79,15 +80,6 @@ def scene_of(
         pose,
         tuple(Obstacle(each.at, each.from_s, each.lasting) for each in pipe.blockages),
     )
-
-
-def _start(machine: Machine, pipe: pipe_model.Pipe) -> float:
-    """Place of the first wheel; by default the robot is in the middle of the first segment."""
-    if pipe.start is not None:
-        return pipe.start.at
-    first = pipe.segments[0]
-    middle = 0.5 * first.straight if isinstance(first, pipe_model.Straight) else 0.0
-    return middle + 0.5 * sum(link.length_m for link in machine.chain.links)
 
 
 def _wound(machine: Machine, values: Sequence[float] | None) -> dict[int, float]:
@@ -99,19 +91,6 @@ def _wound(machine: Machine, values: Sequence[float] | None) -> dict[int, float]
         for route, value in zip(machine.routes, values, strict=True)
         if 0 <= route.command < n and value != 0.0
     }
-
-
-def words_of(profile: Profile, machine: Machine) -> tuple[Word, ...]:
-    """The detector's words with wheels as indexes."""
-    wheels = machine.wheels
-    return tuple(
-        Word(
-            name,
-            Point(wheels[each.forward.wheel], each.forward.passed),
-            Point(wheels[each.backward.wheel], each.backward.passed),
-        )
-        for name, each in profile.detector.words.items()
-    )
 
 
 def vees_of(profile: Profile, machine: Machine) -> dict[str, Vee]:

@@ -1,0 +1,1 @@
+"""Who says a detector's words when no simulator knows them: reckoning, a person, a program."""
