@@ -17,10 +17,12 @@ from pirate_sm.spelling import nearest, one_of
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
+    from pirate_sm.runtime.loop import MissionRun
 
 _Say = Callable[[str], None]
 
 BACKENDS: Mapping[str, str] = {
+    "serial": "the real robot, at the port given with --port",
     "sim": "the kinematic simulator",
     "trace": "nothing moves; shows what would be sent",
 }
@@ -50,6 +52,8 @@ class Order:
             ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
         defects: Known defects that the simulated robot has.
         firings: What a trace fires instead of the first trigger of each wait.
+        port: Where the real robot is, a device or a URL of pyserial; ``baud`` in place of the
+            robot's own rate.
     """
 
     mission: str
@@ -65,6 +69,8 @@ class Order:
     diameter_jitter_m: float = 0.0
     defects: tuple[str, ...] = ()
     firings: tuple[Firing, ...] = ()
+    port: str | None = None
+    baud: int | None = None
 
 
 @dataclass(frozen=True)
@@ -92,6 +98,8 @@ class Prepared:
         companions: Who must be beside the mission for this backend.
         notices: What a person must know before they see the run.
         truth: Where the robot really is, for backends that know.
+        confirmation: What a person must agree to before anything moves; empty: nothing.
+        follow: Must be given the run before it begins.
     """
 
     order: Order
@@ -101,6 +109,8 @@ class Prepared:
     companions: tuple[Companion, ...] = ()
     notices: tuple[str, ...] = ()
     truth: Callable[[], Truth] | None = None
+    confirmation: str = ""
+    follow: Callable[[MissionRun], None] = lambda run: None
 
 
 def load(order: Order) -> LoadedMission:
@@ -193,6 +203,31 @@ def _start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
     return at_rest_in(loaded.robot, configuration).values
 
 
+def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
+    if order.port is None:
+        raise UsageError("--backend serial needs a port: --port /dev/ttyACM0, or a pyserial URL")
+    if order.defects:
+        raise UsageError("a real robot has the defects that it has: --defect is for --backend sim")
+    if order.firings:
+        raise UsageError("triggers can be fired in a trace only: use --backend trace")
+    from pirate_sm.backends.pico.assembly import read_plan, serial_backend
+    from pirate_sm.backends.pico.starting import check_of
+    from pirate_sm.runtime.companions import Holder
+
+    profile = loaded.loaded_robot.profile
+    diameter_m = loaded.pipe.diameter if loaded.pipe is not None else None
+    start = loaded.program.start_configuration
+    plan = read_plan(loaded.loaded_robot.folder, profile, loaded.robot)
+    check = check_of(profile, loaded.robot, start, diameter_m)
+    backend = serial_backend(plan, order.port, order.baud, check)
+    engine = Engine(loaded.robot, loaded.program, nominal=False)
+    holder = Holder(engine, backend.hold)
+    question = f"{profile.robot} on {order.port} is about to move"
+    return Prepared(
+        order, loaded, engine, backend, (holder,), confirmation=question, follow=holder.follow
+    )
+
+
 def _unknown_backend(name: str) -> NoReturn:
     raise UsageError(f"there is no backend '{name}': {_meant(name, BACKENDS)}")
 
@@ -232,6 +267,7 @@ def _meant(word: str, known: Mapping[str, object] | set[str]) -> str:
 
 
 _BACKENDS: Mapping[str, Callable[[Order, LoadedMission, _Say], Prepared]] = {
+    "serial": _serial,
     "sim": _simulator,
     "trace": _trace,
 }

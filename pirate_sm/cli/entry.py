@@ -18,6 +18,7 @@ from pirate_sm import __version__
 class Backends(str, Enum):  # noqa: UP042 - a StrEnum would show its members in capitals
     """What can run a mission."""
 
+    SERIAL = "serial"
     SIM = "sim"
     TRACE = "trace"
 
@@ -71,7 +72,10 @@ def run(
         str, typer.Argument(metavar="MISSION", help="A shipped mission's name, or a file.")
     ],
     backend: Annotated[
-        Backends, typer.Option(help="sim: the kinematic simulator; trace: nothing moves.")
+        Backends,
+        typer.Option(
+            help="sim: the kinematic simulator; trace: nothing moves; serial: the real robot."
+        ),
     ] = Backends.SIM,
     robot: Annotated[
         str | None, typer.Option(metavar="NAME", help="In place of the mission's own.")
@@ -115,6 +119,13 @@ def run(
         str | None,
         typer.Option(metavar="FILE", help="In a trace: a YAML list of {phase, trigger, after}."),
     ] = None,
+    port: Annotated[
+        str | None,
+        typer.Option(metavar="PORT", help="Of the real robot: /dev/ttyACM0, or a pyserial URL."),
+    ] = None,
+    baud: Annotated[
+        int | None, typer.Option(min=1, help="In place of the robot's own rate.")
+    ] = None,
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="Take the first answer to every question.")
     ] = False,
@@ -149,6 +160,8 @@ def run(
                 defects=defects or [],
                 fire=fire or [],
                 script=script,
+                port=port,
+                baud=baud,
                 yes=yes,
                 plain=plain,
                 json=json,

@@ -56,6 +56,8 @@ class Wishes:
     defects: list[str]
     fire: list[str]
     script: str | None
+    port: str | None
+    baud: int | None
     yes: bool
     plain: bool
     json: bool
@@ -75,9 +77,24 @@ def run_mission(wishes: Wishes) -> int:
     on_terminal = is_terminal() and not (wishes.json or wishes.quiet)
     factor = read_speed(wishes.speed, ON_A_TERMINAL if is_terminal() else inf)
     prepared = prepare(read_order(wishes), say=say)
+    if prepared.confirmation and not wishes.yes:
+        _confirm(prepared.confirmation)
     requests = StopRequests()
     with CaughtSignals(requests):
         return _show(prepared, wishes, factor, on_terminal, requests)
+
+
+def _confirm(what: str) -> None:
+    """A person has agreed.
+
+    Raises:
+        UsageError: Nobody has; nothing has moved.
+    """
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        raise UsageError(f"{what}: agree to it with --yes")
+    print(f"{what}. Is it free to? [y/N] ", end="", file=sys.stderr, flush=True)
+    if sys.stdin.readline().strip().lower() not in {"y", "yes"}:
+        raise UsageError("nothing has moved")
 
 
 def _show(
@@ -101,6 +118,7 @@ def _show(
             factor=factor,
         )
         situation.run = run
+        prepared.follow(run)
         try:
             output.begin()
         except OSError as error:
@@ -165,6 +183,8 @@ def read_order(wishes: Wishes) -> Order:
         seed=wishes.seed,
         defects=tuple(dict.fromkeys(wishes.defects)),
         firings=tuple(firings),
+        port=wishes.port,
+        baud=wishes.baud,
     )
 
 

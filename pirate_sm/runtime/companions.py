@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from math import inf
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from pirate_sm.model.effects import (
     Ask,
@@ -15,6 +15,10 @@ from pirate_sm.model.effects import (
     WaitArmed,
 )
 from pirate_sm.model.events import Answer, Event, Skip
+
+if TYPE_CHECKING:
+    from pirate_sm.engine.engine import Engine
+    from pirate_sm.runtime.loop import MissionRun
 
 FIRST_TRIGGER_AFTER_S = 1.0
 
@@ -97,6 +101,36 @@ class TriggerScript:
             # A wait that is shorter than our usual second still sees its trigger.
             after_s = min(FIRST_TRIGGER_AFTER_S, (wait.deadline_s - now_s) / 2)
             self._trigger, self.due_s = wait.triggers[0], now_s + after_s
+
+
+class Holder:
+    """Tells a backend at every turn which array is the safe one now, should this process die.
+
+    Args:
+        engine: What knows.
+        hold: What wants to know.
+    """
+
+    due_s = inf
+    listening = False
+
+    def __init__(self, engine: Engine, hold: Callable[[tuple[float, ...]], None]) -> None:
+        self._engine = engine
+        self._hold = hold
+        self._run: MissionRun | None = None
+
+    def follow(self, run: MissionRun) -> None:
+        """It looks at this run."""
+        self._run = run
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """The safe array is that of this moment."""
+        if self._run is not None and self._run.state is not None:
+            self._hold(self._engine.safe_values(self._run.state))
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Nothing."""
+        return ()
 
 
 class FirstChoice:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from math import inf
 
-from pirate_sm.backends.pico.diagnosis import NO_SENSORS, mute, unanswered
+from pirate_sm.backends.pico.diagnosis import mute, no_sensors, unanswered
 from pirate_sm.backends.pico.plan import Plan
 from pirate_sm.backends.pico.port import Port, PortLostError
 from pirate_sm.backends.pico.session import Session
@@ -213,7 +213,7 @@ class SerialBackend:
                 raise BackendError(f"{self._port.name} went away while it was being opened")
         silent = boards - frames.keys()
         if boards and silent == boards:
-            raise BackendError(NO_SENSORS)
+            raise BackendError(no_sensors(self.plan.serial.advice.no_sensors))
         if silent:
             told.append(FaultReport(SILENT, mute(self.plan.modules, silent)))
         problem = self._check(tuple(frames.values()))

@@ -6,10 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from pirate_sm.backends.pico.conversation import Conversation
 
-NO_SENSORS = (
-    "the robot's controller answers but no board sends any value: are the sensors switched on at "
-    "its panel, are the boards powered?"
-)
+NO_SENSORS = "the robot's controller answers but no board sends any value"
 
 _TEXT_SHARE = 0.9
 _SHOWN = 40
@@ -54,6 +51,11 @@ def _incomplete(port: str, conversation: Conversation) -> str:
         f"the device on {port} speaks rosserial but does not introduce {missing}. It offers "
         f"{there}: put its names and types into section 'serial' of the robot's profile"
     )
+
+
+def no_sensors(advice: str) -> str:
+    """Why nothing is measured; ``advice`` is the robot's own, or empty."""
+    return f"{NO_SENSORS}: {advice or 'are the sensors switched on, are the boards powered?'}"
 
 
 def mute(modules: Mapping[int, str], silent: Iterable[int]) -> str:

@@ -112,11 +112,19 @@ def _wire_slot(profile: Profile, slot: Slot) -> WireSlot:
 
 def _watched(profile: Profile, robot: RobotSpec, board: Board) -> tuple[Watched, ...]:
     spec = robot.boards.get(board.id)
-    scales = {place: scale for place, _, scale in spec.channels} if spec is not None else {}
-    return tuple(
+    if spec is None:
+        return ()
+    scales = {place: scale for place, _, scale in spec.channels}
+    zeros = dict(spec.zeros)
+    shifts = {place: zeros.get(target, 0.0) / scale for place, target, scale in spec.channels}
+    watched = [
         _watch(profile, board, place, scales)
         for place in sorted(scales)
-        if scales[place] and board.channels[place].slot is not None
+        if board.channels[place].slot is not None
+    ]
+    return tuple(
+        each._replace(low=each.low + shifts[each.place], high=each.high + shifts[each.place])
+        for each in watched
     )
 
 

@@ -147,7 +147,7 @@ def test_a_device_without_a_topic_is_told_with_what_it_offers(
 def test_sensors_that_are_switched_off(backend: SerialBackend, device: Device) -> None:
     device.speaks = False
 
-    with pytest.raises(BackendError, match="sensors switched on at its panel"):
+    with pytest.raises(BackendError, match=r"no board sends any value: push \[Set\] on"):
         backend.open()
 
 
