@@ -1,0 +1,5 @@
+"""A connected robot is looked at: what it says, what is missing, whether it may be used.
+
+Written against the driver's parts and any port, so that an emulated robot in virtual time can
+stand in for a real one. Prints nothing.
+"""

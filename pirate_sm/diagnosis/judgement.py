@@ -1,0 +1,264 @@
+"""What the facts about a connected robot mean: go or no-go, and why, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import degrees, hypot, radians
+from statistics import median
+
+from pirate_sm.backends.pico.diagnosis import NO_SENSORS, mute
+from pirate_sm.diagnosis.facts import (
+    BoardFact,
+    ChannelFact,
+    Facts,
+    Finding,
+    MoveFact,
+    Subject,
+    TopicFact,
+)
+from pirate_sm.model.profile import Board, Channel
+from pirate_sm.model.wire import Advice
+
+LATE_SHARE = 0.5
+"""A board that reports less often than this share of what it should is suspicious."""
+
+DAMAGED_SHARE = 0.01
+SAME = 20
+"""So many equal values in a row are no chance: an angle flickers by a count."""
+
+COMPLETE_SHARE = 0.9
+"""Of the messages that the bus has time for."""
+
+AT_END_RAD = radians(3)
+GRAVITY = 9.81
+GRAVITY_WITHIN = 2.5
+"""m/s²; a robot that stands still feels gravity alone."""
+
+SLOW_MS = 150.0
+_ERROR = 3
+
+
+def judged(facts: Facts, subject: Subject) -> Facts:
+    """The facts with what is wrong with each sensor, and with all findings, worst first."""
+    boards = tuple(_judge_board(board, subject) for board in facts.boards)
+    facts = replace(facts, boards=boards)
+    findings = [
+        *_about_topics(facts),
+        *_about_boards(facts, subject),
+        *_about_channels(facts),
+        *_about_link(facts),
+        *_about_moving(facts, _advice(subject)),
+    ]
+    order = ("no-go", "suspicious", "note")
+    findings.sort(key=lambda finding: order.index(finding.level))
+    return replace(facts, findings=tuple(findings))
+
+
+def _advice(subject: Subject) -> Advice:
+    return subject.plan.serial.advice
+
+
+def _with(advice: str) -> str:
+    return f": {advice}" if advice else ""
+
+
+# --- topics -------------------------------------------------------------------------------------
+
+
+def _about_topics(facts: Facts) -> Iterator[Finding]:
+    for refusal in facts.refused:
+        yield Finding("no-go", refusal)
+    told = " ".join(facts.refused)
+    for topic in facts.topics:
+        if topic.id is None:
+            yield Finding("no-go", _missing(topic, facts))
+        elif not topic.agrees and topic.type not in told:
+            yield Finding(
+                "no-go",
+                f"topic '{topic.name}' carries {topic.type} with md5 {topic.md5}, the profile "
+                f"says {topic.our_type} with {topic.our_md5}",
+            )
+
+
+def _missing(topic: TopicFact, facts: Facts) -> str:
+    others = [t.name for t in facts.topics if not t.our_type and t.direction == topic.direction]
+    there = f"; it {topic.direction} {', '.join(others)}" if others else ""
+    return (
+        f"the device does not say that it {topic.direction} '{topic.name}'{there}: put the names "
+        "and types of its firmware into section 'serial' of the profile"
+    )
+
+
+# --- boards -------------------------------------------------------------------------------------
+
+
+def _about_boards(facts: Facts, subject: Subject) -> Iterator[Finding]:
+    silent = [board.id for board in facts.boards if not board.frames]
+    if silent and len(silent) == len(facts.boards):
+        advice = _advice(subject).no_sensors
+        if all(topic.agrees and topic.id is not None for topic in facts.topics):
+            yield Finding("no-go", f"no board reports{_with(advice)}" if advice else NO_SENSORS)
+    elif silent:
+        yield Finding(
+            "no-go",
+            f"{mute(subject.plan.modules, silent)}: is it powered, is its cable in? A board that "
+            "is meant to be absent is 'fitted: false' in the profile",
+        )
+    else:
+        yield from _about_rates(facts, subject)
+    if facts.strangers:
+        boards = ", ".join(map(str, facts.strangers))
+        yield Finding("suspicious", f"board {boards} reports, which the profile does not listen to")
+
+
+def _about_rates(facts: Facts, subject: Subject) -> Iterator[Finding]:
+    most_s = min(subject.profile.link.silent_after, facts.listened_s / 2)
+    if facts.boards and all(board.longest_gap_s > most_s for board in facts.boards):
+        least_s = min(board.longest_gap_s for board in facts.boards)
+        yield Finding("no-go", f"no board reported for {least_s:.1f} s in between")
+        return
+    share = sum(b.per_s for b in facts.boards) / sum(b.expected_per_s for b in facts.boards)
+    if share < COMPLETE_SHARE:
+        yield Finding(
+            "suspicious",
+            f"only {share:.0%} of the messages come that the bus has time for: messages are lost, "
+            "or its cycle is longer than the profile says",
+        )
+    for board in facts.boards:
+        what = f"board {board.id} ({board.module})"
+        if board.longest_gap_s > most_s:
+            message = f"{what} said nothing for {board.longest_gap_s:.1f} s"
+            yield Finding("no-go", message)
+        elif board.per_s < LATE_SHARE * board.expected_per_s:
+            yield Finding(
+                "suspicious",
+                f"{what} reports {board.per_s:.1f} times a second instead of "
+                f"{board.expected_per_s:.1f}",
+            )
+
+
+# --- sensors ------------------------------------------------------------------------------------
+
+
+def _about_channels(facts: Facts) -> Iterator[Finding]:
+    for board in facts.boards:
+        for channel in board.channels:
+            name = channel.signal or f"{channel.name} of board {board.id}"
+            for trouble in channel.trouble:
+                wrong = trouble.startswith(name)
+                yield Finding("suspicious", trouble if wrong else f"{name} {trouble}")
+
+
+def _judge_board(fact: BoardFact, subject: Subject) -> BoardFact:
+    board = next(each for each in subject.profile.boards if each.id == fact.id)
+    channels = [
+        replace(channel, trouble=(*channel.trouble, *_trouble(channel, known, fact, subject)))
+        for channel, known in zip(fact.channels, board.channels, strict=True)
+    ]
+    _judge_gravity(channels, board)
+    return replace(fact, channels=tuple(channels))
+
+
+def _trouble(
+    channel: ChannelFact, known: Channel, board: BoardFact, subject: Subject
+) -> Iterator[str]:
+    if channel.raw is None:
+        if board.frames:
+            yield "says nothing"
+        return
+    if channel.spikes:
+        times = "once" if channel.spikes == 1 else f"{channel.spikes} times"
+        yield f"has spiked {times}, between {channel.least:g} and {channel.most:g} counts"
+    joint = next((j for j in subject.profile.body.joints if j.name == channel.signal), None)
+    noisy = joint is not None or (known.senses or "").startswith("acc")
+    if noisy and channel.same >= SAME:
+        times = f"{channel.same} times in a row"
+        yield f"has shown exactly the same {times}: a live sensor flickers a little"
+    value = channel.value
+    if joint is not None and value is not None and not channel.trouble:
+        beyond = joint.end_stop - abs(value)
+        if beyond < AT_END_RAD:
+            yield f"is at its end stop ({degrees(joint.end_stop):g} deg either way)"
+    slot = next((s for s in subject.profile.slots if s.name == known.slot), None)
+    limited = known.senses == "angle" and slot is not None and slot.unit == "angle"
+    limit = slot.limit if limited and slot is not None else None
+    if limit is not None and value is not None and abs(value) > limit + AT_END_RAD:
+        yield f"is beyond its limit of {degrees(limit):g} deg either way"
+
+
+def _judge_gravity(channels: list[ChannelFact], board: Board) -> None:
+    """An accelerometer that does not feel gravity is told at its first axis."""
+    axes = [
+        at for at, known in enumerate(board.channels) if (known.senses or "").startswith("acc_")
+    ]
+    values = [value for at in axes if (value := channels[at].value) is not None]
+    if not axes or len(values) < len(axes):
+        return
+    felt = hypot(*values)
+    if abs(felt - GRAVITY) > GRAVITY_WITHIN:
+        first = channels[axes[0]]
+        trouble = (
+            f"and its other axes make {felt:.1f} m/s^2 together, gravity is {GRAVITY}: the scale "
+            "in the profile is wrong, or the sensor is"
+        )
+        channels[axes[0]] = replace(first, trouble=(*first.trouble, trouble))
+
+
+# --- link ---------------------------------------------------------------------------------------
+
+
+def _about_link(facts: Facts) -> Iterator[Finding]:
+    link = facts.link
+    if link.resets:
+        yield Finding("no-go", "the device fell silent and had to be asked anew: it was reset")
+    if link.dropped > DAMAGED_SHARE * max(link.bytes, 1):
+        yield Finding(
+            "suspicious",
+            f"{link.dropped} of {link.bytes} bytes belonged to no whole frame: a bad cable, a "
+            "disturbed line, or another program that uses the port",
+        )
+    if link.unreadable:
+        message = f"{link.unreadable} messages were not what their type says"
+        yield Finding("suspicious", message)
+    if link.asked_ms and median(link.asked_ms) > SLOW_MS:
+        message = f"the device takes {median(link.asked_ms):.0f} ms to answer"
+        yield Finding("suspicious", message)
+    for level, text in facts.words:
+        if level >= _ERROR:
+            yield Finding("suspicious", f"the firmware says: {text}")
+
+
+# --- moving -------------------------------------------------------------------------------------
+
+
+def _about_moving(facts: Facts, advice: Advice) -> Iterator[Finding]:
+    move = facts.move
+    if move is None:
+        message = "nothing was sent, so nobody knows whether the motors obey (see --move)"
+        if advice.no_motion:
+            message += f"; if they do not, {advice.no_motion}"
+        yield Finding("note", message)
+    elif not move.accepted:
+        yield Finding("no-go", f"none of {move.sent} arrays of setpoints was echoed")
+    elif move.accepted < move.sent:
+        lost = move.sent - move.accepted
+        message = f"{lost} of {move.sent} arrays of setpoints were never echoed"
+        yield Finding("no-go", message)
+    elif move.wheels:
+        yield from _about_wheels(move, advice)
+
+
+def _about_wheels(move: MoveFact, advice: Advice) -> Iterator[Finding]:
+    idle = [wheel for wheel in move.wheels if not wheel.turned]
+    if len(idle) == len(move.wheels):
+        message = f"setpoints are echoed but no wheel turns{_with(advice.no_motion)}"
+        yield Finding("no-go", message)
+        return
+    for wheel in idle:
+        unseen = wheel.turned_rad is None
+        why = "its sensor says nothing" if unseen else "its sensor does not see it turn"
+        message = f"{wheel.slot} was driven and {why}: it is dead, blocked, or not seen"
+        yield Finding("suspicious", message + _with(advice.motor_error).replace(": ", "; ", 1))
+    if not idle:
+        yield Finding("note", f"all {len(move.wheels)} wheels obey")

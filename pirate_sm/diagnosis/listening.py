@@ -1,0 +1,253 @@
+"""A port is opened, its device asked for its topics, and everything that it says taken in."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from contextlib import suppress
+from math import inf, nan
+from types import TracebackType
+from typing import Self
+
+from pirate_sm.backends.pico.backend import ANSWER_WITHIN_S
+from pirate_sm.backends.pico.diagnosis import unanswered
+from pirate_sm.backends.pico.framing import Decoder, encode
+from pirate_sm.backends.pico.messages import Malformed
+from pirate_sm.backends.pico.plan import STATE
+from pirate_sm.backends.pico.port import Port
+from pirate_sm.backends.pico.session import RESET, Session
+from pirate_sm.backends.pico.topics import PUBLISHER, REQUEST_TOPICS, SUBSCRIBER, TIME
+from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject, TopicFact
+from pirate_sm.diagnosis.records import Records
+from pirate_sm.errors import BackendError
+from pirate_sm.model.events import FaultReport, SensorFrame, SubmitResult
+
+_MORE_WITHIN_S = 1.5
+"""A device that has introduced some of its topics has introduced the rest by then."""
+
+_ASK_EVERY_S = 1.0
+_LOOK_UP_S = 0.1
+_SAMPLE_BYTES = 4096
+
+Watch = Callable[["Listening"], None]
+
+
+class Listening:
+    """A connection to a robot that only listens until it is told to send; a context manager.
+
+    Nothing moves by it, but opening the port resets most controllers, and motors that they were
+    driving stop with that.
+
+    Args:
+        subject: The robot that is expected.
+        port: Where.
+        baud: Of the line.
+
+    Attributes:
+        records: What the boards said since it began to count.
+        results: What became of arrays, by their ids.
+    """
+
+    def __init__(self, subject: Subject, port: Port, baud: int) -> None:
+        self.subject = subject
+        self.port = port
+        self._baud = baud
+        # Spikes are to be seen, not hidden.
+        self._plan = subject.plan._replace(watched={})
+        self.session = Session(self._plan, port.now(), port.epoch_s, baud)
+        self.results: dict[int, SubmitResult] = {}
+        self._resets = 0
+        self._sample = b""
+        self._answer_s = nan
+        self._connected = False
+        self._decoder = Decoder()
+        self._count_from(port.now())
+
+    # --- connecting -------------------------------------------------------------------------
+
+    def __enter__(self) -> Self:
+        """The device has introduced its topics, as far as it does.
+
+        Raises:
+            BackendError: There is no port, or nobody who speaks rosserial behind it.
+        """
+        self.port.open()
+        try:
+            self._connect()
+        except BaseException:
+            self.port.close()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """The device has been told to be quiet, the port is free."""
+        with suppress(BackendError):
+            self.port.write(self.session.conversation.farewell())
+        self.port.close()
+
+    def _connect(self) -> None:
+        opened_s = self.port.now()
+        self.session = Session(self._plan, opened_s, self.port.epoch_s, self._baud)
+        conversation = self.session.conversation
+        give_up_s = opened_s + self._plan.serial.boot + ANSWER_WITHIN_S
+        first_s = inf
+        while not conversation.known and self.port.now() < min(give_up_s, first_s + _MORE_WITHIN_S):
+            self.turn(min(give_up_s, self.port.now() + _LOOK_UP_S))
+            if conversation.offered and first_s == inf:
+                first_s = self.port.now()
+        if not conversation.offered:
+            raise BackendError(unanswered(self.port.name, self._baud, conversation, self._sample))
+        self._answer_s = first_s - opened_s
+        self._connected = True
+
+    # --- listening --------------------------------------------------------------------------
+
+    def listen(self, seconds: float, watch: Watch = lambda listening: None) -> None:
+        """So much time has been listened to; counting began with it.
+
+        Args:
+            seconds: How long.
+            watch: Is called ten times a second.
+
+        Raises:
+            PortLostError: The port has gone.
+        """
+        began_s = self.port.now()
+        self._count_from(began_s)
+        asked_s = began_s
+        while (now := self.port.now()) < began_s + seconds:
+            if now >= asked_s + _ASK_EVERY_S and self.session.conversation.known:
+                self._ask(now)
+                asked_s = now
+            self.turn(min(began_s + seconds, now + _LOOK_UP_S))
+            watch(self)
+
+    def turn(self, until_s: float) -> None:
+        """What was due has been written, and what came by then has been taken in."""
+        while True:
+            now = self.port.now()
+            while data := self._due(now):
+                self.port.write(data)
+            due_s = self.session.due_s(now) if self._may_write else inf
+            data = self.port.read(min(until_s, due_s))
+            now = self.port.now()
+            if data:
+                self._hear(data, now)
+            self._digest(now)
+            if now >= until_s:
+                return
+
+    @property
+    def _may_write(self) -> bool:
+        """Whether the conversation may ask: one that is not understood does not ask for ever."""
+        conversation = self.session.conversation
+        return not self._connected or conversation.known or conversation.due_s == -inf
+
+    def _due(self, now: float) -> bytes:
+        return self.session.write(now) if self._may_write else b""
+
+    def _ask(self, now: float) -> None:
+        """The topics have been asked for once more, to see how long the answer takes."""
+        self._asked_s = now
+        self.port.write(encode(REQUEST_TOPICS))
+
+    def _hear(self, data: bytes, now: float) -> None:
+        if not self._connected:
+            self._sample = (self._sample + data)[-_SAMPLE_BYTES:]
+        self._bytes += len(data)
+        for topic, payload in self._decoder.feed(data):
+            self._counts[topic] += 1
+            if topic in {PUBLISHER, SUBSCRIBER, TIME} and self._asked_s < inf:
+                self._asked_ms.append((now - self._asked_s) * 1e3)
+                self._asked_s = inf
+            self._meet(topic, payload)
+        self.session.receive(data, now)
+
+    def _digest(self, now: float) -> None:
+        for event in self.session.take():
+            if isinstance(event, SensorFrame):
+                self.records.take(event, now)
+            elif isinstance(event, SubmitResult):
+                self.results[event.setpoint_id] = event
+            elif isinstance(event, FaultReport):
+                self._resets += event.code == RESET
+
+    def _meet(self, topic: int, payload: bytes) -> None:
+        """A board that nobody expects is noticed."""
+        state = self._plan.wanted[STATE]
+        offer = self.session.conversation.offered.get((state.direction, state.name.lstrip("/")))
+        if offer is None or offer.number != topic or offer.md5 != state.md5:
+            return
+        with suppress(Malformed):
+            board = self._plan.messages.state.unpack(payload).board
+            if board not in self._plan.channels:
+                self._strangers[board] += 1
+
+    def _count_from(self, now: float) -> None:
+        self.records = Records(self.subject, now)
+        self._began_s = now
+        self._base = (self._decoder.dropped, self.session.counts)
+        self._counts: Counter[int] = Counter()
+        self._strangers: Counter[int] = Counter()
+        self._asked_s = inf
+        self._asked_ms: list[float] = []
+        self._bytes = 0
+
+    # --- what came of it --------------------------------------------------------------------
+
+    def facts(self) -> Facts:
+        """Everything that has been found out so far, not judged."""
+        now = self.port.now()
+        conversation, counts = self.session.conversation, self.session.counts
+        dropped, before = self._base
+        link = LinkFact(
+            answer_s=self._answer_s,
+            bytes=self._bytes,
+            dropped=self._decoder.dropped - dropped,
+            unreadable=counts.unreadable - before.unreadable,
+            strange=counts.strange - before.strange,
+            damaged=counts.damaged,
+            repeats=counts.repeats,
+            resets=self._resets,
+            time_requests=max(0, self._counts[TIME] - len(self._asked_ms)),
+            asked_ms=tuple(self._asked_ms),
+            echoed_ms=tuple(each * 1e3 for each in self.session.link.round_trips),
+        )
+        return Facts(
+            port=self.port.name,
+            robot=self.subject.profile.robot,
+            baud=self._baud,
+            listened_s=now - self._began_s,
+            topics=self._topics(max(now - self._began_s, 1e-3)),
+            boards=self.records.facts(now),
+            # Damage that its sum does not show makes up a board now and then, not often.
+            strangers=tuple(sorted(b for b, count in self._strangers.items() if count > 2)),
+            link=link,
+            words=tuple((line.level, line.text) for line in conversation.words),
+            refused=tuple(self.session.refused),
+        )
+
+    def _topics(self, elapsed_s: float) -> tuple[TopicFact, ...]:
+        offered = dict(self.session.conversation.offered)
+        found: list[TopicFact] = []
+        for wanted in self._plan.wanted:
+            name = wanted.name.lstrip("/")
+            info = offered.pop((wanted.direction, name), None)
+            found.append(
+                TopicFact(
+                    name, wanted.direction, info.number if info else None,
+                    info.type if info else "", wanted.type, info.md5 if info else "", wanted.md5,
+                    self._counts[info.number] / elapsed_s if info else 0.0,
+                )
+            )  # fmt: skip
+        for info in offered.values():
+            rate = self._counts[info.number] / elapsed_s
+            found.append(
+                TopicFact(info.name, info.direction, info.number, info.type, "", info.md5, "", rate)
+            )
+        return tuple(found)

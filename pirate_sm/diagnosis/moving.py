@@ -1,0 +1,114 @@
+"""Setpoints are sent to a robot whose wheels turn freely, to see whether it obeys."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from math import isnan, nan
+
+from pirate_sm.backends.pico.port import PortLostError
+from pirate_sm.diagnosis.facts import MoveFact, TurnFact
+from pirate_sm.diagnosis.listening import Listening
+
+ECHOES = 10
+DUTY = 0.3
+TURN_FOR_S = 0.6
+TURNED_RAD = 0.1
+"""A wheel at this duty turns further by far, unless nothing drives it."""
+
+_ANSWER_WITHIN_S = 2.0
+_LOOK_UP_S = 0.1
+_COAST_S = 0.2
+
+
+class Moving:
+    """The test with setpoints; when it is over every wheel is at rest.
+
+    Args:
+        listening: To the robot, long enough that its sensors have spoken.
+        tell: Takes what happens next.
+    """
+
+    def __init__(self, listening: Listening, tell: Callable[[str], None]) -> None:
+        self._listening = listening
+        self._profile = listening.subject.profile
+        self._tell = tell
+        self._next_id = 1
+        self._accepted = 0
+        self._rest = self._at_rest()
+
+    def run(self) -> MoveFact:
+        """Every wheel has been asked to turn for a moment, and has been stopped again.
+
+        Raises:
+            PortLostError: The port has gone.
+        """
+        wheels: list[TurnFact] = []
+        try:
+            self._tell("sending arrays in which nothing moves")
+            for _ in range(ECHOES):
+                self._send(self._rest)
+            if self._accepted:
+                for at, slot in enumerate(self._profile.slots):
+                    if slot.wheel is not None:
+                        self._tell(f"turning {slot.name}")
+                        wheels.append(self._turn(at, slot.name))
+        finally:
+            self._stop()
+        return MoveFact(self._next_id - 1, self._accepted, tuple(wheels))
+
+    def _turn(self, at: int, name: str) -> TurnFact:
+        before = self._angle(name)
+        values = list(self._rest)
+        values[at] = DUTY
+        self._send(tuple(values))
+        self._wait(TURN_FOR_S)
+        self._send(self._rest)
+        self._wait(_COAST_S)
+        turned = self._angle(name) - before
+        return TurnFact(name, None if isnan(turned) else turned, abs(turned) >= TURNED_RAD)
+
+    def _send(self, values: tuple[float, ...]) -> None:
+        """The array has been accepted, or it is unknown what became of it."""
+        number, listening = self._next_id, self._listening
+        self._next_id += 1
+        listening.session.submit(number, values, listening.port.now())
+        give_up_s = listening.port.now() + _ANSWER_WITHIN_S
+        while number not in listening.results and listening.port.now() < give_up_s:
+            listening.turn(min(give_up_s, listening.port.now() + _LOOK_UP_S))
+        result = listening.results.get(number)
+        self._accepted += result is not None and result.status == "accepted"
+
+    def _stop(self) -> None:
+        """Every wheel is at rest, as far as the link carries that."""
+        with suppress(PortLostError):
+            link = self._listening.session.link
+            if not link.idle or link.applied != link.counts(self._rest):
+                self._send(self._rest)
+
+    def _wait(self, seconds: float) -> None:
+        until_s = self._listening.port.now() + seconds
+        self._listening.turn(until_s)
+
+    def _at_rest(self) -> tuple[float, ...]:
+        """No duty anywhere, and every board with a controller of its own told to stay."""
+        values = []
+        for slot in self._profile.slots:
+            value = 0.0
+            if slot.unit == "angle":
+                angle = self._angle(slot.name)
+                limit = slot.limit if slot.limit is not None else abs(angle)
+                value = 0.0 if isnan(angle) else min(max(angle, -limit), limit)
+            values.append(value)
+        return tuple(values)
+
+    def _angle(self, slot: str) -> float:
+        """What the sensor of the slot's own angle shows, rad; NaN where it says nothing."""
+        subject = self._listening.subject
+        for number, board in subject.robot.boards.items():
+            channels = next(b.channels for b in self._profile.boards if b.id == number)
+            for place, _, scale in board.channels:
+                channel = channels[place]
+                if (channel.senses, channel.slot) == ("angle", slot):
+                    return self._listening.records.last(number, place) * scale
+        return nan

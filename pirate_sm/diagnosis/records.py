@@ -1,0 +1,165 @@
+"""What boards say is counted and held against what their sensors can show."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import inf, isnan, nan
+
+from pirate_sm.backends.pico.supervision import RANGE, Supervision, Watched
+from pirate_sm.diagnosis.facts import BoardFact, ChannelFact, Subject, shown
+from pirate_sm.expressions import NumberType
+from pirate_sm.model.events import SensorFrame
+from pirate_sm.model.profile import Board
+from pirate_sm.units import DIMENSIONLESS, Dimension
+
+
+class ChannelRecord:
+    """What came from one channel.
+
+    Args:
+        watched: What is known beforehand of it; None for nothing.
+    """
+
+    def __init__(self, board: int, place: int, watched: Watched | None) -> None:
+        self._place = place
+        self._judge = None if watched is None else Supervision({board: (watched,)}, ())
+        self.last, self.least, self.most = nan, inf, -inf
+        self.count, self._run, self.longest_run = 0, 0, 0
+        self.outside = ""
+
+    def take(self, frame: SensorFrame, now: float) -> None:
+        """The frame's value has been counted."""
+        value = frame.values[self._place]
+        if isnan(value):
+            return
+        self._run = self._run + 1 if value == self.last else 1
+        self.longest_run = max(self.longest_run, self._run)
+        self.last = value
+        self.least, self.most = min(self.least, value), max(self.most, value)
+        self.count += 1
+        if self._judge is not None:
+            for fault in self._judge.look(frame, now)[1]:
+                if fault.code == RANGE:
+                    self.outside = fault.message
+
+    @property
+    def spikes(self) -> int:
+        """How many values the driver would have hidden."""
+        return 0 if self._judge is None else self._judge.hidden
+
+
+class BoardRecord:
+    """What came from one board since ``began_s``."""
+
+    def __init__(self, subject: Subject, board: Board, began_s: float) -> None:
+        watched = {each.place: each for each in subject.plan.watched.get(board.id, ())}
+        self.board = board
+        self.channels = tuple(
+            ChannelRecord(board.id, place, watched.get(place))
+            for place in range(len(board.channels))
+        )
+        self.frames = 0
+        self._heard_s = began_s
+        self._gap_s = 0.0
+
+    def take(self, frame: SensorFrame, now: float) -> None:
+        """The frame has been counted."""
+        self.frames += 1
+        self._gap_s = max(self._gap_s, now - self._heard_s)
+        self._heard_s = now
+        for channel in self.channels:
+            channel.take(frame, now)
+
+    def gap_s(self, now: float) -> float:
+        """The longest time without a word, until now."""
+        return max(self._gap_s, now - self._heard_s)
+
+
+class Records:
+    """What came from all boards that are listened to.
+
+    Args:
+        subject: The robot.
+        now: The time at which counting begins.
+    """
+
+    def __init__(self, subject: Subject, now: float) -> None:
+        self._subject = subject
+        self._began_s = now
+        self.boards: Mapping[int, BoardRecord] = {
+            board.id: BoardRecord(subject, board, now)
+            for board in subject.profile.boards
+            if board.id in subject.plan.channels
+        }
+
+    def take(self, frame: SensorFrame, now: float) -> None:
+        """The frame has been counted."""
+        if frame.board in self.boards:
+            self.boards[frame.board].take(frame, now)
+
+    def last(self, board: int, place: int) -> float:
+        """The last count of a channel; NaN where none came."""
+        return self.boards[board].channels[place].last if board in self.boards else nan
+
+    def facts(self, now: float) -> tuple[BoardFact, ...]:
+        """What has been counted until now."""
+        profile = self._subject.profile
+        turns = len(self.boards)
+        if profile.serial is not None and profile.serial.state.layout == "value":
+            turns = sum(len(record.channels) for record in self.boards.values())
+        expected = 1.0 / (profile.link.cycle * turns) if turns else 0.0
+        elapsed_s = max(now - self._began_s, 1e-3)
+        return tuple(
+            BoardFact(
+                id=number,
+                module=record.board.module,
+                frames=record.frames,
+                per_s=record.frames / elapsed_s,
+                expected_per_s=expected,
+                longest_gap_s=record.gap_s(now),
+                channels=self._channels(record),
+            )
+            for number, record in self.boards.items()
+        )
+
+    def _channels(self, record: BoardRecord) -> tuple[ChannelFact, ...]:
+        meaning = meanings(self._subject, record.board.id)
+        return tuple(
+            _fact(channel.name, channel.signal or "", counted, meaning.get(place))
+            for place, (channel, counted) in enumerate(
+                zip(record.board.channels, record.channels, strict=True)
+            )
+        )
+
+
+Meaning = tuple[float, float, Dimension]
+"""SI per count, the zero that is subtracted, and what it is."""
+
+
+def meanings(subject: Subject, board: int) -> dict[int, Meaning]:
+    """By place in the board's frame, what the counts of its channels mean."""
+    spec = subject.robot.boards.get(board)
+    if spec is None:
+        return {}
+    vocabulary, zeros = subject.robot.vocabulary, dict(spec.zeros)
+    found: dict[int, Meaning] = {}
+    for place, target, scale in spec.channels:
+        kind = vocabulary.types[vocabulary.numbers[target]]
+        dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
+        found[place] = (scale, zeros.get(target, 0.0), dimension)
+    return found
+
+
+def _fact(name: str, signal: str, record: ChannelRecord, meaning: Meaning | None) -> ChannelFact:
+    if not record.count:
+        return ChannelFact(name, signal, None, None, None, None, "")
+    value, text = None, ""
+    if meaning is not None:
+        scale, zero, dimension = meaning
+        value = record.last * scale - zero
+        text = shown(value, dimension)
+    return ChannelFact(
+        name, signal, record.last, record.least, record.most, value, text, record.spikes,
+        record.longest_run,
+        (record.outside,) if record.outside else (),
+    )  # fmt: skip
