@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, NoReturn
 
 from pirate_sm.engine.engine import Engine
@@ -54,6 +54,7 @@ class Order:
         firings: What a trace fires instead of the first trigger of each wait.
         port: Where the real robot is, a device or a URL of pyserial; ``baud`` in place of the
             robot's own rate.
+        calibration: Whether the joint zeros of the real robot are subtracted, where it has any.
     """
 
     mission: str
@@ -71,6 +72,7 @@ class Order:
     firings: tuple[Firing, ...] = ()
     port: str | None = None
     baud: int | None = None
+    calibration: bool = True
 
 
 @dataclass(frozen=True)
@@ -214,6 +216,9 @@ def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
     from pirate_sm.backends.pico.starting import check_of
     from pirate_sm.runtime.companions import Holder
 
+    notices: tuple[str, ...] = ()
+    if order.calibration:
+        loaded, notices = _calibrated(loaded)
     profile = loaded.loaded_robot.profile
     diameter_m = loaded.pipe.diameter if loaded.pipe is not None else None
     start = loaded.program.start_configuration
@@ -224,8 +229,20 @@ def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
     holder = Holder(engine, backend.hold)
     question = f"{profile.robot} on {order.port} is about to move"
     return Prepared(
-        order, loaded, engine, backend, (holder,), confirmation=question, follow=holder.follow
-    )
+        order, loaded, engine, backend, (holder,), notices,
+        confirmation=question, follow=holder.follow,
+    )  # fmt: skip
+
+
+def _calibrated(loaded: LoadedMission) -> tuple[LoadedMission, tuple[str, ...]]:
+    """The mission with the joint zeros of its robot, and a line that says so; or as it was."""
+    from pirate_sm.loading.calibration import newest_calibration, summary, with_zeros
+
+    calibration = newest_calibration(loaded.loaded_robot)
+    if calibration is None:
+        return loaded, ()
+    robot = with_zeros(loaded.robot, calibration.zeros)
+    return replace(loaded, robot=robot), (summary(calibration),)
 
 
 def _unknown_backend(name: str) -> NoReturn:

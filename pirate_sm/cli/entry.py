@@ -126,6 +126,10 @@ def run(
     baud: Annotated[
         int | None, typer.Option(min=1, help="In place of the robot's own rate.")
     ] = None,
+    calibration: Annotated[
+        bool,
+        typer.Option("--calibration/--no-calibration", help="Whether its joint zeros are used."),
+    ] = True,
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="Take the first answer to every question.")
     ] = False,
@@ -162,6 +166,7 @@ def run(
                 script=script,
                 port=port,
                 baud=baud,
+                calibration=calibration,
                 yes=yes,
                 plain=plain,
                 json=json,

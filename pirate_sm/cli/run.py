@@ -58,6 +58,7 @@ class Wishes:
     script: str | None
     port: str | None
     baud: int | None
+    calibration: bool
     yes: bool
     plain: bool
     json: bool
@@ -185,6 +186,7 @@ def read_order(wishes: Wishes) -> Order:
         firings=tuple(firings),
         port=wishes.port,
         baud=wishes.baud,
+        calibration=wishes.calibration,
     )
 
 
