@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from math import inf
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 from pirate_sm.model.effects import (
     Ask,
     Effect,
     Ended,
+    Log,
     PhaseChange,
     TriggerFired,
     WaitArmed,
@@ -18,6 +19,7 @@ from pirate_sm.model.events import Answer, Event, Skip
 
 if TYPE_CHECKING:
     from pirate_sm.engine.engine import Engine
+    from pirate_sm.engine.state import EngineState
     from pirate_sm.runtime.loop import MissionRun
 
 FIRST_TRIGGER_AFTER_S = 1.0
@@ -47,6 +49,15 @@ class Companion(Protocol):
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """What it has to say at ``due_s``, which it has moved on; often nothing."""
+        ...
+
+
+@runtime_checkable
+class Onlooker(Protocol):
+    """A companion that is shown the engine's state each time before it is asked to speak."""
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """It has looked; what it returns is told to whoever follows the run."""
         ...
 
 

@@ -15,6 +15,7 @@ from pirate_sm.errors import BackendError
 from pirate_sm.model.effects import Effect, Ended, Fault, Setpoints, WakeAt
 from pirate_sm.model.events import Abort, Event, Tick
 from pirate_sm.runtime.clock import Clock, WallClock
+from pirate_sm.runtime.companions import Onlooker
 from pirate_sm.runtime.observing import PULSE_S, Observer, Watcher
 from pirate_sm.runtime.outcome import BACKEND, BUG, INTERRUPTED, Result, exit_code
 from pirate_sm.runtime.pacing import Pacer
@@ -84,6 +85,7 @@ class MissionRun:
         self._observers = list(observers)
         self._watchers = list(watchers)
         self._companions = tuple(companions)
+        self._onlookers = tuple(c if isinstance(c, Onlooker) else None for c in companions)
         self._requests = requests or StopRequests()
         self._clock = clock or WallClock()
         self._pacer = Pacer(inf if backend.real_time else factor, self._clock)
@@ -180,11 +182,19 @@ class MissionRun:
             if now_s >= self._wake_s:
                 self._wake_s = now_s + _NUDGE_S
         if not self._aborting:
-            for companion in self._companions:
+            for companion, onlooker in zip(self._companions, self._onlookers, strict=True):
                 if now_s >= companion.due_s:
-                    for event in companion.speak(now_s):
-                        self._give(event)
+                    self._hear(companion, onlooker)
         self._plan()
+
+    def _hear(self, companion: Companion, onlooker: Onlooker | None) -> None:
+        """The companion has said what it has to say, and the engine has heard it."""
+        if self.state is not None and onlooker is not None:
+            told = onlooker.look(self.state, self.now_s)
+            if told:
+                self._tell(told)
+        for event in companion.speak(self.now_s):
+            self._give(event)
 
     def _perform(self, effects: Sequence[Effect]) -> None:
         """The robot has its setpoints, and everybody knows what happened."""

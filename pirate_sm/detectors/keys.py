@@ -1,0 +1,52 @@
+"""The operator as the detector: one key says one word."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+from string import ascii_lowercase
+from typing import Protocol
+
+from pirate_sm.model.effects import Effect, Ended
+from pirate_sm.model.events import DetectorWord, Event
+
+LETTERS = ascii_lowercase
+"""The keys, in order; the numbers answer questions."""
+
+_LOOK_EVERY_S = 0.05
+
+
+class Keys(Protocol):
+    """Gives the keys pressed since it was last asked."""
+
+    def pressed(self) -> str:
+        """The keys, oldest first; empty when there were none."""
+        ...
+
+
+class WordKeys:
+    """A companion: a letter for each word, valid as long as the profile says from each press.
+
+    Attributes:
+        listening: A person is looking at the robot until the run ends.
+        offered: The keys and their words, for people.
+    """
+
+    def __init__(self, keys: Keys, words: Sequence[str], valid_for_s: float) -> None:
+        self.due_s = 0.0
+        self.listening = True
+        self._keys = keys
+        self._words = dict(zip(LETTERS, words, strict=False))
+        self._valid_for_s = valid_for_s
+        self.offered = "  ".join(f"[{key}] {word}" for key, word in self._words.items())
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """After the end nobody is listened to."""
+        if any(isinstance(effect, Ended) for effect in effects):
+            self.due_s, self.listening = inf, False
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """The words whose keys have been pressed, oldest first."""
+        self.due_s = now_s + _LOOK_EVERY_S
+        said = (self._words.get(key.lower()) for key in self._keys.pressed())
+        return tuple(DetectorWord(word, self._valid_for_s) for word in said if word)

@@ -1,0 +1,71 @@
+"""Lines of JSON in which an outside program says a detector's words."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+from pirate_sm.model.events import DetectorWord
+from pirate_sm.spelling import nearest, one_of
+
+LONGEST_LINE = 4096
+"""Bytes; every line that says something is far shorter."""
+
+LONGEST_VALIDITY_S = 60.0
+"""A program that has died must not be believed for long."""
+
+_SHOWN = 60
+
+
+class LineError(ValueError):
+    """Is raised for a line that says nothing; its text is for whoever wrote it."""
+
+
+def read_line(line: bytes, words: Sequence[str], valid_for_s: float) -> DetectorWord:
+    """What a line says.
+
+    Args:
+        line: ``{"word": "...", "valid_for_s": 1.0}`` in UTF-8; the second field may be left out.
+        words: Those that the robot's profile knows.
+        valid_for_s: For a line that does not say.
+
+    Raises:
+        LineError: It says nothing, or something unknown.
+    """
+    if len(line) > LONGEST_LINE:
+        raise LineError(f"a line has at most {LONGEST_LINE} bytes")
+    try:
+        said = json.loads(line)
+    except (ValueError, RecursionError):
+        raise LineError(f"not a line of JSON in UTF-8: {_short(line)}") from None
+    if not isinstance(said, dict):
+        raise LineError(f'expected an object such as {{"word": "{words[0]}"}}')
+    unknown = [key for key in said if key not in ("word", "valid_for_s")]
+    if unknown:
+        raise LineError(f"unknown field '{_short(unknown[0].encode(errors='replace'))}'")
+    return DetectorWord(_word(said, words), _validity(said.get("valid_for_s", valid_for_s)))
+
+
+def _word(said: dict[str, object], words: Sequence[str]) -> str:
+    word = said.get("word")
+    if not isinstance(word, str):
+        raise LineError(f"'word' is a text, {one_of(words)}")
+    if word not in words:
+        close = nearest(word, words)
+        hint = f"did you mean '{close}'?" if close else f"expected {one_of(words)}"
+        raise LineError(f"unknown word '{_short(word.encode(errors='replace'))}': {hint}")
+    return word
+
+
+def _validity(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise LineError("'valid_for_s' is a number of seconds")
+    if 0 < value <= LONGEST_VALIDITY_S:  # false for NaN
+        return float(value)
+    raise LineError(f"'valid_for_s' is more than 0 and at most {LONGEST_VALIDITY_S:g} seconds")
+
+
+def _short(line: bytes) -> str:
+    text = " ".join(line.decode(errors="replace").split())
+    shown = "".join(letter if letter.isprintable() else "�" for letter in text)
+    return shown if len(shown) <= _SHOWN else f"{shown[: _SHOWN - 1]}…"

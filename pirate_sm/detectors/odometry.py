@@ -1,0 +1,89 @@
+"""The odometry detector: says the profile's words where dead reckoning takes the wheels to be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isnan
+
+from pirate_sm.detectors.reckoning import Reckoned, Reckoner, chain_of
+from pirate_sm.detectors.route import Route
+from pirate_sm.detectors.words import Detector, words_of
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot_state import confirmed_parts
+from pirate_sm.engine.state import EngineState
+from pirate_sm.errors import UsageError
+from pirate_sm.model.effects import Effect, Log
+from pirate_sm.model.events import DetectorWord, Event
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.profile import Profile
+
+LOOK_EVERY_S = 0.05
+"""At 0.1 m/s a robot drives 5 mm in this time."""
+
+_PATIENCE_S = 1.0
+"""A joint that has said nothing for so long is taken to be straight."""
+
+
+class Odometry:
+    """A companion that reckons from the engine's signals.
+
+    Args:
+        profile: The robot with its detector's words.
+        robot: The same, as the engine knows it.
+        pipe: Where it is.
+        first_wheel_m: Where its first wheel begins along the pipe; by default as the pipe says.
+
+    Attributes:
+        reckoned: Where the wheels are taken to be; None until the joints have spoken.
+
+    Raises:
+        UsageError: The robot counts no odometry, or the place is outside the pipe.
+    """
+
+    listening = False
+
+    def __init__(
+        self, profile: Profile, robot: RobotSpec, pipe: Pipe, first_wheel_m: float | None = None
+    ) -> None:
+        if robot.odometry < 0:
+            raise UsageError(f"--detector odometry: {robot.name} has no signal of odometry_of")
+        chain, route = chain_of(profile, robot, pipe), Route(pipe)
+        end_m = route.legs[-1].arc_m + route.legs[-1].length_m
+        length_m = sum(chain.lengths_m)
+        self.first_wheel_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
+        if not 0.0 <= self.first_wheel_m <= end_m:
+            raise UsageError(
+                f"--start-at {self.first_wheel_m * 1000:.4g} mm is outside the pipe, "
+                f"which is {end_m * 1000:.4g} mm long"
+            )
+        self.due_s = 0.0
+        self.reckoned: Reckoned | None = None
+        self._robot = robot
+        self._joints = [joint for joint in chain.joints if joint >= 0]
+        self._reckoner = Reckoner(chain, route, robot.odometry)
+        words = words_of(profile)
+        errors = (0.0,) * len(words)
+        self._detector = Detector(words, errors, route.crossings_m, profile.detector.valid_for)
+        self._word: DetectorWord | None = None
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Nothing is different: what counts is in the signals."""
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """The wheels have been followed to where they are now."""
+        numbers = state.sensing.numbers
+        held = confirmed_parts(self._robot, state.robot)
+        if self.reckoned is not None:
+            self.reckoned = self._reckoner.look(self.reckoned, numbers, held)
+        elif now_s < _PATIENCE_S and any(isnan(numbers[joint]) for joint in self._joints):
+            return ()
+        else:
+            self.reckoned = self._reckoner.begin(self.first_wheel_m, numbers, held)
+        self._word = self._detector.look(now_s, self.reckoned.places_m)
+        return ()
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """The word that begins to hold here, or still holds and must be said again."""
+        self.due_s = now_s + LOOK_EVERY_S
+        word, self._word = self._word, None
+        return () if word is None else (word,)
