@@ -37,7 +37,7 @@ Segment: TypeAlias = Annotated[
     Discriminator(
         _kind_of_segment,
         custom_error_type="segment",
-        custom_error_message="expected a segment, {{straight: 1.0 m}} or {{mitre: 90 deg}}",
+        custom_error_message="expected a segment, {straight: 1.0 m} or {mitre: 90 deg}",
     ),
 ]
 

@@ -1,0 +1,96 @@
+"""Robots, missions and pipes by name or path."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import library
+
+ROOT = Path(__file__).resolve().parents[3]
+NEWT = ROOT / "tests" / "robots" / "newt"
+
+
+def test_what_is_shipped_is_found_by_name():
+    assert library.find_robot("pirate_ii") == ROOT / "hardware_profiles" / "pirate_ii"
+    assert library.find_mission("mitre_bend") == ROOT / "sequences" / "mitre_bend.yaml"
+    assert library.find_pipe("mitre_90") == ROOT / "sequences" / "pipes" / "mitre_90.yaml"
+
+
+def test_everything_listed_is_found_by_its_name():
+    for path in library.robots():
+        assert library.find_robot(path.name) == path
+    for path in library.missions():
+        assert library.find_mission(path.stem) == path
+    for path in library.pipes():
+        assert library.find_pipe(path.stem) == path
+
+
+@pytest.mark.parametrize(
+    ("find", "name", "message"),
+    [
+        (library.find_robot, "pirat_ii", "there is no robot 'pirat_ii'; did you mean 'pirate_ii'?"),
+        (library.find_mission, "mitre-bend", "did you mean 'mitre_bend'?"),
+        (library.find_pipe, "vertica", "did you mean 'vertical'?"),
+        (library.find_robot, "zzz", "there is no robot 'zzz'; known: pirate_ii"),
+        (library.find_robot, "", "there is no robot ''"),
+        (library.find_robot, "no/where", "there is no robot at 'no/where': expected a folder with"),
+        (library.find_robot, ".", "there is no robot at '.'"),
+        (library.find_robot, "a" * 5000, "there is no robot 'aaa"),
+        (library.find_robot, "a/" * 5000, "there is no robot at 'a/a"),
+        (library.find_mission, "a\0b", "there is no mission 'a\\0b'"),
+        (library.find_pipe, "ä" * 5000, "there is no pipe 'ä"),
+    ],
+)
+def test_an_unknown_name_is_refused_with_the_nearest(find, name, message):
+    with pytest.raises(UsageError) as caught:
+        find(name)
+
+    assert message in str(caught.value)
+    assert len(str(caught.value)) < 600
+
+
+def test_a_path_goes_to_the_file_itself(tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.touch()
+
+    assert library.find_mission(str(file)) == file
+    assert library.find_pipe(str(tmp_path / "none.yaml")) == tmp_path / "none.yaml"
+
+
+def test_a_robot_is_a_folder_or_the_profile_in_it():
+    assert library.find_robot(str(NEWT)) == NEWT
+    assert library.find_robot(str(NEWT / "profile.yaml")) == NEWT
+    assert library.find_robot("../newt", NEWT) == NEWT
+    assert library.find_robot("newt", NEWT.parent) == NEWT
+
+
+def test_what_stands_beside_comes_before_what_is_shipped(tmp_path):
+    for name in ("mitre_bend.yaml", "mitre_90.yml", "other.yaml"):
+        (tmp_path / name).touch()
+    (tmp_path / "pipes").mkdir()
+    (tmp_path / "pipes" / "vertical.yaml").touch()
+
+    assert library.find_mission("mitre_bend", tmp_path) == tmp_path / "mitre_bend.yaml"
+    assert library.find_pipe("mitre_90", tmp_path) == tmp_path / "mitre_90.yml"
+    assert library.find_pipe("vertical", tmp_path) == tmp_path / "pipes" / "vertical.yaml"
+    assert library.find_pipe("./other.yaml", tmp_path) == tmp_path / "./other.yaml"
+    assert library.find_mission("enter_2d", tmp_path) == ROOT / "sequences" / "enter_2d.yaml"
+
+
+def test_a_path_in_a_file_must_lead_somewhere(tmp_path):
+    with pytest.raises(UsageError, match=r"there is no pipe at '\./none\.yaml'"):
+        library.find_pipe("./none.yaml", tmp_path)
+
+
+@given(name=st.text(max_size=300))
+def test_any_name_is_found_or_refused(name):
+    for find in (library.find_robot, library.find_mission, library.find_pipe):
+        for beside in (None, ROOT / "sequences"):
+            with suppress(UsageError):
+                assert isinstance(find(name, beside), Path)
