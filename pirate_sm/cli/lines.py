@@ -50,7 +50,8 @@ def headline(situation: Situation) -> str:
     """Mission, robot, pipe and backend in one line."""
     order, loaded = situation.prepared.order, situation.prepared.loaded
     pipe = f" in {loaded.pipe_name}" if loaded.pipe_name else ""
-    how = f"seed {order.seed}" if order.backend == "sim" else "ideal"
+    ways = {"sim": f"seed {order.seed}", "serial": str(order.port)}
+    how = ways.get(order.backend, "ideal")
     defects = f", defects: {', '.join(order.defects)}" if order.defects else ""
     return (
         f"{loaded.mission.mission} on {loaded.robot.name}{pipe}, {order.backend} ({how}{defects})"

@@ -7,9 +7,14 @@ from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from pirate_sm.backends.pico.assembly import read_plan
+from pirate_sm.backends.pico.backend import SerialBackend
+from pirate_sm.backends.pico.virtual_port import VirtualPort
 from pirate_sm.backends.protocol import Backend
 from pirate_sm.backends.simulator.backend import SimulatorBackend
 from pirate_sm.backends.trace import TraceBackend
+from pirate_sm.bay.texts import message_texts
+from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.errors import BackendError
 from pirate_sm.loading.pipe import load_pipe
 from pirate_sm.loading.robot import load_robot
@@ -72,8 +77,17 @@ def _simulator(seed: int) -> Backend:
     return SimulatorBackend(load_robot(NEWT).profile, pipe, seed=seed)
 
 
+def _serial(seed: int) -> Backend:
+    pipe, _ = load_pipe(NEWT / "elbow.yaml")
+    robot = load_robot(NEWT)
+    bay = VirtualBay(robot.profile, pipe, message_texts(NEWT, robot.profile), seed=seed)
+    plan = read_plan(NEWT, robot.profile, robot.normal)
+    return SerialBackend(plan, VirtualPort(bay, plan.serial.heartbeat_within))
+
+
 CANDIDATES = {
     "trace": Candidate(lambda seed: TraceBackend()),
     "sim": Candidate(_simulator, lambda backend: backend.truth.wheels),
+    "serial": Candidate(_serial, lambda backend: backend.port.device.truth.wheels),
     "late": Candidate(lambda seed: LateBackend()),
 }

@@ -37,6 +37,9 @@ class SerialBackend:
         baud: Of the line.
         check: Is given the last frame of each board before anything else happens, and says
             what does not agree with where the robot is believed to be; empty: nothing.
+
+    Attributes:
+        session: What has been said and done on the link.
     """
 
     name = "serial"
@@ -52,7 +55,7 @@ class SerialBackend:
         check: Callable[[Sequence[SensorFrame]], str] = lambda frames: "",
     ) -> None:
         self.plan = plan
-        self._port = port
+        self.port = port
         self._baud = baud or plan.serial.baud
         self._check = check
         self.session = Session(plan, port.now(), port.epoch_s, self._baud)
@@ -75,23 +78,23 @@ class SerialBackend:
         """
         if self._closed:
             raise BackendError("the port has been closed")
-        self._port.open()
+        self.port.open()
         self._open = True
         try:
-            self.session = Session(self.plan, self._port.now(), self._port.epoch_s, self._baud)
+            self.session = Session(self.plan, self.port.now(), self.port.epoch_s, self._baud)
             self._negotiate()
             events = self._hear_sensors()
         except BaseException:
             self.close()
             raise
-        self._began_s = self._port.now()
+        self._began_s = self.port.now()
         return events
 
     def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
         """The array is on its way; its fate comes from ``advance``."""
         if self._closed or not self._open:
             raise BackendError("the port is closed")
-        self.session.submit(setpoint_id, values, self._port.now())
+        self.session.submit(setpoint_id, values, self.port.now())
 
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
         """Time has passed until there was something to say, or ``until_s``, or for a moment."""
@@ -99,10 +102,10 @@ class SerialBackend:
             raise BackendError("the port is closed")
         if until_s < self._now_s:
             return self._now_s, ()
-        deadline_s = min(self._began_s + until_s, self._port.now() + _LOOK_UP_S)
+        deadline_s = min(self._began_s + until_s, self.port.now() + _LOOK_UP_S)
         while True:
             self._turn(deadline_s)
-            now = self._port.now()
+            now = self.port.now()
             self._events += self.session.take()
             if self._events or now >= deadline_s:
                 # Not `now - began` alone, which rounding may leave a hair before `until_s`.
@@ -121,9 +124,9 @@ class SerialBackend:
                 self._flush()
             if self.session.conversation.frames:  # to a rosserial device only
                 with suppress(BackendError):
-                    self._port.write(self.session.conversation.farewell())
+                    self.port.write(self.session.conversation.farewell())
         self._open = False
-        self._port.close()
+        self.port.close()
 
     # --- beyond it --------------------------------------------------------------------------
 
@@ -136,26 +139,26 @@ class SerialBackend:
     def _turn(self, until_s: float) -> None:
         """Everything due has been written, and what came by then has been taken in."""
         if self._lost_s < inf:
-            self._retry(self._port.now())
-        now = self._port.now()
+            self._retry(self.port.now())
+        now = self.port.now()
         able = self._lost_s == inf
         try:
             while data := self.session.write(now, able):
-                self._port.write(data)
-            self._port.beat(self.session.safe_frame())
+                self.port.write(data)
+            self.port.beat(self.session.safe_frame())
             wait_s = min(until_s, self._due_s(now))
             if not able:
-                self._port.wait(wait_s)
+                self.port.wait(wait_s)
                 return
-            data = self._port.read(wait_s)
+            data = self.port.read(wait_s)
         except PortLostError as error:
             self._lose(str(error))
             return
         if data:
             if not self.session.conversation.known:
                 self._sample = (self._sample + data)[-_SAMPLE_BYTES:]
-            self.session.receive(data, self._port.now())
-        if self._port.overruled():
+            self.session.receive(data, self.port.now())
+        if self.port.overruled():
             message = "this program stood still for too long, the guardian of the port has stopped"
             self._events.append(FaultReport(OVERRULED, f"{message} the robot"))
 
@@ -165,7 +168,7 @@ class SerialBackend:
         return self.session.due_s(now)
 
     def _lose(self, reason: str) -> None:
-        now = self._port.now()
+        now = self.port.now()
         if self._lost_s == inf:
             self._lost_s = now
             self._events.append(FaultReport(LOST, f"the link to the robot is lost: {reason}"))
@@ -176,23 +179,22 @@ class SerialBackend:
         if now < self._retry_s:
             return
         self._retry_s = now + _REOPEN_EVERY_S
-        if self._port.reopen():
+        if self.port.reopen():
             self._lost_s = inf
-            self.session.connected(self._port.now())
+            self.session.connected(self.port.now())
 
     def _negotiate(self) -> None:
         conversation = self.session.conversation
-        give_up_s = self._port.now() + self.plan.serial.boot + ANSWER_WITHIN_S
+        give_up_s = self.port.now() + self.plan.serial.boot + ANSWER_WITHIN_S
         while not conversation.known:
             self._turn(give_up_s)
             if self.session.refused:
                 raise BackendError("; ".join(self.session.refused))
             if self._lost_s < inf:
-                raise BackendError(f"{self._port.name} went away while it was being opened")
-            if self._port.now() >= give_up_s:
-                raise BackendError(
-                    unanswered(self._port.name, self._baud, conversation, self._sample)
-                )
+                raise BackendError(f"{self.port.name} went away while it was being opened")
+            if self.port.now() >= give_up_s:
+                name, usual = self.port.name, self.plan.serial.baud
+                raise BackendError(unanswered(name, self._baud, conversation, self._sample, usual))
 
     def _hear_sensors(self) -> list[Event]:
         """The last frame of every board, and a fault for those that say nothing.
@@ -201,16 +203,16 @@ class SerialBackend:
             BackendError: None says anything.
         """
         session, boards = self.session, set(self.plan.channels)
-        give_up_s = self._port.now() + SENSORS_WITHIN_S
+        give_up_s = self.port.now() + SENSORS_WITHIN_S
         frames: dict[int, SensorFrame] = {}
         told: list[Event] = []
-        while not boards <= frames.keys() and self._port.now() < give_up_s:
+        while not boards <= frames.keys() and self.port.now() < give_up_s:
             self._turn(give_up_s)
             for event in session.take():
                 if isinstance(event, SensorFrame):
                     frames[event.board] = event
             if self._lost_s < inf:
-                raise BackendError(f"{self._port.name} went away while it was being opened")
+                raise BackendError(f"{self.port.name} went away while it was being opened")
         silent = boards - frames.keys()
         if boards and silent == boards:
             raise BackendError(no_sensors(self.plan.serial.advice.no_sensors))
@@ -223,8 +225,8 @@ class SerialBackend:
 
     def _flush(self) -> None:
         """The last array has been confirmed, or the safe one has gone out once more."""
-        give_up_s = self._port.now() + _FLUSH_WITHIN_S
-        while not self.session.link.idle and self._port.now() < give_up_s:
+        give_up_s = self.port.now() + _FLUSH_WITHIN_S
+        while not self.session.link.idle and self.port.now() < give_up_s:
             self._turn(give_up_s)
         if not self.session.link.idle:
-            self._port.write(self.session.safe_frame())
+            self.port.write(self.session.safe_frame())

@@ -12,7 +12,9 @@ _TEXT_SHARE = 0.9
 _SHOWN = 40
 
 
-def unanswered(port: str, baud: int, conversation: Conversation, sample: bytes) -> str:
+def unanswered(
+    port: str, baud: int, conversation: Conversation, sample: bytes, usual_baud: int | None = None
+) -> str:
     """Why nobody has introduced the topics that are needed.
 
     Args:
@@ -20,9 +22,15 @@ def unanswered(port: str, baud: int, conversation: Conversation, sample: bytes) 
         baud: Of the line.
         conversation: What has been said.
         sample: The last bytes that came.
+        usual_baud: What the robot's profile says.
     """
     if conversation.frames:
         return _incomplete(port, conversation)
+    if usual_baud not in {None, baud} and not sample:
+        return (
+            f"nothing answers on {port} at {baud} baud: the robot's profile says that its firmware "
+            f"speaks {usual_baud}"
+        )
     if not sample:
         return (
             f"nothing answers on {port} at {baud} baud: is this the robot's port, is it switched "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import select
 import time
 from contextlib import suppress
@@ -126,6 +127,9 @@ class SerialPort:
 def _advice(name: str, error: OSError) -> str:
     """Why a port cannot be opened, and what to do about it."""
     code = error.errno
+    within = re.search(r"\((\d+), ", str(error))
+    if code is None and within:
+        code = int(within[1])  # pyserial puts some errors into its words
     if code is None and "exclusively lock" in str(error):
         code = errno.EBUSY
     if code == errno.ENOENT:
