@@ -155,6 +155,8 @@ class Guard:
         self._alone = True
         if not self._safe_frame:
             return [Finish()]
+        if self.acting and self._repeat_s == inf:
+            return [ToPort(encode(TX_STOP)), Finish()]  # the robot is safe already
         if not self.acting:
             self._take_over(now)
         return self.tick(now)
