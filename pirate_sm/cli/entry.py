@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from pirate_sm import __version__
+from pirate_sm.cli.connecting import calibrate, doctor
 
 
 class Backends(str, Enum):  # noqa: UP042 - a StrEnum would show its members in capitals
@@ -126,6 +127,17 @@ def run(
     baud: Annotated[
         int | None, typer.Option(min=1, help="In place of the robot's own rate.")
     ] = None,
+    detector: Annotated[
+        str | None,
+        typer.Option(
+            metavar="sim|odometry|operator|socket:ADDRESS",
+            help="Who says where the robot is. For sim: sim, for serial: odometry.",
+        ),
+    ] = None,
+    start_at: Annotated[
+        str | None,
+        typer.Option(metavar="LENGTH", help="Where odometry takes the first wheel to begin."),
+    ] = None,
     calibration: Annotated[
         bool,
         typer.Option("--calibration/--no-calibration", help="Whether its joint zeros are used."),
@@ -167,6 +179,8 @@ def run(
                 port=port,
                 baud=baud,
                 calibration=calibration,
+                detector=detector,
+                start_at=start_at,
                 yes=yes,
                 plain=plain,
                 json=json,
@@ -312,6 +326,10 @@ def bay(
         )
 
     raise typer.Exit(guarded(work, debug))
+
+
+commands.command("doctor")(doctor)
+commands.command("calibrate")(calibrate)
 
 
 @new.command("mission")

@@ -250,6 +250,10 @@ def _about_moving(facts: Facts, advice: Advice) -> Iterator[Finding]:
 
 
 def _about_wheels(move: MoveFact, advice: Advice) -> Iterator[Finding]:
+    if all(wheel.turned_rad is None for wheel in move.wheels):
+        message = "setpoints are echoed, but no wheel's sensor tells whether it turned"
+        yield Finding("suspicious", message)
+        return
     idle = [wheel for wheel in move.wheels if not wheel.turned]
     if len(idle) == len(move.wheels):
         message = f"setpoints are echoed but no wheel turns{_with(advice.no_motion)}"

@@ -28,6 +28,7 @@ _MORE_WITHIN_S = 1.5
 _ASK_EVERY_S = 1.0
 _LOOK_UP_S = 0.1
 _SAMPLE_BYTES = 4096
+_BEAT_EVERY_S = 0.05
 
 Watch = Callable[["Listening"], None]
 
@@ -42,16 +43,20 @@ class Listening:
         subject: The robot that is expected.
         port: Where.
         baud: Of the line.
+        check: Is called many times a second; what it raises ends the listening.
 
     Attributes:
         records: What the boards said since it began to count.
         results: What became of arrays, by their ids.
     """
 
-    def __init__(self, subject: Subject, port: Port, baud: int) -> None:
+    def __init__(
+        self, subject: Subject, port: Port, baud: int, check: Callable[[], None] = lambda: None
+    ) -> None:
         self.subject = subject
         self.port = port
         self._baud = baud
+        self._check = check
         # Spikes are to be seen, not hidden.
         self._plan = subject.plan._replace(watched={})
         self.session = Session(self._plan, port.now(), port.epoch_s, baud)
@@ -133,8 +138,10 @@ class Listening:
             now = self.port.now()
             while data := self._due(now):
                 self.port.write(data)
+            self.port.beat(self.session.safe_frame())
             due_s = self.session.due_s(now) if self._may_write else inf
-            data = self.port.read(min(until_s, due_s))
+            data = self.port.read(min(until_s, due_s, now + _BEAT_EVERY_S))
+            self._check()
             now = self.port.now()
             if data:
                 self._hear(data, now)

@@ -26,6 +26,7 @@ class ChannelRecord:
         self.last, self.least, self.most = nan, inf, -inf
         self.count, self._run, self.longest_run = 0, 0, 0
         self.outside = ""
+        self._sum = 0.0
 
     def take(self, frame: SensorFrame, now: float) -> None:
         """The frame's value has been counted."""
@@ -37,10 +38,16 @@ class ChannelRecord:
         self.last = value
         self.least, self.most = min(self.least, value), max(self.most, value)
         self.count += 1
+        self._sum += value
         if self._judge is not None:
             for fault in self._judge.look(frame, now)[1]:
                 if fault.code == RANGE:
                     self.outside = fault.message
+
+    @property
+    def mean(self) -> float:
+        """Of its values; NaN where none came."""
+        return self._sum / self.count if self.count else nan
 
     @property
     def spikes(self) -> int:
