@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, NoReturn
 
+from pirate_sm.detectors.choice import Detecting, Kind, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.program import Wait
 from pirate_sm.engine.robot_state import at_rest_in
@@ -52,6 +53,9 @@ class Order:
             ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
         defects: Known defects that the simulated robot has.
         firings: What a trace fires instead of the first trigger of each wait.
+        detector: Who says the detector's words, ``odometry``, ``operator``, ``socket:ADDRESS`` or
+            ``sim``; None for what is usual on the backend.
+        start_at_m: Where odometry takes the first wheel to begin, in place of the pipe's own.
         port: Where the real robot is, a device or a URL of pyserial; ``baud`` in place of the
             robot's own rate.
         calibration: Whether the joint zeros of the real robot are subtracted, where it has any.
@@ -70,6 +74,8 @@ class Order:
     diameter_jitter_m: float = 0.0
     defects: tuple[str, ...] = ()
     firings: tuple[Firing, ...] = ()
+    detector: str | None = None
+    start_at_m: float | None = None
     port: str | None = None
     baud: int | None = None
     calibration: bool = True
@@ -102,6 +108,7 @@ class Prepared:
         truth: Where the robot really is, for backends that know.
         confirmation: What a person must agree to before anything moves; empty: nothing.
         follow: Must be given the run before it begins.
+        detector: Who says the detector's words; ``operator`` still wants a keyboard.
     """
 
     order: Order
@@ -113,6 +120,7 @@ class Prepared:
     truth: Callable[[], Truth] | None = None
     confirmation: str = ""
     follow: Callable[[MissionRun], None] = lambda run: None
+    detector: Kind = "none"
 
 
 def load(order: Order) -> LoadedMission:
@@ -179,6 +187,7 @@ def _simulator(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
         ) from None
     if not kernel.is_compiled():
         say(COMPILING)
+    detector = _detecting(order, loaded, usual="sim")
     jitter = Jitter(order.start_jitter_m, order.friction_jitter, order.diameter_jitter_m)
     backend = SimulatorBackend(
         loaded.loaded_robot.profile,
@@ -187,6 +196,7 @@ def _simulator(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
         start_values=_start_values(loaded),
         jitter=jitter,
         defects=order.defects,
+        detects=detector.kind == "sim",
     )
 
     def truth() -> Truth:
@@ -194,7 +204,21 @@ def _simulator(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
         return Truth(real.wheels, real.wheel_radius_m, real.walls, real.distance_m)
 
     engine = Engine(loaded.robot, loaded.program, nominal=False)
-    return Prepared(order, loaded, engine, backend, truth=truth)
+    return Prepared(
+        order, loaded, engine, backend, detector.companions, detector.notices, truth=truth,
+        detector=detector.kind,
+    )  # fmt: skip
+
+
+def _detecting(order: Order, loaded: LoadedMission, *, usual: Kind) -> Detecting:
+    return detecting(
+        order.detector,
+        usual=usual,
+        profile=loaded.loaded_robot.profile,
+        robot=loaded.robot,
+        pipe=loaded.pipe,
+        first_wheel_m=order.start_at_m,
+    )
 
 
 def _start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
@@ -226,11 +250,13 @@ def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
     check = check_of(profile, loaded.robot, start, diameter_m)
     backend = serial_backend(plan, order.port, order.baud, check)
     engine = Engine(loaded.robot, loaded.program, nominal=False)
+    detector = _detecting(order, loaded, usual="odometry")
     holder = Holder(engine, backend.hold)
     question = f"{profile.robot} on {order.port} is about to move"
     return Prepared(
-        order, loaded, engine, backend, (holder,), notices,
-        confirmation=question, follow=holder.follow,
+        order, loaded, engine, backend, (holder, *detector.companions),
+        (*notices, *detector.notices),
+        detector=detector.kind, confirmation=question, follow=holder.follow,
     )  # fmt: skip
 
 
@@ -254,6 +280,8 @@ def _trace(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
 
     if order.defects:
         raise UsageError("--defect needs a robot that moves: use --backend sim")
+    if order.detector is not None or order.start_at_m is not None:
+        raise UsageError("--detector needs a robot that moves: use --backend sim")
     _check_firings(order.firings, loaded)
     backend = TraceBackend()
     engine = Engine(loaded.robot, loaded.program, nominal=True)

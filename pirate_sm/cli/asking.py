@@ -56,6 +56,40 @@ class TerminalKeys:
             return ""  # the terminal has gone; a signal will tell
 
 
+class _Share:
+    """The keys of one of those who share a keyboard."""
+
+    def __init__(self, look: Callable[[], None]) -> None:
+        self._look = look
+        self.waiting = ""
+
+    def pressed(self) -> str:
+        """The keys for this one since it was last asked."""
+        self._look()
+        keys, self.waiting = self.waiting, ""
+        return keys
+
+
+class SharedKeys:
+    """One keyboard for two: some keys say the detector's words, all others answer.
+
+    Attributes:
+        words: The keys that say words.
+        answers: All others.
+    """
+
+    def __init__(self, keys: Keys, for_words: str) -> None:
+        self._keys = keys
+        self._for_words = for_words
+        self.words = _Share(self._look)
+        self.answers = _Share(self._look)
+
+    def _look(self) -> None:
+        for key in self._keys.pressed():
+            share = self.words if key.lower() in self._for_words else self.answers
+            share.waiting += key
+
+
 class Operator:
     """Puts questions and the operator's triggers to a person; a companion.
 

@@ -13,7 +13,6 @@ from typing import Annotated
 import typer
 
 from pirate_sm import __version__
-from pirate_sm.cli.connecting import calibrate, doctor
 
 
 class Backends(str, Enum):  # noqa: UP042 - a StrEnum would show its members in capitals
@@ -326,10 +325,6 @@ def bay(
         )
 
     raise typer.Exit(guarded(work, debug))
-
-
-commands.command("doctor")(doctor)
-commands.command("calibrate")(calibrate)
 
 
 @new.command("mission")

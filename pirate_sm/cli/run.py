@@ -23,10 +23,12 @@ from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.observing import Observer, Watcher
 from pirate_sm.runtime.outcome import BUG, Result
 from pirate_sm.runtime.stopping import OUTPUT_LOST, CaughtSignals, StopRequests
+from pirate_sm.units import LENGTH, QuantityError, read_quantity
 from pirate_sm.wiring import Order, Prepared, answers, prepare
 
 if TYPE_CHECKING:
     from pirate_sm.cli.asking import Operator
+    from pirate_sm.detectors.keys import WordKeys
 
 ON_A_TERMINAL = 4.0
 """Mission seconds per second where a person is thought to watch."""
@@ -59,6 +61,8 @@ class Wishes:
     port: str | None
     baud: int | None
     calibration: bool
+    detector: str | None
+    start_at: str | None
     yes: bool
     plain: bool
     json: bool
@@ -105,10 +109,14 @@ def _show(
     situation = Situation(prepared)
     live = on_terminal and not wishes.plain
     with ExitStack() as stack:
-        operator = _operator(prepared, wishes, on_terminal, live, stack)
-        output = _output(situation, wishes, live, factor, operator)
+        for companion in prepared.companions:
+            if isinstance(companion, AbstractContextManager):
+                stack.enter_context(companion)
+        operator, words = _people(prepared, wishes, on_terminal, live, stack)
+        output = _output(situation, wishes, live, factor, operator, words)
         pipe = watch_pipe(sys.stdout)
         companions: list[Companion] = [*prepared.companions, operator or FirstChoice()]
+        companions += [words] if words else []
         run = MissionRun(
             prepared.engine,
             prepared.backend,
@@ -132,21 +140,39 @@ def _show(
     return _conclude(result, wishes)
 
 
-def _operator(
+def _people(
     prepared: Prepared, wishes: Wishes, on_terminal: bool, live: bool, stack: ExitStack
-) -> Operator | None:
-    """The person at the keyboard, where there is one who can see the questions."""
-    if wishes.yes or not (on_terminal and sys.stdin.isatty()):
-        return None
-    from pirate_sm.cli.asking import Operator, TerminalKeys
+) -> tuple[Operator | None, WordKeys | None]:
+    """The person at the keyboard, where there is one who sees what is asked and what happens.
 
-    keys = stack.enter_context(TerminalKeys())
+    Raises:
+        UsageError: The detector shall be a person, and there is none.
+    """
+    present = on_terminal and sys.stdin.isatty()
+    detects = prepared.detector == "operator"
+    if detects and not present:
+        raise UsageError("--detector operator needs a terminal: nobody could see it and type")
+    if not present or (wishes.yes and not detects):
+        return None, None
+    from pirate_sm.cli.asking import Operator, SharedKeys, TerminalKeys
+    from pirate_sm.detectors.keys import LETTERS, WordKeys
+
+    keys = SharedKeys(stack.enter_context(TerminalKeys()), LETTERS if detects else "")
     show = (lambda text: None) if live else (lambda text: print(text, flush=True))
-    return Operator(keys, answers(prepared.loaded), show)
+    operator = None if wishes.yes else Operator(keys.answers, answers(prepared.loaded), show)
+    if not detects:
+        return operator, None
+    valid_for_s = prepared.loaded.loaded_robot.profile.detector.valid_for
+    return operator, WordKeys(keys.words, prepared.loaded.robot.detector_words, valid_for_s)
 
 
 def _output(
-    situation: Situation, wishes: Wishes, live: bool, factor: float, operator: Operator | None
+    situation: Situation,
+    wishes: Wishes,
+    live: bool,
+    factor: float,
+    operator: Operator | None,
+    words: WordKeys | None,
 ) -> Output:
     out = sys.stdout
     if wishes.json:
@@ -158,7 +184,7 @@ def _output(
         from pirate_sm.cli.live.view import View
 
         speed = "max" if factor == inf else f"{factor:g} ×"
-        return View(Console(file=out, highlight=False), situation, speed, operator)
+        return View(Console(file=out, highlight=False), situation, speed, operator, words)
     out.reconfigure(errors="replace")  # type: ignore[union-attr]
     return Lines(out, situation, quiet=wishes.quiet)
 
@@ -187,6 +213,8 @@ def read_order(wishes: Wishes) -> Order:
         port=wishes.port,
         baud=wishes.baud,
         calibration=wishes.calibration,
+        detector=wishes.detector,
+        start_at_m=read_length("--start-at", wishes.start_at),
     )
 
 
@@ -205,6 +233,20 @@ def read_pairs(option: str, texts: Iterable[str], form: str) -> dict[str, str]:
             raise UsageError(f"{option} gives '{name}' twice")
         pairs[name] = value
     return pairs
+
+
+def read_length(option: str, text: str | None) -> float | None:
+    """The length that an option gives, m.
+
+    Raises:
+        UsageError: It is none.
+    """
+    if text is None:
+        return None
+    try:
+        return read_quantity(text, LENGTH)
+    except QuantityError as error:
+        raise UsageError(f"{option} {text}: {error}") from None
 
 
 def read_speed(text: str | None, default: float) -> float:

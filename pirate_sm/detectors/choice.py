@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple, TypeAlias
 
+from pirate_sm.detectors.keys import offer
 from pirate_sm.detectors.listener import Address, read_address
 from pirate_sm.detectors.odometry import Odometry
 from pirate_sm.detectors.outside import OutsideWords
@@ -94,6 +95,8 @@ def detecting(
         socket = OutsideWords(choice.address, robot.detector_words, profile.detector.valid_for)
         notice = f"detector: programs that write to {socket.address}"
         return Detecting("socket", (socket,), (notice,))
+    if choice.kind == "operator":
+        return Detecting("operator", (), (f"detector: the keys {offer(robot.detector_words)}",))
     return Detecting(choice.kind)
 
 

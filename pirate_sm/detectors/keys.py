@@ -16,6 +16,15 @@ LETTERS = ascii_lowercase
 _LOOK_EVERY_S = 0.05
 
 
+def offer(words: Sequence[str]) -> str:
+    """The keys and their words, for people."""
+    return "  ".join(f"[{key}] {word}" for key, word in _keys_of(words).items())
+
+
+def _keys_of(words: Sequence[str]) -> dict[str, str]:
+    return dict(zip(LETTERS, words, strict=False))
+
+
 class Keys(Protocol):
     """Gives the keys pressed since it was last asked."""
 
@@ -36,9 +45,9 @@ class WordKeys:
         self.due_s = 0.0
         self.listening = True
         self._keys = keys
-        self._words = dict(zip(LETTERS, words, strict=False))
+        self._words = _keys_of(words)
         self._valid_for_s = valid_for_s
-        self.offered = "  ".join(f"[{key}] {word}" for key, word in self._words.items())
+        self.offered = offer(words)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
         """After the end nobody is listened to."""

@@ -13,6 +13,7 @@ from pirate_sm.cli.live.gauges import Gauge
 from pirate_sm.cli.live.memory import Memory
 from pirate_sm.cli.situation import Situation
 from pirate_sm.cli.telling import setpoint, shortened
+from pirate_sm.detectors.keys import WordKeys
 from pirate_sm.engine.robot import RobotSpec
 
 OUTCOME = {
@@ -68,12 +69,16 @@ def phases(situation: Situation, memory: Memory, rows: int) -> list[Text]:
 
 
 def waiting(
-    situation: Situation, memory: Memory, operator: Operator | None, width: int
+    situation: Situation,
+    memory: Memory,
+    operator: Operator | None,
+    words: WordKeys | None,
+    width: int,
 ) -> list[Text]:
     """What the mission waits for, and how much longer it will."""
     if memory.ended:
         return [Text(memory.ended.message, OUTCOME[memory.ended.outcome])]
-    lines = []
+    lines = [Text(words.offered, "yellow")] if words else []
     if operator and operator.choices:
         lines.append(Text(operator.question, "bold yellow"))
         offered = (f"[{n}] {choice}" for n, choice in enumerate(operator.choices, 1))

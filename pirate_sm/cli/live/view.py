@@ -17,6 +17,7 @@ from pirate_sm.cli.live.gauges import gauges
 from pirate_sm.cli.live.memory import Memory
 from pirate_sm.cli.situation import Situation
 from pirate_sm.cli.telling import summary
+from pirate_sm.detectors.keys import WordKeys
 from pirate_sm.model.effects import Effect
 
 _LEFT = 42
@@ -27,12 +28,18 @@ class View:
     """Shows a run in place while it is entered; its last frame stays."""
 
     def __init__(
-        self, console: Console, situation: Situation, speed: str, operator: Operator | None
+        self,
+        console: Console,
+        situation: Situation,
+        speed: str,
+        operator: Operator | None,
+        words: WordKeys | None = None,
     ) -> None:
         self._console = console
         self._situation = situation
         self._speed = speed
         self._operator = operator
+        self._word_keys = words
         self._memory = Memory(situation.robot)
         self._gauges = gauges(situation.prepared.loaded.loaded_robot.profile)
         self._spare = 1
@@ -113,7 +120,7 @@ class View:
         there, memory = self._situation, self._memory
         states = [*panels.states(there.robot, memory), panels.words(there)]
         most = max(3, min(6, rows - len(states) - 6))
-        waiting = panels.waiting(there, memory, self._operator, _LEFT)[:most]
+        waiting = panels.waiting(there, memory, self._operator, self._word_keys, _LEFT)[:most]
         if memory.ended is None:
             waiting = _filled(waiting, most)
         room = max(rows - len(states) - len(waiting) - 3, 1)
