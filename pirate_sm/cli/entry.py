@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from pirate_sm import __version__
+from pirate_sm.cli.connecting import calibrate, doctor
 
 
 class Backends(str, Enum):  # noqa: UP042 - a StrEnum would show its members in capitals
@@ -325,6 +326,10 @@ def bay(
         )
 
     raise typer.Exit(guarded(work, debug))
+
+
+commands.command("doctor")(doctor)
+commands.command("calibrate")(calibrate)
 
 
 @new.command("mission")
