@@ -164,9 +164,11 @@ class Guard:
     def receive(self, data: bytes, now: float) -> list[Action]:
         """What has come from the port."""
         actions: list[Action] = [] if self._alone else [ToRunner(Note(Kind.DATA, data))]
+        if not self.acting:
+            return actions
         frames = self._decoder.feed(data)
         wanted = self._safe_payload
-        if self.acting and wanted and any(frame.payload == wanted for frame in frames):
+        if wanted and any(frame.payload == wanted for frame in frames):
             self._left = 0
             self._repeat_s = inf
             if self._alone:
@@ -192,6 +194,7 @@ class Guard:
 
     def _take_over(self, now: float) -> None:
         self.acting = True
+        self._decoder = Decoder()
         self._left = REPEATS
         self._repeat_s = max(now, self._wrote_s + AFTER_A_WRITE_S)
 

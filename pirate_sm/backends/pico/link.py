@@ -25,6 +25,12 @@ _ROUNDING = 1e-6
 
 NO_ECHO = "link.no_echo"
 
+# How the time to wait for an echo follows what echoes have taken, as TCP's does (RFC 6298).
+_MEAN_GAIN = 1 / 8
+_SPREAD_GAIN = 1 / 4
+_SPREADS = 4.0
+_MARGIN_S = 0.01
+
 
 class WireSlot(NamedTuple):
     """How one setpoint is written and what it may be, checked here independently.
@@ -71,7 +77,8 @@ class SetpointLink:
     Args:
         slots: In the order of the wire.
         pack: Makes a payload of a wire id and counts.
-        echo_within_s: An array not echoed for so long is written again.
+        echo_within_s: An array not echoed for so long is written again; sooner where echoes have
+            been seen to come sooner.
         spacing_s: The least time between two arrays.
         ids: How many wire ids there are; 0 is left to others.
 
@@ -91,7 +98,8 @@ class SetpointLink:
     ) -> None:
         self._slots = tuple(slots)
         self._pack = pack
-        self._echo_within_s = echo_within_s
+        self._longest_s = echo_within_s
+        self._mean_s = self._spread_s = echo_within_s / 2
         self._spacing_s = spacing_s
         self._ids = ids
         self._number = 0
@@ -171,6 +179,11 @@ class SetpointLink:
             return self._sent_s + self._spacing_s
         return inf
 
+    @property
+    def _echo_within_s(self) -> float:
+        """How long to wait for an echo now."""
+        return min(self._longest_s, self._mean_s + _SPREADS * self._spread_s + _MARGIN_S)
+
     def expire(self, now: float, able: bool = True) -> None:
         """Whatever has been awaited for long enough is given up or will be written again.
 
@@ -186,7 +199,7 @@ class SetpointLink:
                 self._end(flight, f"no echo after {flight.copies} copies")
             else:
                 flight.again = True
-        budget_s = COPIES * self._echo_within_s
+        budget_s = COPIES * self._longest_s
         flight = self._flight
         if not able and flight is not None and now >= flight.order.since_s + budget_s:
             self._end(flight, "the link is down")
@@ -233,8 +246,14 @@ class SetpointLink:
             flight.told = True
             self._tell(flight.order.setpoint_id, "accepted", "")
         if number == flight.numbers[-1]:
-            self.round_trips.append(now - flight.sent_s)
+            self._learn(now - flight.sent_s)
             self._flight = None
+
+    def _learn(self, took_s: float) -> None:
+        """An echo has taken so long."""
+        self.round_trips.append(took_s)
+        self._spread_s += _SPREAD_GAIN * (abs(took_s - self._mean_s) - self._spread_s)
+        self._mean_s += _MEAN_GAIN * (took_s - self._mean_s)
 
     def unreadable(self, now: float) -> None:
         """An echo has come that nobody can read."""

@@ -81,6 +81,8 @@ class Session:
         self._supervision = Supervision(plan.watched, plan.wheels)
         self._events: list[Event] = []
         self._held: tuple[int, ...] | None = None
+        self._safe_counts: tuple[int, ...] | None = None
+        self._safe_payload = b""
         self._unreadable = 0
         self._flowing = False
         self.heard: set[int] = set()
@@ -168,10 +170,12 @@ class Session:
             return b""
         if self._held is not None:
             counts = self._held
-        zero = set(self._plan.safe_zero)
-        safe = [0 if slot in zero else count for slot, count in enumerate(counts)]
-        payload = self._plan.messages.setpoints.pack(SAFE_WIRE_ID, safe)
-        return self.conversation.frame(SETPOINTS, payload)
+        if counts is not self._safe_counts:  # asked for at every turn
+            zero = set(self._plan.safe_zero)
+            safe = [0 if slot in zero else count for slot, count in enumerate(counts)]
+            self._safe_counts = counts
+            self._safe_payload = self._plan.messages.setpoints.pack(SAFE_WIRE_ID, safe)
+        return self.conversation.frame(SETPOINTS, self._safe_payload)
 
     @property
     def counts(self) -> Counts:
