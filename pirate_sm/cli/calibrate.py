@@ -130,8 +130,8 @@ def _conclude(
 ) -> int:
     before = _before(loaded)
     for name, mean, spread, *_ in readings:
-        old = f", before {degrees(before[name]):+.2f} deg" if name in before else ""
-        print(f"{name}: {degrees(mean):+.2f} deg, within {degrees(spread):.2f} deg{old}")
+        old = f", before {degrees(before[name]):+z.2f} deg" if name in before else ""
+        print(f"{name}: {degrees(mean):+z.2f} deg, within {degrees(spread):.2f} deg{old}")
     against = objections(readings, limit_rad)
     if against:
         for objection in against:
@@ -164,7 +164,7 @@ def _before(loaded: LoadedRobot) -> dict[str, float]:
 
 def _line(readings: Sequence[JointReading]) -> str:
     """Where the joints are now."""
-    return ", ".join(f"{each.name} {degrees(each.last):+.1f} deg" for each in readings)
+    return ", ".join(f"{each.name} {degrees(each.last):+z.1f} deg" for each in readings)
 
 
 def _wait_for_enter(

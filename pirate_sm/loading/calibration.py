@@ -117,7 +117,7 @@ def with_zeros(robot: RobotSpec, zeros: Mapping[str, float]) -> RobotSpec:
 
 def summary(calibration: Calibration) -> str:
     """What is applied, in one line for a person."""
-    zeros = ", ".join(f"{name} {degrees(z):+.1f} deg" for name, z in calibration.zeros.items())
+    zeros = ", ".join(f"{name} {degrees(z):+z.1f} deg" for name, z in calibration.zeros.items())
     return f"joint zeros of {calibration.date} applied: {zeros}"
 
 
@@ -154,7 +154,7 @@ def _write(path: Path, text: str) -> Path:
 
 
 def _text(calibration: Calibration) -> str:
-    zeros = "".join(f"  {name}: {degrees(z):.3f} deg\n" for name, z in calibration.zeros.items())
+    zeros = "".join(f"  {name}: {degrees(z):z.3f} deg\n" for name, z in calibration.zeros.items())
     port = calibration.port.replace("\\", "\\\\").replace('"', '\\"')
     return (
         "# What each joint's sensor shows when the robot is straight; it is subtracted.\n"
