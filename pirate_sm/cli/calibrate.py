@@ -176,17 +176,23 @@ def _wait_for_enter(
         UsageError: Nobody can press anything any more.
     """
     say(f"{what} [Enter]")
+    try:
+        _serve_until_enter(listening, status)
+    finally:
+        if status():
+            say("")  # the line of the status is left
+
+
+def _serve_until_enter(listening: Listening, status: Callable[[], str]) -> None:
     shown_s = listening.port.now()
     while True:
         ready, _, _ = select.select([sys.stdin], [], [], 0)
         if ready:
             if not os.read(sys.stdin.fileno(), 1024):
                 raise UsageError("nobody answers; nothing was kept")
-            break
+            return
         listening.turn(listening.port.now() + _TURN_S)
         text = status()
         if text and listening.port.now() >= shown_s + _SHOW_EVERY_S:
             shown_s = listening.port.now()
             print(f"\r{text}\033[K", end="", file=sys.stderr, flush=True)
-    if status():
-        print("", file=sys.stderr)
