@@ -129,6 +129,39 @@ def test_a_command_neither_ends_nor_goes_on_while_its_loop_is_unanswered(drive):
     assert driver.setpoints != sent, "only now the push"
 
 
+def test_a_command_does_not_time_out_either_while_its_loop_is_unanswered(drive):
+    driver = drive(IDLE, states=REAR_CLAMPED)
+    driver.report_all(0.1)
+    command(driver, "BendInto")
+    driver.accept()
+    while driver.now < 9.9:
+        driver.report_all(driver.now + 0.1)
+        if driver.in_flight:
+            driver.accept()
+    driver.signals["gamma_1"] = math.radians(-42.5)
+    driver.report_all(10.0)
+    assert driver.in_flight
+
+    driver.report_all(10.3)
+    assert driver.last_status.status == "accepted"
+    driver.accept()
+    assert driver.last_status.status == "failed"
+
+
+def test_what_was_so_before_acceptance_does_not_count(drive):
+    driver = drive(IDLE)
+    driver.signals |= {"bend_torque_1": -0.6, "bend_torque_2": 0.6}
+    command(driver, "ClampFront")
+    for at in (0.1, 0.2, 0.3, 0.4):
+        driver.report_all(at)
+
+    driver.accept()
+    driver.report_all(0.5)
+    assert driver.last_status.status == "accepted"
+    driver.report_all(0.6)
+    assert driver.last_status.status == "done"
+
+
 def test_a_timeout_counts_from_acceptance(drive):
     driver = drive(CLAMPING)
     driver.run(3.0)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
-from driving import BOTH_CLAMPED, IDLE, REAR_CLAMPED, command
+from driving import BOTH_CLAMPED, IDLE, REAR_CLAMPED, Driver, command
 
+from pirate_sm.engine.program import HandlerSpec
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 
@@ -64,6 +66,17 @@ def test_what_cannot_be_caught_is_not(drive, code):
     assert driver.faults == [(code, "stop")]
     driver.accept()
     assert driver.ended.outcome == "fault"
+
+
+def test_what_cannot_be_caught_is_not_even_when_a_program_says_so(drive):
+    driver = drive(HANDLED)
+    program = driver.engine.program
+    handlers = tuple((HandlerSpec("link.lost", None, ""),) for _ in program.handlers)
+    again = Driver(driver.robot, replace(program, handlers=handlers))
+
+    again.give(ev.FaultReport("link.lost", "gone"), 0.1)
+
+    assert again.faults == [("link.lost", "stop")]
 
 
 def test_a_command_under_way_is_interrupted_and_stays_unconfirmed(drive):

@@ -128,6 +128,20 @@ def test_an_unconfirmed_clamp_is_no_clamp(drive):
     assert driver.statuses[-1] == ("RelaxFront", "sent")
 
 
+def test_it_stays_unconfirmed_whatever_other_command_comes_between(drive):
+    driver = drive(IDLE, states=REAR_CLAMPED)
+    driver.report_all(0.1)
+    command(driver, "ClampFront")
+    driver.accept()
+    driver.run(20.0)
+    command(driver, "ToggleLighting")
+    driver.until_done("ToggleLighting")
+
+    command(driver, "RelaxRear")
+
+    assert "last confirmed clamp (rear)" in driver.last_status.reason
+
+
 def test_a_clamp_that_was_passed_over_is_no_clamp_either(drive):
     mission = """\
 start: hold
