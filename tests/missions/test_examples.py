@@ -21,6 +21,7 @@ ENDS = {
     "held": "steady",
     "inline_pipe": "arrived",
     "log": "said",
+    "on_a_block": "obeys",
     "on_failure_continue": "held",
     "on_failure_mission": "gave_up",
     "on_failure_phase": "refused",
