@@ -179,10 +179,10 @@ class Engine:
         index = self.robot.table.command_index.get(event.command)
         if index is None:
             reason = "impossible: there is no such command"
-        elif state.robot.motion is not None or state.robot.flight is not None:
-            reason = "impossible: another command is under way"
         elif state.mission.ending is not None:
             reason = "impossible: the mission is ending"
+        elif state.robot.motion is not None or state.robot.flight is not None:
+            reason = "impossible: another command is under way"
         else:
             reason = robot_state.refusal(self.robot, state.robot, index)
         if reason or index is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -207,6 +208,19 @@ def write_mission(folder: Path, body: str, robot: Path = PIRATE, name: str = "m.
     head = HEAD.format(robot=robot).replace("under_test", file.stem)
     file.write_text(head + body, encoding="utf-8")
     return file
+
+
+def changed_newt(folder: Path, *swaps: tuple[str, str]) -> Path:
+    """A copy of the small robot in whose profile something stands for something else."""
+    robot = folder / "newt"
+    shutil.copytree(NEWT, robot)
+    profile = robot / "profile.yaml"
+    text = profile.read_text(encoding="utf-8")
+    for old, new in swaps:
+        assert old in text, f"nothing to swap: {old}"
+        text = text.replace(old, new, 1)
+    profile.write_text(text, encoding="utf-8")
+    return robot
 
 
 def driver_of(path: Path, *, nominal: bool = False, **options: Any) -> Driver:

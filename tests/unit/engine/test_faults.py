@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from driving import BOTH_CLAMPED, IDLE, REAR_CLAMPED, Driver, command
+from driving import BOTH_CLAMPED, IDLE, REAR_CLAMPED, Driver, command, write_mission
 
 from pirate_sm.engine.program import HandlerSpec
 from pirate_sm.model import effects as fx
@@ -145,6 +145,54 @@ ends: {e: {succeed: ok}}
 
     assert driver.state.wake_at_s == math.inf
     assert driver.fired == []
+
+
+@pytest.mark.parametrize("event", [STUCK, ev.Pause()])
+def test_no_deadline_wakes_for_ever_while_a_command_is_in_flight(drive, event):
+    driver = drive(
+        """
+on_fault: [{fault: robot.stuck, go: b}]
+start: a
+phases:
+  a: {wait: [{operator: x, go: e}], within: {time: 1 s, go: e}}
+  b: {go: e}
+ends: {e: {succeed: ok}}
+""",
+        nominal=True,
+    )
+    command(driver, "ToggleLighting")
+    driver.give(event, 0.5)
+
+    driver.tick(1.0)  # `within` is due, and the array is in flight
+
+    assert driver.state.wake_at_s == math.inf
+    assert driver.fired == []
+
+
+def test_a_fault_in_a_mission_that_the_handler_calls_is_a_second_one(drive, tmp_path):
+    write_mission(
+        tmp_path,
+        "start: x\nphases: {x: {go: y}, y: {wait: [{after: 9 s, go: e}]}}\n"
+        "ends: {e: {succeed: x}}\n",
+        name="called.yaml",
+    )
+    driver = drive(
+        """
+on_fault: [{fault: robot.stuck, go: rescue}]
+start: a
+phases:
+  a: {wait: [{operator: x, go: e}], within: {time: 1 h, go: e}}
+  rescue: {do: [{call: called}], go: e}
+ends: {e: {succeed: ok}}
+"""
+    )
+    driver.give(STUCK, 0.1)
+    driver.accept()
+    assert driver.phases == ["a", "rescue", "rescue/called.x", "rescue/called.y"]
+
+    driver.give(STUCK, 0.2)
+
+    assert driver.faults == [("robot.stuck", "rescue"), ("robot.stuck", "stop")]
 
 
 def test_stopped_wheels_are_not_what_the_chart_says(drive):

@@ -237,7 +237,7 @@ def test_no_command_is_taken_while_the_mission_ends(drive):
 
     command(driver, "RelaxRear")
 
-    assert driver.last_status.status == "refused"
+    assert driver.last_status.reason == "impossible: the mission is ending"
 
 
 # --- the end

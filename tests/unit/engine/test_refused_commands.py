@@ -128,6 +128,22 @@ def test_an_unconfirmed_clamp_is_no_clamp(drive):
     assert driver.statuses[-1] == ("RelaxFront", "sent")
 
 
+def test_what_a_part_depends_on_stays_unconfirmed_with_it(drive):
+    driver = drive(IDLE)
+    driver.report_all(0.1)
+    command(driver, "ClampFront")
+    driver.accept()
+    driver.run(20.0)
+    command(driver, "ClampRear")
+    driver.until_done("ClampRear")
+
+    assert driver.states["BendingState"] == "DoubleClamped"
+    assert driver.unconfirmed == {"FrontWheelsState", "BendingState"}
+    command(driver, "ClampFront")
+    driver.until_done("ClampFront")
+    assert driver.unconfirmed == set()
+
+
 def test_it_stays_unconfirmed_whatever_other_command_comes_between(drive):
     driver = drive(IDLE, states=REAR_CLAMPED)
     driver.report_all(0.1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from driving import BOTH_CLAMPED, DRIVING_FORWARD, IDLE, NEWT, command
+from driving import BOTH_CLAMPED, DRIVING_FORWARD, IDLE, NEWT, changed_newt, command
 
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
@@ -220,6 +220,17 @@ def test_when_no_board_says_anything_the_link_is_silent(drive):
     assert driver.faults == [("link.silent", "stop")]
     assert 1.1 <= driver.now <= 1.6
     assert driver.ended.outcome == "fault"
+
+
+def test_a_silent_link_is_noticed_however_long_signals_stay_fresh(drive, tmp_path):
+    robot = changed_newt(tmp_path, ("stale_after: 300 ms", "stale_after: 3 h"))
+    driver = drive(IDLE, robot)
+
+    while not driver.ended:
+        driver.tick(driver.wake_at)
+
+    assert driver.faults == [("link.silent", "stop")]
+    assert driver.now <= 1.2
 
 
 def test_a_frame_that_is_too_short_says_nothing(drive):

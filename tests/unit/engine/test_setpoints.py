@@ -5,7 +5,15 @@ from __future__ import annotations
 import math
 
 import pytest
-from driving import BOTH_CLAMPED, DRIVING_FORWARD, FRONT_CLAMPED, IDLE, REAR_CLAMPED, command
+from driving import (
+    BOTH_CLAMPED,
+    DRIVING_FORWARD,
+    FRONT_CLAMPED,
+    IDLE,
+    REAR_CLAMPED,
+    changed_newt,
+    command,
+)
 
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
@@ -15,6 +23,9 @@ HOLD = {"bend_3": -0.7, "bend_4": 0.7}
 FRONT_AHEAD = {"wheel_1": 1, "wheel_2": -1, "wheel_3": 1}
 REAR_AHEAD = {"wheel_4": -1, "wheel_5": 1, "wheel_6": -1}
 NOT_MIRRORED = {"rotate", "led_front", "led_rear"}
+
+
+REACHED = "done: {kind: reached}"
 
 
 def turned(values: dict[str, float]) -> dict[str, float]:
@@ -195,6 +206,38 @@ def test_an_angle_once_sent_is_kept_even_when_the_sensor_says_otherwise(drive):
     command(driver, "ClampFront")
 
     assert driver.array["rotate"] == pytest.approx(0.4, abs=1e-3)
+
+
+def test_a_duty_is_a_whole_number_of_steps_of_the_wire(drive):
+    driver = drive(IDLE, states=FRONT_CLAMPED)
+    driver.show(0.1, gamma_3=math.radians(-25.123), gamma_4=0.0)
+
+    command(driver, "BendBack")
+
+    steps = driver.array["bend_3"] / 0.001
+    assert steps == pytest.approx(round(steps), abs=1e-9)
+    assert steps == pytest.approx(-4 * math.radians(30 - 25.123) / 0.001, abs=0.5)
+
+
+def test_a_later_stage_may_have_angles_of_its_own(drive, tmp_path):
+    staged = """
+      - {fold_neck: 20 deg, fold_hip: 0 %}
+      - {fold_neck: 40 deg, fold_hip: 0 %}
+      - {fold_neck: 0 %, fold_hip: 10 %}"""
+    robot = changed_newt(
+        tmp_path,
+        (" {fold_neck: 0 deg, fold_hip: 0 deg}", staged),
+        ("done: {kind: below, signals: [neck, hip], limit: 6 deg, for: 0.2 s}", REACHED),
+    )
+    driver = drive(IDLE, robot, states={"Grip": "NoseHeld"})
+    driver.show(0.1, neck=0.0)
+    command(driver, "Home")
+    driver.accept()
+
+    assert bending(driver, {"neck": math.radians(20)}) == near({"fold_neck": 0.5})
+    assert driver.last_status.status == "accepted"
+    assert bending(driver, {"neck": math.radians(40)}) == near({"fold_hip": 0.1})
+    assert driver.last_status.status == "done"
 
 
 def test_reset_lets_go_of_everything_by_angle(drive):
