@@ -7,6 +7,7 @@ from math import inf
 from statistics import median
 from typing import NamedTuple, Self
 
+from rich.columns import Columns
 from rich.console import Console, Group
 from rich.live import Live
 from rich.table import Table
@@ -144,10 +145,10 @@ class LiveTables:
         self._live.__exit__(None, None, None)
 
     def update(self, facts: Facts, now_s: float) -> None:
-        """The tables show the facts, a few times a second."""
+        """The tables show what the sensors say, a few times a second."""
         if now_s >= self._shown_s + _REFRESH_S:
             self._shown_s = now_s
-            self._live.update(_group(facts), refresh=True)
+            self._live.update(sensors_now(facts), refresh=True)
 
     @staticmethod
     def show(facts: Facts) -> None:
@@ -161,6 +162,25 @@ class LiveTables:
             style = _STYLES[finding.level]
             console.print(Text(f"{finding.level}: {finding.message}", style))
         console.print(Text(verdict(facts), "bold green" if facts.go else "bold red"))
+
+
+def sensors_now(facts: Facts) -> Columns:
+    """What every sensor says, a small table for each board, side by side where there is room."""
+    tables = []
+    for board in facts.boards:
+        title = f"{board.id} {board.module}, {board.per_s:.1f} per s"
+        table = Table(title=title, title_justify="left", box=None, show_header=False)
+        table.add_column(no_wrap=True)
+        table.add_column(justify="right", min_width=7, no_wrap=True)
+        table.add_column(justify="right", min_width=11, no_wrap=True)
+        for channel in board.channels:
+            raw = "" if channel.raw is None else f"{channel.raw:z.6g}"
+            row = (channel.signal or f"({channel.name})", raw, channel.shown)
+            table.add_row(*map(Text, row), style="yellow" if channel.trouble else None)
+        if not board.frames:
+            table.add_row(Text("silent", "bold red"))
+        tables.append(table)
+    return Columns(tables, padding=(0, 3))
 
 
 def _group(facts: Facts) -> Group:

@@ -54,7 +54,7 @@ def test_a_robot_is_looked_at_moved_and_calibrated_over_a_real_port(
 
     # On a busy machine the emulation itself may be too slow to be a go.
     verdict = looked.stdout.splitlines()[-1]
-    assert verdict.startswith(("NO-GO" if looked.exit_code else "GO")), looked.output
+    assert verdict.startswith("NO-GO" if looked.exit_code else "GO"), looked.output
     for word in ("setpoint_array", "bend_1", "gamma_1", "round trip of an array"):
         assert word in looked.stdout
 
