@@ -43,7 +43,7 @@ def read_address(text: str) -> Address:
         return Address(path=text)
     host, _, port = text.rpartition(":")
     host = "127.0.0.1" if host == "localhost" else host.removeprefix("[").removesuffix("]")
-    if not (port.isascii() and port.isdecimal() and len(port) <= 5 and int(port) <= _HIGHEST_PORT):
+    if not (port.isascii() and port.isdecimal() and 0 < int(port[:9]) <= _HIGHEST_PORT):
         raise UsageError(f"socket:{text}: {_FORM}")
     try:
         inside = ip_address(host).is_loopback

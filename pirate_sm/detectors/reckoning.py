@@ -96,16 +96,17 @@ class Reckoner:
     def begin(
         self, first_wheel_m: float, numbers: Sequence[float], held: frozenset[int] = frozenset()
     ) -> Reckoned:
-        """The first wheel is at this place.
+        """The first wheel began at this place, when the odometer stood at zero.
 
         Args:
-            first_wheel_m: Its place along the pipe.
+            first_wheel_m: That place along the pipe; the whole robot is in the same leg.
             numbers: The engine's signals in SI.
             held: Parts whose clamp is confirmed.
         """
         angles = self._angles(numbers, (0.0,) * len(self._chain.joints))
         counted = self._counted(numbers, 0.0)
-        return self._put(angles, counted, min(held, default=-1), (0,), first_wheel_m)
+        place = first_wheel_m + counted
+        return self._put(angles, counted, min(held, default=-1), (0,), place)
 
     def look(self, before: Reckoned, numbers: Sequence[float], held: frozenset[int]) -> Reckoned:
         """Where the wheels are now; arguments as of :meth:`begin`."""

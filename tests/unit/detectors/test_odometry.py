@@ -1,0 +1,95 @@
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.detectors.odometry import Odometry
+from pirate_sm.errors import UsageError
+from pirate_sm.model.events import DetectorWord
+from pirate_sm.runtime.companions import FirstChoice, Onlooker
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.wiring import Order, prepare
+
+ROBOTS = Path(__file__).resolve().parents[2] / "robots"
+PATROL = str(ROBOTS / "newt" / "patrol.yaml")
+
+
+def run(mission: str, **order) -> tuple:
+    prepared = prepare(Order(mission, **order))
+    (odometry,) = prepared.companions
+    assert isinstance(odometry, Odometry)
+    companions = [odometry, FirstChoice()]
+    result = MissionRun(prepared.engine, prepared.backend, companions=companions).execute()
+    assert odometry.reckoned is not None
+    return result, odometry.reckoned.places_m, prepared.backend.truth.arcs_m
+
+
+@pytest.mark.parametrize("mission", ["mitre_bend", "mitre_bend_backward"])
+def test_the_bend_is_passed_on_reckoning_alone(mission: str) -> None:
+    result, places, truth = run(mission, detector="odometry")
+    assert result.ended.outcome == "succeeded"
+    assert places == pytest.approx(truth, abs=0.03)
+
+
+def test_the_simulators_own_words_are_not_said() -> None:
+    # Reckoned from here the bend is never reached, in truth it is.
+    result, _, _ = run("mitre_bend", detector="odometry", start_at_m=0.1)
+    assert (result.ended.outcome, result.ended.end) != ("succeeded", "passed")
+
+
+def test_any_robot_can_reckon() -> None:
+    _, places, truth = run(PATROL, detector="odometry")
+    assert places == pytest.approx(truth, abs=0.06)
+
+
+def odometry(**options) -> Odometry:
+    loaded = prepare(Order("mitre_bend", backend="trace")).loaded
+    assert loaded.pipe is not None
+    return Odometry(loaded.loaded_robot.profile, loaded.robot, loaded.pipe, **options)
+
+
+@pytest.mark.parametrize("place", [-0.001, 2.001])
+def test_a_place_outside_the_pipe_is_refused(place: float) -> None:
+    with pytest.raises(UsageError, match="outside the pipe, which is 2000 mm long"):
+        odometry(first_wheel_m=place)
+
+
+def test_it_counts_from_the_pipes_own_place_and_looks_every_50_ms() -> None:
+    companion = odometry()
+    assert isinstance(companion, Onlooker)
+    assert companion.first_wheel_m == pytest.approx(0.7)
+    assert companion.due_s == 0.0
+    assert companion.speak(0.0) == ()
+    assert companion.due_s == pytest.approx(0.05)
+
+
+def test_without_sensors_it_waits_a_second_and_then_takes_the_robot_for_straight() -> None:
+    prepared = prepare(Order("mitre_bend", backend="trace"))
+    companion = odometry()
+    state, _ = prepared.engine.start()
+    companion.look(state, 0.5)
+    assert companion.reckoned is None
+    companion.look(state, 1.0)
+    assert companion.reckoned is not None
+    assert companion.reckoned.places_m[0] == pytest.approx(0.7)
+
+
+def test_a_word_is_said_once_it_holds_and_again_while_it_does() -> None:
+    prepared = prepare(Order("mitre_bend", detector="odometry"))
+    (companion,) = prepared.companions
+    said: list[tuple[float, DetectorWord]] = []
+    speak = companion.speak
+
+    def note(now_s: float):
+        words = speak(now_s)
+        said.extend((now_s, word) for word in words)
+        return words
+
+    companion.speak = note
+    MissionRun(prepared.engine, prepared.backend, companions=[companion]).execute()
+    assert list(dict.fromkeys(word.word for _, word in said)) == ["close", "in", "past"]
+    gaps = [late - early for (early, a), (late, b) in pairwise(said) if a == b]
+    assert min(gaps) == pytest.approx(0.5)
+    assert {word.valid_for_s for _, word in said} == {1.0}
