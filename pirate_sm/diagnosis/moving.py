@@ -36,6 +36,9 @@ class Moving:
         self._next_id = 1
         self._accepted = 0
         self._rest = self._at_rest()
+        rates = [board.expected_per_s for board in listening.facts().boards]
+        # Where a message is one value, a board's turn comes late.
+        self._settle_s = max([_COAST_S, *(1.5 / rate for rate in rates if rate)])
 
     def run(self) -> MoveFact:
         """Every wheel has been asked to turn for a moment, and has been stopped again.
@@ -64,7 +67,7 @@ class Moving:
         self._send(tuple(values))
         self._wait(TURN_FOR_S)
         self._send(self._rest)
-        self._wait(_COAST_S)
+        self._wait(self._settle_s)
         turned = self._angle(name) - before
         return TurnFact(name, None if isnan(turned) else turned, abs(turned) >= TURNED_RAD)
 

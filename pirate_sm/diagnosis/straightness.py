@@ -50,7 +50,10 @@ def objections(readings: Iterable[JointReading], limit_rad: float) -> list[str]:
     found: list[str] = []
     for name, mean, spread, taken, _ in readings:
         if taken < LEAST_READINGS:
-            found.append(f"{name} was read {taken} times only, not {LEAST_READINGS}")
+            found.append(
+                f"{name} was read {taken} times only, not {LEAST_READINGS}: measure for longer, or "
+                "its board is silent"
+            )
         elif spread > STILL_RAD:
             found.append(
                 f"{name} is not still: it moved by {degrees(spread):.1f} deg, "
