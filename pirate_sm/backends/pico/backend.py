@@ -226,7 +226,9 @@ class SerialBackend:
     def _flush(self) -> None:
         """The last array has been confirmed, or the safe one has gone out once more."""
         give_up_s = self.port.now() + _FLUSH_WITHIN_S
+        if self.session.conversation.asking:  # it may come back from a reset
+            give_up_s += self.plan.serial.boot + _FLUSH_WITHIN_S
         while not self.session.link.idle and self.port.now() < give_up_s:
-            self._turn(give_up_s)
+            self._turn(min(give_up_s, self.port.now() + _LOOK_UP_S))
         if not self.session.link.idle:
             self.port.write(self.session.safe_frame())

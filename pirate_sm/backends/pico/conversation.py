@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Iterator, Sequence
-from math import inf
+from math import inf, nan
 from typing import NamedTuple, TypeAlias
 
 from pirate_sm.backends.pico.framing import Decoder, Frame, encode
@@ -33,6 +33,12 @@ ASK_EVERY_S = 0.1
 
 SILENT_AFTER_S = 0.4
 """After a reset a device waits to be asked; 25 frames of a healthy one would have come by then."""
+
+TIME_PERIOD_S = 2.5
+"""A configured device asks for the time so often, and falls silent when 11 s bring no answer."""
+
+_TIME_COPIES = 3
+_TIME_AGAIN_S = 0.4
 
 _WORDS_KEPT = 20
 
@@ -109,7 +115,9 @@ class Conversation:
         self._rooms: dict[int, int] = {}
         self._unproven: Counter[TopicInfo] = Counter()
         self._refused: set[int] = set()
-        self._time_asked = False
+        self._time_asked_s = nan
+        self._time_s = inf
+        self._time_copies = 0
         self._ask_s = now + boot_s
         self._known = False
         self._again = False
@@ -145,15 +153,13 @@ class Conversation:
     @property
     def due_s(self) -> float:
         """When there will be something to write, if nothing comes before."""
-        if self._time_asked:
-            return -inf
-        return self._ask_s if self.asking else self.heard_s + SILENT_AFTER_S
+        due = self._ask_s if self.asking else self.heard_s + SILENT_AFTER_S
+        return min(due, self._time_s)
 
     def write(self, now: float) -> bytes:
         """The next frame to be written at this time; empty when there is none."""
-        if self._time_asked:
-            self._time_asked = False
-            return encode(TIME, time_payload(self._epoch_s + now))
+        if now >= self._time_s:
+            return self._tell_time()
         if self._known and not self._again and now >= self.heard_s + SILENT_AFTER_S:
             self._again = True
             self._fresh.clear()
@@ -183,6 +189,21 @@ class Conversation:
         for frame in self._decoder.feed(data):
             yield from self._take(frame, now)
 
+    def _tell_time(self) -> bytes:
+        """The time at which the device asked for it, which adds what has passed since.
+
+        It is told more than once, and also when a request must have been lost: a device that
+        is not answered for long stops publishing.
+        """
+        asked_s = self._time_asked_s
+        self._time_copies += 1
+        if self._time_copies < _TIME_COPIES:
+            self._time_s = asked_s + self._time_copies * _TIME_AGAIN_S
+        else:
+            self._time_asked_s, self._time_copies = asked_s + TIME_PERIOD_S, 0
+            self._time_s = self._time_asked_s + _TIME_AGAIN_S  # unless it asks before
+        return encode(TIME, time_payload(self._epoch_s + asked_s))
+
     def _take(self, frame: Frame, now: float) -> Iterator[Heard]:
         topic, payload = frame
         at = self._numbers.get(topic)
@@ -199,7 +220,8 @@ class Conversation:
         elif topic in {PUBLISHER, SUBSCRIBER}:
             yield from self._meet(read_topic(topic, payload))
         elif topic == TIME:
-            self._time_asked = True
+            self._time_asked_s = self._time_s = now
+            self._time_copies = 0
         else:
             line = read_log(payload)
             if line is not None:

@@ -17,10 +17,21 @@ from pirate_sm.model.events import FaultReport, SubmitResult, SubmitStatus
 
 Integers = tuple[int, ...]
 
-COPIES = 8
-"""An array is written so often before its fate is called unknown."""
+BUDGET = 8
+"""Times the longest wait for an echo: after so long an array's fate is called unknown."""
 
-_REMEMBERED = 32
+_REPEAT_BUDGET = 5
+"""Times as long is tried to confirm again what had been confirmed before."""
+
+_BAD = 0.25
+"""Where more than this share of writings is not echoed, not even the first is waited for."""
+
+_HURRY = 0.6
+"""Copies of one array follow each other after this share of the time between two arrays."""
+
+_LOSS_GAIN = 1 / 16
+
+_REMEMBERED = 64
 _ROUNDING = 1e-6
 
 NO_ECHO = "link.no_echo"
@@ -56,17 +67,19 @@ class _Order:
 
 @dataclass
 class _Flight:
-    """An array that has been written.
+    """An array that is being written.
 
     Attributes:
         told: Its fate has been told; what is left is to see its last copy confirmed.
+        needed: It must be confirmed all the same: the device may have forgotten it.
         again: It must be written again.
     """
 
     order: _Order
-    told: bool
+    began_s: float
+    told: bool = False
+    needed: bool = False
     sent_s: float = -inf
-    copies: int = 0
     numbers: list[int] = field(default_factory=list)
     again: bool = True
 
@@ -107,7 +120,8 @@ class SetpointLink:
         self._flight: _Flight | None = None
         self._latest: _Order | None = None
         self._sent_s = -inf
-        self._recent: deque[tuple[int, Integers]] = deque(maxlen=min(_REMEMBERED, ids // 2))
+        self._loss = 0.0
+        self._recent: dict[int, tuple[Integers, float]] = {}
         self._results: list[SubmitResult | FaultReport] = []
         self.applied: Integers | None = None
         self.written = 0
@@ -149,11 +163,10 @@ class SetpointLink:
     def reassert(self, now: float) -> None:
         """What was written last will be written again: the device may have forgotten it."""
         if self._flight is not None:
-            self._flight.again = True
-            self._flight.copies = 0
+            self._flight.again, self._flight.began_s = True, now
         elif self._latest is not None and self._waiting is None:
             order = _Order(self._latest.setpoint_id, self._latest.counts, now)
-            self._flight = _Flight(order, told=True)
+            self._flight = _Flight(order, now, told=True, needed=True)
 
     # --- what is written --------------------------------------------------------------------
 
@@ -173,15 +186,27 @@ class SetpointLink:
     def due_s(self) -> float:
         """When something is to be written, or given up."""
         flight, waiting = self._flight, self._waiting
-        if flight is not None:
-            return -inf if flight.again else flight.sent_s + self._echo_within_s
+        if flight is not None and not (flight.told and waiting is not None):
+            return -inf if flight.again else flight.sent_s + self._patience_s
         if waiting is not None:
             return self._sent_s + self._spacing_s
         return inf
 
     @property
-    def _echo_within_s(self) -> float:
-        """How long to wait for an echo now."""
+    def _patience_s(self) -> float:
+        """How long to wait for an echo before the next writing.
+
+        Once one is late it is as good as lost. Where many are lost, waiting costs more than it
+        saves: then copies follow each other as fast as the line and the ring of the receiver
+        allow, still one at a time in there.
+        """
+        flight = self._flight
+        if (
+            flight is not None
+            and not flight.told
+            and (self._loss > _BAD or len(flight.numbers) > 1)
+        ):
+            return _HURRY * self._spacing_s
         return min(self._longest_s, self._mean_s + _SPREADS * self._spread_s + _MARGIN_S)
 
     def expire(self, now: float, able: bool = True) -> None:
@@ -191,20 +216,25 @@ class SetpointLink:
             now: The time.
             able: Whether anything can be written at all.
         """
-        flight = self._flight
-        if flight is not None and now >= flight.sent_s + self._echo_within_s and flight.copies:
-            if self._waiting is not None:
-                self._end(flight, f"array {self._waiting.setpoint_id} came before its echo")
-            elif flight.copies >= COPIES:
-                self._end(flight, f"no echo after {flight.copies} copies")
+        flight, waiting = self._flight, self._waiting
+        if flight is not None and flight.told and waiting is not None:
+            flight = self._flight = None  # what comes now is in force instead
+        budget_s = BUDGET * self._longest_s
+        if flight is not None and flight.numbers and now >= flight.sent_s + self._patience_s:
+            patience_s = budget_s * (_REPEAT_BUDGET if flight.needed else 1)
+            if waiting is not None:
+                self._end(flight, f"array {waiting.setpoint_id} came before its echo")
+            elif now >= flight.began_s + patience_s:
+                self._lose(1.0)
+                self._end(flight, f"no echo after {len(flight.numbers)} copies")
             else:
                 flight.again = True
-        budget_s = COPIES * self._longest_s
+        if able:
+            return
         flight = self._flight
-        if not able and flight is not None and now >= flight.order.since_s + budget_s:
+        if flight is not None and now >= flight.began_s + budget_s:
             self._end(flight, "the link is down")
-        waiting = self._waiting
-        if not able and waiting is not None and now >= waiting.since_s + budget_s:
+        if waiting is not None and now >= waiting.since_s + budget_s:
             self._waiting, self._latest = None, waiting  # to be repeated should the link return
             self._tell(waiting.setpoint_id, "unknown", "the link is down")
 
@@ -216,16 +246,17 @@ class SetpointLink:
             self._end(flight, f"array {self._waiting.setpoint_id} came before its echo")
             flight = None
         if flight is None and self._waiting is not None and now >= self._sent_s + self._spacing_s:
-            flight = self._flight = _Flight(self._waiting, told=False)
+            flight = self._flight = _Flight(self._waiting, now)
             self._waiting = None
         if flight is None or not flight.again:
             return b""
         self._number = self._number % (self._ids - 1) + 1
         self._latest = flight.order
-        self._recent.append((self._number, flight.order.counts))
+        self._recent[self._number] = flight.order.counts, now
+        if len(self._recent) > min(_REMEMBERED, self._ids // 2):
+            del self._recent[next(iter(self._recent))]
+        self.repeats += bool(flight.numbers) or flight.told
         flight.numbers.append(self._number)
-        self.repeats += flight.copies > 0 or flight.told
-        flight.copies += 1
         flight.again = False
         flight.sent_s = self._sent_s = now
         self.written += 1
@@ -236,24 +267,33 @@ class SetpointLink:
     def echoed(self, number: int, counts: Integers, now: float) -> None:
         """The device has said what it applied."""
         flight = self._flight
-        if (number, counts) not in self._recent:
+        written, sent_s = self._recent.get(number, ((), now))
+        if written != counts:
             self._correct(now)
             return
         if flight is None or number not in flight.numbers:
             return  # of an array that has been given up, or one more copy of one accepted
         self.applied = counts
+        place = flight.numbers.index(number)
+        self._learn(now - sent_s)
+        self._lose(place / (place + 1))
         if not flight.told:
-            flight.told = True
+            flight.told, flight.began_s = True, now
             self._tell(flight.order.setpoint_id, "accepted", "")
         if number == flight.numbers[-1]:
-            self._learn(now - flight.sent_s)
             self._flight = None
+        else:
+            del flight.numbers[: place + 1]  # only later copies can still say something new
 
     def _learn(self, took_s: float) -> None:
         """An echo has taken so long."""
         self.round_trips.append(took_s)
         self._spread_s += _SPREAD_GAIN * (abs(took_s - self._mean_s) - self._spread_s)
         self._mean_s += _MEAN_GAIN * (took_s - self._mean_s)
+
+    def _lose(self, share: float) -> None:
+        """Of the last writings this share was not echoed."""
+        self._loss += _LOSS_GAIN * (share - self._loss)
 
     def unreadable(self, now: float) -> None:
         """An echo has come that nobody can read."""
@@ -276,7 +316,7 @@ class SetpointLink:
         self._flight = None
         if not flight.told:
             self._tell(flight.order.setpoint_id, "unknown", reason)
-        elif self._waiting is None:
+        elif flight.needed and self._waiting is None:
             message = "the setpoints in force could not be confirmed again"
             self._results.append(FaultReport(NO_ECHO, message))
 

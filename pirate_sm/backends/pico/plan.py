@@ -24,6 +24,11 @@ _FASTER = 3.0
 _SLACK_RAD = radians(6)
 _BEYOND_RAD = radians(12)
 _STRONGER = 2.0
+"""A motor's current may be so much larger than when it is stalled."""
+
+_WOUND = 8.0
+"""A spring behind a worm is wound up by others beyond what its own motor could do."""
+
 _JOINT_MOVED_RAD = radians(20)
 _WHEEL_MOVED_RAD = 1.0
 _LEAST_DUTY = 1.5
@@ -139,7 +144,7 @@ def _watch(profile: Profile, board: Board, place: int, scales: Mapping[int, floa
     if channel.senses == "angle":
         return _watch_angle(profile, board, watched, slot, scales)
     if channel.senses == "torque" and motor.stall_torque is not None:
-        most = _STRONGER * motor.stall_torque / scale
+        most = _WOUND * motor.stall_torque / scale
         return watched._replace(low=-most, high=most)
     if channel.senses == "current" and motor.stall_current is not None:
         most = _STRONGER * motor.stall_current / scale

@@ -233,7 +233,7 @@ def test_without_echoes_the_fate_is_unknown_after_a_few_copies(
     told = run(backend, 3.0)
 
     assert [(r.setpoint_id, r.status) for r in results(told)] == [(1, "unknown")]
-    assert 3 < len(device.applied) < 12
+    assert 3 < len(device.applied) < 50
     assert len({counts for _, _, counts in device.applied}) == 1
 
 
