@@ -267,10 +267,14 @@ def _tell_commands(tallies: Iterator[Tally], processes: int) -> bool:
         f"loss {LOSS:.0%} each way, {CORRUPTION:.0%} of bytes changed"
     )
     print(f"    fates: {', '.join(f'{n:,} {fate}' for fate, n in total.statuses.most_common())}")
-    print(f"    {_spread('acceptance after', total.latencies_s)}; "
-          f"{_spread('round trip', total.round_trips_s)}")
-    print(f"    applied damaged: {len(total.damaged_s)}, corrected after at most "
-          f"{max(total.damaged_s, default=0.0) * 1000:.0f} ms")
+    print(
+        f"    {_spread('acceptance after', total.latencies_s)}; "
+        f"{_spread('round trip', total.round_trips_s)}"
+    )
+    print(
+        f"    applied damaged: {len(total.damaged_s)}, corrected after at most "
+        f"{max(total.damaged_s, default=0.0) * 1000:.0f} ms"
+    )
     for fault in total.faults[:10]:
         print(f"    WRONG {fault}")
     return not total.faults and speed >= 100
