@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test check format golden bench seeds defects clean
+.PHONY: help demo test check format golden bench seeds soak defects clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -16,6 +16,7 @@ help:
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend mission from 1,000 seeds"
 	@echo "make defects every known defect of the robot, in several missions"
+	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
 	@echo "make golden  the golden traces anew, after a change that is meant"
 	@echo "make format  every Python file in the one style"
 	@echo "make clean   the tree without environments and caches"
@@ -48,6 +49,9 @@ seeds: $(VENV)/.ready-sim
 defects: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.defects
 
+soak: $(VENV)/.ready-soak
+	$(BIN)/python -m benchmarks.soak
+
 clean:
 	rm -rf $(VENV) build dist .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
@@ -56,6 +60,7 @@ clean:
 $(VENV)/.ready-sim: EXTRAS := sim
 $(VENV)/.ready-dev: EXTRAS := dev,sim,serial
 $(VENV)/.ready-bench: EXTRAS := bench,sim
+$(VENV)/.ready-soak: EXTRAS := sim,serial
 
 $(VENV)/.ready-%: pyproject.toml | $(VENV)/.created
 	@echo "Installing pirate_sm with its extras [$(EXTRAS)] into $(VENV) (takes a minute, once) ..."

@@ -16,9 +16,15 @@ from pirate_sm.expressions import Expression, Vocabulary
 
 BUILT_IN_FAULTS: Mapping[str, bool] = {
     "sensor.silent": True,
+    "sensor.stuck": True,
+    "sensor.spiking": True,
+    "sensor.range": True,
+    "motion.unasked": True,
     "link.silent": False,
     "link.lost": False,
     "link.no_echo": False,
+    "link.mismatch": False,
+    "runner.stalled": False,
     "firmware.reset": True,
     "backend.failed": False,
     "pipe.impassable": True,

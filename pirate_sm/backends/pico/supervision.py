@@ -63,11 +63,19 @@ class Watched(NamedTuple):
 
 @dataclass
 class _Channel:
-    """What has come from one channel."""
+    """What has come from one channel.
+
+    Attributes:
+        good: The last value believed; ``held`` those since that were not.
+        running: Direction of a trend that is faster than its motor; 0 without.
+        same: What it showed while driven without load, since ``same_s``.
+        rest: Where it came to rest.
+    """
 
     good: float = nan
     good_s: float = -inf
     held: list[float] = field(default_factory=list)
+    running: float = 0.0
     spikes: deque[float] = field(default_factory=lambda: deque(maxlen=_SPIKES))
     spiking_s: float = -inf
     outside: bool = False
@@ -159,11 +167,14 @@ class Supervision:
             return True
         step = raw - channel.good
         if abs(step) <= watched.rate * elapsed_s + watched.slack:
+            channel.running = 0.0
             return True
-        if not channel.held:
-            return False
-        before = channel.held[-1] - channel.good
-        return before * step > 0 and abs(step) - abs(before) > watched.slack / 2  # a trend
+        if channel.held:
+            before = channel.held[-1] - channel.good
+            if before * step > 0 and abs(step) - abs(before) > watched.slack / 2:
+                channel.running = step
+                channel.held.clear()  # it was no spike
+        return channel.running * step > 0
 
     def _spiked(
         self, watched: Watched, channel: _Channel, now: float, faults: list[FaultReport]
