@@ -6,7 +6,7 @@ way, the wait's triggers as listed, then time.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import inf, isnan
 from typing import Any
 
@@ -51,11 +51,21 @@ class Engine:
         self._setting = Setting(robot, program)
         self._known_faults = robot.fault_codes()
 
-    def start(self, now_s: float = 0.0) -> tuple[EngineState, Effects]:
-        """The mission has begun; its first effects are returned with the first state."""
+    def start(
+        self, now_s: float = 0.0, seen: Sequence[events.SensorFrame] = ()
+    ) -> tuple[EngineState, Effects]:
+        """The mission has begun; its first effects are returned with the first state.
+
+        Args:
+            now_s: When.
+            seen: What the boards have reported before; an angle that the first array keeps must
+                be known by then, or it is taken to be 0.
+        """
         robot = robot_state.at_rest_in(self.robot, self.program.start_configuration)
         sensing = nothing_known(self.robot, blind=self.nominal)
         sensing = sensing._replace(heard_s=(now_s,) * len(sensing.heard_s), checked_s=now_s)
+        for frame in seen:
+            sensing = observe(self.robot, sensing, frame, robot.values, robot.values, now_s)
         words = (*robot_state.states_of(self.robot, robot), None, None)
         mission = MissionState(self.program.start, offset_s=now_s)
         state = EngineState(robot, sensing, mission, no_faults(self.robot), words)

@@ -151,8 +151,8 @@ def confirmed_parts(robot: RobotSpec, state: RobotState) -> frozenset[int]:
 def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
     """Why the command would be refused now, beginning with *unneeded* or *impossible*; or empty.
 
-    A command is possible when it moves the chart and does not let go of the last confirmed
-    clamp. One that moves nothing is a retry when it left something unconfirmed.
+    A command is possible when it moves the chart and lets go of no part unless a confirmed clamp
+    remains. One that moves nothing is a retry when it left something unconfirmed.
     """
     here = state.configuration
     target = robot.table.follow(here, command)
@@ -162,11 +162,13 @@ def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
         if robot.unneeded[here][command]:
             return "unneeded: it is so already"
         return f"impossible: {robot.table.why_not(here, command)}"
-    confirmed = confirmed_parts(robot, state)
-    if confirmed and not confirmed & robot.held[target] and not robot.commands[command].lets_go:
-        parts = ", ".join(robot.parts[part] for part in sorted(confirmed))
-        return f"impossible: it would let go of the last confirmed clamp ({parts})"
-    return ""
+    confirmed, held = confirmed_parts(robot, state), robot.held[target]
+    if robot.held[here] <= held or confirmed & held or robot.commands[command].lets_go:
+        return ""
+    if not confirmed:
+        return "impossible: no clamp that would remain is confirmed"
+    parts = ", ".join(robot.parts[part] for part in sorted(confirmed))
+    return f"impossible: it would let go of the last confirmed clamp ({parts})"
 
 
 def safe_values(robot: RobotSpec, state: RobotState, numbers: Numbers) -> Numbers:

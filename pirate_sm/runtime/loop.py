@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from pirate_sm.errors import BackendError
 from pirate_sm.model.effects import Effect, Ended, Fault, Setpoints, WakeAt
-from pirate_sm.model.events import Abort, Event, Tick
+from pirate_sm.model.events import Abort, Event, SensorFrame, Tick
 from pirate_sm.runtime.clock import Clock, WallClock
 from pirate_sm.runtime.companions import Onlooker
 from pirate_sm.runtime.observing import PULSE_S, Observer, Watcher
@@ -135,10 +135,12 @@ class MissionRun:
             events = self._backend.open()
         except Exception as error:
             raise _BackendRaisedError from error
-        self.state, effects = self._engine.start(self.now_s)
+        seen = [event for event in events if isinstance(event, SensorFrame)]
+        self.state, effects = self._engine.start(self.now_s, seen)
         self._perform(effects)
         for event in events:
-            self._give(event)
+            if not isinstance(event, SensorFrame):
+                self._give(event)
 
     def _go_on(self) -> None:
         """The run has come to its end."""

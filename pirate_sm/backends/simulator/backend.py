@@ -134,6 +134,9 @@ class SimulatorBackend:
             machine, Pipe(scene.shape), scene.friction, scene.pose,
             cycle_s=link.cycle, seed=int(rng.integers(2**63)),
         )  # fmt: skip
+        # A robot that starts clamped is held there by its motors.
+        for joint, duty in scene.pose.duties.items():
+            self._world.command[joint] = duty
         words = words_of(profile)
         errors = rng.normal(0.0, profile.simulation.noise.detector, len(words)).tolist()
         crossings = self._world.pipe.crossings_m if detects else ()
