@@ -152,7 +152,8 @@ def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
     """Why the command would be refused now, beginning with *unneeded* or *impossible*; or empty.
 
     A command is possible when it moves the chart and lets go of no part unless a confirmed clamp
-    remains. One that moves nothing is a retry when it left something unconfirmed.
+    remains, and drives only with one. One that moves nothing is a retry when it left something
+    unconfirmed.
     """
     here = state.configuration
     target = robot.table.follow(here, command)
@@ -163,12 +164,23 @@ def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
             return "unneeded: it is so already"
         return f"impossible: {robot.table.why_not(here, command)}"
     confirmed, held = confirmed_parts(robot, state), robot.held[target]
+    if _drives(robot, target) and not _drives(robot, here) and not confirmed & held:
+        return "impossible: no clamp is confirmed to drive with"
     if robot.held[here] <= held or confirmed & held or robot.commands[command].lets_go:
         return ""
     if not confirmed:
         return "impossible: no clamp that would remain is confirmed"
     parts = ", ".join(robot.parts[part] for part in sorted(confirmed))
     return f"impossible: it would let go of the last confirmed clamp ({parts})"
+
+
+def _drives(robot: RobotSpec, configuration: int) -> bool:
+    """Whether slots that the safe state stops are driven there."""
+    return any(
+        write.slot in robot.safe_zero and write.how == "set" and write.value != 0
+        for region, name in enumerate(robot.table.configurations[configuration])
+        for write in robot.actuation[region][name][-1]
+    )
 
 
 def safe_values(robot: RobotSpec, state: RobotState, numbers: Numbers) -> Numbers:

@@ -172,17 +172,18 @@ class _PhaseWriter:
             within = scope.duration(phase.within.time, (*at, "time"))
             target, name = scope.target(phase.within.go, (*at, "go")), phase.within.go
         triggers = tuple(
-            self._trigger(trigger, (*path, "wait", number))
-            for number, trigger in enumerate(phase.wait)
+            self._trigger(trigger, name, (*path, "wait", number))
+            for number, (trigger, name) in enumerate(
+                zip(phase.wait, scope.trigger_names(phase.wait, path), strict=True)
+            )
         )
         self._emit(
             out.Wait, phase=scope.full_phase, triggers=triggers, within_s=within, within=target,
             within_name=name, place=scope.place((*path, "wait")),
         )  # fmt: skip
 
-    def _trigger(self, trigger: model.Trigger, path: Path) -> out.TriggerSpec:
+    def _trigger(self, trigger: model.Trigger, name: str, path: Path) -> out.TriggerSpec:
         scope = self.scope
-        name = trigger.name or trigger.go
         go = scope.target(trigger.go, (*path, "go"))
         spec = out.TriggerSpec(name, "", go, trigger.go)  # type: ignore[arg-type]
         if isinstance(trigger, model.ConditionTrigger):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
@@ -13,7 +13,7 @@ from pirate_sm.loading.assembly import Handlers, Label
 from pirate_sm.loading.parameters import Value, Values
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.source import Document
-from pirate_sm.model.mission import CONTINUE, FAIL, Mission
+from pirate_sm.model.mission import CONTINUE, FAIL, Mission, Trigger
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.quantities import Parameter
 from pirate_sm.spelling import nearest, one_of
@@ -21,6 +21,8 @@ from pirate_sm.units import DIMENSIONLESS, TIME, Quantity, describe
 
 _FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 CAUSE = "cause"
+TIME_LIMIT = "within"
+"""The name under which a wait's time limit fires."""
 
 
 @dataclass(frozen=True)
@@ -129,6 +131,19 @@ class Scope:
                     self.problems.add("mission.fault", at, f"'{code}' cannot be caught")
                 own.append((code, go, f"{self.prefix}{handler.go}" if handler.go else ""))
         return (*own, *self.outer)
+
+    def trigger_names(self, triggers: Sequence[Trigger], path: Path) -> list[str]:
+        """A name for each trigger: its own, or its target, counted where that is taken."""
+        names: list[str] = []
+        for number, trigger in enumerate(triggers):
+            name, again = trigger.name or trigger.go, 2
+            if trigger.name is not None and trigger.name in {*names, TIME_LIMIT}:
+                at = (*path, "wait", number, "name")
+                self.problems.add("mission.name", at, f"'{name}' names another trigger here")
+            while name in names:
+                name, again = f"{trigger.go}_{again}", again + 1
+            names.append(name)
+        return names
 
     def command(self, name: str, path: Path) -> int:
         """The index of a command, also by an alias; a problem when there is none."""

@@ -371,7 +371,7 @@ def test_step_does_one_step_and_pauses_again(drive):
     driver.give(ev.Step())
     driver.accept()
     driver.give(ev.Answer("on"))
-    assert driver.fired == ["b"]
+    assert driver.fired == ["b_2"]
     assert messages(driver)[-1] == "paused: wheels stopped, deadlines frozen"
     driver.accept()
 

@@ -13,7 +13,7 @@ from driving import (
     command,
 )
 
-from pirate_sm.engine.robot_state import at_rest_in, refusal
+from pirate_sm.engine.robot_state import Mark, at_rest_in, refusal
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import Skip
 
@@ -26,6 +26,7 @@ REAR_HELD = {
     "RearClampedFrontBendingBack",
 }  # fmt: skip
 DRIVING = {"DrivingForward", "DrivingBackward"}
+REAR_ONLY = ("RearClampedFrontRelaxed", "Unaligned", "Off")
 
 
 def is_so_already(name: str, front: str, rear: str, bend: str, rotation: str, light: str) -> bool:
@@ -222,3 +223,14 @@ def test_one_command_at_a_time(drive):
     driver.accept()
     command(driver, "ToggleLighting")
     assert driver.last_status.reason == "impossible: another command is under way"
+
+
+def test_nothing_drives_on_a_clamp_that_is_not_confirmed():
+    robot = load_robot(PIRATE).normal
+    held = at_rest_in(robot, robot.table.index_of(("Free", "Fixed", *REAR_ONLY)))
+    drive, clamp = (robot.table.command_index[name] for name in ("DriveForward", "ClampRear"))
+    rear = robot.parts.index("rear")
+    doubtful = held._replace(marks=frozenset({Mark("part", rear, clamp)}))
+
+    assert refusal(robot, held, drive) == ""
+    assert refusal(robot, doubtful, drive) == "impossible: no clamp is confirmed to drive with"
