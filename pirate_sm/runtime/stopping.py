@@ -21,7 +21,12 @@ BY_SIGNAL = {
     signal.SIGINT: Stop("interrupted by Ctrl-C", 130),
     signal.SIGTERM: Stop("told to terminate (SIGTERM)", 143),
     signal.SIGHUP: Stop("the terminal has gone (SIGHUP)", 129),
+    signal.SIGQUIT: Stop("told to quit (SIGQUIT)", 131),
+    signal.SIGUSR1: Stop("told to end (SIGUSR1)", 138),
+    signal.SIGUSR2: Stop("told to end (SIGUSR2)", 140),
+    signal.SIGALRM: Stop("told to end (SIGALRM)", 142),
 }
+"""Every signal that would else end this process with the robot still moving."""
 
 
 class StopRequests:
@@ -49,7 +54,7 @@ class StopRequests:
 class CaughtSignals:
     """Turns signals into requests while it is entered.
 
-    The first one asks. A second Ctrl-C or SIGTERM insists; what was there before handles a
+    The first one asks. A second one other than SIGHUP insists; what was there before handles a
     third, in case a backend hangs. A signal that this process was started to ignore (``nohup``, a
     job in the background) stays ignored.
     """

@@ -12,6 +12,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from pirate_sm.cli.entry import commands, only_run
+from pirate_sm.runtime.stopping import BY_SIGNAL
 
 ROOT = Path(__file__).resolve().parents[3]
 NEWT = ROOT / "tests" / "robots" / "newt"
@@ -31,7 +32,7 @@ def pirate() -> Callable[..., Result]:
 
 def _usual_signals() -> None:
     """A child hears signals even where the tests themselves were started to ignore them."""
-    for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
+    for number in BY_SIGNAL:
         signal.signal(number, signal.SIG_DFL)
 
 

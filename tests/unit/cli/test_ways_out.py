@@ -14,6 +14,7 @@ import pytest
 from pirate_sm.backends.trace import TraceBackend
 from pirate_sm.engine.engine import Engine
 from pirate_sm.errors import BackendError
+from pirate_sm.runtime.stopping import BY_SIGNAL
 
 from .conftest import NEWT
 
@@ -41,7 +42,7 @@ def clamps(line: dict[str, Any]) -> list[float]:
     return [line["values"][index] for index in (2, 4)]
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", list(BY_SIGNAL))
 def test_a_signal_stops_the_wheels_and_holds_the_clamps(start: Start, number: int) -> None:
     process = start(*DRIVES, "--json")
     before = read_until_it_drives(process)
