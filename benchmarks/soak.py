@@ -148,7 +148,7 @@ def commands(seed: int) -> Tally:
     backend.close()
     tally.statuses.update(fates.values())
     tally.virtual_s = backend.port.now()
-    tally.round_trips_s = list(backend.session.link.round_trips)
+    tally.round_trips_s = list(backend.exchange.link.round_trips)
     _watch(bay, fates, told_s, tally, f"seed {seed}")
     return tally
 

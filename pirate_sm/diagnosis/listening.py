@@ -11,11 +11,11 @@ from typing import Self
 
 from pirate_sm.backends.pico.backend import ANSWER_WITHIN_S
 from pirate_sm.backends.pico.diagnosis import unanswered
+from pirate_sm.backends.pico.exchange import RESET, Exchange
 from pirate_sm.backends.pico.framing import Decoder, encode
 from pirate_sm.backends.pico.messages import Malformed
 from pirate_sm.backends.pico.plan import STATE
 from pirate_sm.backends.pico.port import Port
-from pirate_sm.backends.pico.session import RESET, Session
 from pirate_sm.backends.pico.topics import PUBLISHER, REQUEST_TOPICS, SUBSCRIBER, TIME
 from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject, TopicFact
 from pirate_sm.diagnosis.records import Records
@@ -59,7 +59,7 @@ class Listening:
         self._check = check
         # Spikes are to be seen, not hidden.
         self._plan = subject.plan._replace(watched={})
-        self.session = Session(self._plan, port.now(), port.epoch_s, baud)
+        self.exchange = Exchange(self._plan, port.now(), port.epoch_s, baud)
         self.results: dict[int, SubmitResult] = {}
         self._resets = 0
         self._sample = b""
@@ -92,13 +92,13 @@ class Listening:
     ) -> None:
         """The device has been told to be quiet, the port is free."""
         with suppress(BackendError):
-            self.port.write(self.session.conversation.farewell())
+            self.port.write(self.exchange.conversation.farewell())
         self.port.close()
 
     def _connect(self) -> None:
         opened_s = self.port.now()
-        self.session = Session(self._plan, opened_s, self.port.epoch_s, self._baud)
-        conversation = self.session.conversation
+        self.exchange = Exchange(self._plan, opened_s, self.port.epoch_s, self._baud)
+        conversation = self.exchange.conversation
         give_up_s = opened_s + self._plan.serial.boot + ANSWER_WITHIN_S
         first_s = inf
         while not conversation.known and self.port.now() < min(give_up_s, first_s + _MORE_WITHIN_S):
@@ -126,7 +126,7 @@ class Listening:
         self._count_from(began_s)
         asked_s = began_s
         while (now := self.port.now()) < began_s + seconds:
-            if now >= asked_s + _ASK_EVERY_S and self.session.conversation.known:
+            if now >= asked_s + _ASK_EVERY_S and self.exchange.conversation.known:
                 self._ask(now)
                 asked_s = now
             self.turn(min(began_s + seconds, now + _LOOK_UP_S))
@@ -138,8 +138,8 @@ class Listening:
             now = self.port.now()
             while data := self._due(now):
                 self.port.write(data)
-            self.port.beat(self.session.safe_frame())
-            due_s = self.session.due_s(now) if self._may_write else inf
+            self.port.beat(self.exchange.safe_frame())
+            due_s = self.exchange.due_s(now) if self._may_write else inf
             data = self.port.read(min(until_s, due_s, now + _BEAT_EVERY_S))
             self._check()
             now = self.port.now()
@@ -152,11 +152,11 @@ class Listening:
     @property
     def _may_write(self) -> bool:
         """Whether the conversation may ask: one that is not understood does not ask for ever."""
-        conversation = self.session.conversation
+        conversation = self.exchange.conversation
         return not self._connected or conversation.known or conversation.due_s == -inf
 
     def _due(self, now: float) -> bytes:
-        return self.session.write(now) if self._may_write else b""
+        return self.exchange.write(now) if self._may_write else b""
 
     def _ask(self, now: float) -> None:
         """The topics have been asked for once more, to see how long the answer takes."""
@@ -173,10 +173,10 @@ class Listening:
                 self._asked_ms.append((now - self._asked_s) * 1e3)
                 self._asked_s = inf
             self._meet(topic, payload)
-        self.session.receive(data, now)
+        self.exchange.receive(data, now)
 
     def _digest(self, now: float) -> None:
-        for event in self.session.take():
+        for event in self.exchange.take():
             if isinstance(event, SensorFrame):
                 self.records.take(event, now)
             elif isinstance(event, SubmitResult):
@@ -187,7 +187,7 @@ class Listening:
     def _meet(self, topic: int, payload: bytes) -> None:
         """A board that nobody expects is noticed."""
         state = self._plan.wanted[STATE]
-        offer = self.session.conversation.offered.get((state.direction, state.name.lstrip("/")))
+        offer = self.exchange.conversation.offered.get((state.direction, state.name.lstrip("/")))
         if offer is None or offer.number != topic or offer.md5 != state.md5:
             return
         with suppress(Malformed):
@@ -198,7 +198,7 @@ class Listening:
     def _count_from(self, now: float) -> None:
         self.records = Records(self.subject, now)
         self._began_s = now
-        self._base = (self._decoder.dropped, self.session.counts)
+        self._base = (self._decoder.dropped, self.exchange.counts)
         self._counts: Counter[int] = Counter()
         self._strangers: Counter[int] = Counter()
         self._asked_s = inf
@@ -210,7 +210,7 @@ class Listening:
     def facts(self) -> Facts:
         """Everything that has been found out so far, not judged."""
         now = self.port.now()
-        conversation, counts = self.session.conversation, self.session.counts
+        conversation, counts = self.exchange.conversation, self.exchange.counts
         dropped, before = self._base
         link = LinkFact(
             answer_s=self._answer_s,
@@ -223,7 +223,7 @@ class Listening:
             resets=self._resets,
             time_requests=max(0, self._counts[TIME] - len(self._asked_ms)),
             asked_ms=tuple(self._asked_ms),
-            echoed_ms=tuple(each * 1e3 for each in self.session.link.round_trips),
+            echoed_ms=tuple(each * 1e3 for each in self.exchange.link.round_trips),
         )
         return Facts(
             port=self.port.name,
@@ -236,11 +236,11 @@ class Listening:
             strangers=tuple(sorted(b for b, count in self._strangers.items() if count > 2)),
             link=link,
             words=tuple((line.level, line.text) for line in conversation.words),
-            refused=tuple(self.session.refused),
+            refused=tuple(self.exchange.refused),
         )
 
     def _topics(self, elapsed_s: float) -> tuple[TopicFact, ...]:
-        offered = dict(self.session.conversation.offered)
+        offered = dict(self.exchange.conversation.offered)
         found: list[TopicFact] = []
         for wanted in self._plan.wanted:
             name = wanted.name.lstrip("/")

@@ -75,7 +75,7 @@ class Moving:
         """The array has been accepted, or it is unknown what became of it."""
         number, listening = self._next_id, self._listening
         self._next_id += 1
-        listening.session.submit(number, values, listening.port.now())
+        listening.exchange.submit(number, values, listening.port.now())
         give_up_s = listening.port.now() + _ANSWER_WITHIN_S
         while number not in listening.results and listening.port.now() < give_up_s:
             listening.turn(min(give_up_s, listening.port.now() + _LOOK_UP_S))
@@ -85,7 +85,7 @@ class Moving:
     def _stop(self) -> None:
         """Every wheel is at rest, as far as the link carries that."""
         with suppress(PortLostError):
-            link = self._listening.session.link
+            link = self._listening.exchange.link
             if not link.idle or link.applied != link.counts(self._rest):
                 self._send(self._rest)
 

@@ -39,7 +39,7 @@ from pirate_sm.model.effects import (
     WaitArmed,
 )
 
-MOST_INSTRUCTIONS = 10_000
+MOST_INSTRUCTIONS = 50_000
 """More in one moment means that phases go round without ever waiting."""
 
 SAFE_STOP_LIMIT_S = 2.0

@@ -3,5 +3,5 @@
 Pure layers below, each with time as an argument and none with I/O: ``framing`` (bytes and
 frames), ``messages`` (frames and values), ``conversation`` (topics, time, silence), ``link``
 (setpoints until they are echoed), ``measurements`` and ``supervision`` (sensors), and
-``session``, which joins them. On top ``backend``, over a ``port``; ``guardian`` owns the real one.
+``exchange``, which joins them. On top ``backend``, over a ``port``; ``guardian`` owns the real one.
 """

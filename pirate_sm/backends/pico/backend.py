@@ -1,4 +1,4 @@
-"""The serial backend: a session on a port, in the time of the port's clock."""
+"""The serial backend: an exchange on a port, in the time of the port's clock."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from contextlib import suppress
 from math import inf
 
 from pirate_sm.backends.pico.diagnosis import mute, no_sensors, unanswered
+from pirate_sm.backends.pico.exchange import Exchange
 from pirate_sm.backends.pico.plan import Plan
 from pirate_sm.backends.pico.port import Port, PortLostError
-from pirate_sm.backends.pico.session import Session
 from pirate_sm.backends.protocol import Completion
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import Event, FaultReport, SensorFrame
@@ -39,7 +39,7 @@ class SerialBackend:
             what does not agree with where the robot is believed to be; empty: nothing.
 
     Attributes:
-        session: What has been said and done on the link.
+        exchange: What has been said and done on the link.
     """
 
     name = "serial"
@@ -58,7 +58,7 @@ class SerialBackend:
         self.port = port
         self._baud = baud or plan.serial.baud
         self._check = check
-        self.session = Session(plan, port.now(), port.epoch_s, self._baud)
+        self.exchange = Exchange(plan, port.now(), port.epoch_s, self._baud)
         self._began_s = 0.0
         self._now_s = 0.0
         self._events: list[Event] = []
@@ -81,7 +81,7 @@ class SerialBackend:
         self.port.open()
         self._open = True
         try:
-            self.session = Session(self.plan, self.port.now(), self.port.epoch_s, self._baud)
+            self.exchange = Exchange(self.plan, self.port.now(), self.port.epoch_s, self._baud)
             self._negotiate()
             events = self._hear_sensors()
         except BaseException:
@@ -94,7 +94,7 @@ class SerialBackend:
         """The array is on its way; its fate comes from ``advance``."""
         if self._closed or not self._open:
             raise BackendError("the port is closed")
-        self.session.submit(setpoint_id, values, self.port.now())
+        self.exchange.submit(setpoint_id, values, self.port.now())
 
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
         """Time has passed until there was something to say, or ``until_s``, or for a moment."""
@@ -106,7 +106,7 @@ class SerialBackend:
         while True:
             self._turn(deadline_s)
             now = self.port.now()
-            self._events += self.session.take()
+            self._events += self.exchange.take()
             if self._events or now >= deadline_s:
                 # Not `now - began` alone, which rounding may leave a hair before `until_s`.
                 reached_s = until_s if now >= self._began_s + until_s else now - self._began_s
@@ -122,9 +122,9 @@ class SerialBackend:
         if self._open:
             with suppress(BackendError):
                 self._flush()
-            if self.session.conversation.frames:  # to a rosserial device only
+            if self.exchange.conversation.frames:  # to a rosserial device only
                 with suppress(BackendError):
-                    self.port.write(self.session.conversation.farewell())
+                    self.port.write(self.exchange.conversation.farewell())
         self._open = False
         self.port.close()
 
@@ -132,7 +132,7 @@ class SerialBackend:
 
     def hold(self, values: tuple[float, ...]) -> None:
         """Whoever survives this process sends this array, with the safe state's zeros, at once."""
-        self.session.hold(values)
+        self.exchange.hold(values)
 
     # --- inside -----------------------------------------------------------------------------
 
@@ -143,9 +143,9 @@ class SerialBackend:
         now = self.port.now()
         able = self._lost_s == inf
         try:
-            while data := self.session.write(now, able):
+            while data := self.exchange.write(now, able):
                 self.port.write(data)
-            self.port.beat(self.session.safe_frame())
+            self.port.beat(self.exchange.safe_frame())
             wait_s = min(until_s, self._due_s(now))
             if not able:
                 self.port.wait(wait_s)
@@ -155,9 +155,9 @@ class SerialBackend:
             self._lose(str(error))
             return
         if data:
-            if not self.session.conversation.known:
+            if not self.exchange.conversation.known:
                 self._sample = (self._sample + data)[-_SAMPLE_BYTES:]
-            self.session.receive(data, self.port.now())
+            self.exchange.receive(data, self.port.now())
         if self.port.overruled():
             message = "this program stood still for too long, the guardian of the port has stopped"
             self._events.append(FaultReport(OVERRULED, f"{message} the robot"))
@@ -165,7 +165,7 @@ class SerialBackend:
     def _due_s(self, now: float) -> float:
         if self._lost_s < inf:
             return self._retry_s
-        return self.session.due_s(now)
+        return self.exchange.due_s(now)
 
     def _lose(self, reason: str) -> None:
         now = self.port.now()
@@ -181,15 +181,15 @@ class SerialBackend:
         self._retry_s = now + _REOPEN_EVERY_S
         if self.port.reopen():
             self._lost_s = inf
-            self.session.connected(self.port.now())
+            self.exchange.connected(self.port.now())
 
     def _negotiate(self) -> None:
-        conversation = self.session.conversation
+        conversation = self.exchange.conversation
         give_up_s = self.port.now() + self.plan.serial.boot + ANSWER_WITHIN_S
         while not conversation.known:
             self._turn(give_up_s)
-            if self.session.refused:
-                raise BackendError("; ".join(self.session.refused))
+            if self.exchange.refused:
+                raise BackendError("; ".join(self.exchange.refused))
             if self._lost_s < inf:
                 raise BackendError(f"{self.port.name} went away while it was being opened")
             if self.port.now() >= give_up_s:
@@ -202,13 +202,13 @@ class SerialBackend:
         Raises:
             BackendError: None says anything.
         """
-        session, boards = self.session, set(self.plan.channels)
+        exchange, boards = self.exchange, set(self.plan.channels)
         give_up_s = self.port.now() + SENSORS_WITHIN_S
         frames: dict[int, SensorFrame] = {}
         told: list[Event] = []
         while not boards <= frames.keys() and self.port.now() < give_up_s:
             self._turn(give_up_s)
-            for event in session.take():
+            for event in exchange.take():
                 if isinstance(event, SensorFrame):
                     frames[event.board] = event
             if self._lost_s < inf:
@@ -226,9 +226,9 @@ class SerialBackend:
     def _flush(self) -> None:
         """The last array has been confirmed, or the safe one has gone out once more."""
         give_up_s = self.port.now() + _FLUSH_WITHIN_S
-        if self.session.conversation.asking:  # it may come back from a reset
+        if self.exchange.conversation.asking:  # it may come back from a reset
             give_up_s += self.plan.serial.boot + _FLUSH_WITHIN_S
-        while not self.session.link.idle and self.port.now() < give_up_s:
+        while not self.exchange.link.idle and self.port.now() < give_up_s:
             self._turn(min(give_up_s, self.port.now() + _LOOK_UP_S))
-        if not self.session.link.idle:
-            self.port.write(self.session.safe_frame())
+        if not self.exchange.link.idle:
+            self.port.write(self.exchange.safe_frame())

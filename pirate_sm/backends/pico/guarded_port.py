@@ -74,7 +74,7 @@ class GuardedPort:
         self._dismiss()
         ours, theirs = socket.socketpair()
         with theirs:
-            # A session of its own: the terminal's Ctrl-C and hang-up are not for it.
+            # A process group of its own: the terminal's Ctrl-C and hang-up are not for it.
             self._process = subprocess.Popen(
                 [
                     *(sys.executable, "-m", _MODULE, str(theirs.fileno())),

@@ -249,7 +249,7 @@ def test_a_damaged_array_is_found_by_its_echo_and_corrected_within_a_round_trip(
 
     assert [counts[0] for _, _, counts in device.applied] == [0, 5, 0]
     assert device.applied[2][0] - device.applied[1][0] < 0.1
-    assert backend.session.link.damaged == 1
+    assert backend.exchange.link.damaged == 1
     assert results(told) == []
 
 
@@ -313,7 +313,7 @@ def test_a_reset_is_noticed_the_topics_asked_for_anew_and_the_last_array_repeate
     assert [fault.code for fault in faults(told)] == ["firmware.reset"]
     assert "said nothing for 1." in faults(told)[0].message
     assert device.applied[before][2] == device.applied[before - 1][2]
-    assert backend.session.link.idle
+    assert backend.exchange.link.idle
 
 
 def test_a_line_that_is_silent_for_a_moment_is_no_reset(

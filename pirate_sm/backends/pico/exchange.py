@@ -47,7 +47,7 @@ class Counts(NamedTuple):
     hidden: int
 
 
-class Session:
+class Exchange:
     """Everything between the engine and the bytes on the wire.
 
     Args:
