@@ -7,6 +7,7 @@ from typing import TextIO
 
 from pirate_sm.cli.situation import Situation
 from pirate_sm.cli.telling import Teller, summary
+from pirate_sm.cli.visible import visible
 from pirate_sm.model.effects import Effect, Ended
 
 
@@ -34,7 +35,7 @@ class Lines:
                 there = self._situation
                 text = summary(effect, now_s, there.distance_m(), there.odometry_m())
                 if self._quiet:
-                    self._out.write(f"{there.prepared.loaded.mission.mission}: {text}\n")
+                    self._out.write(f"{there.prepared.loaded.mission.mission}: {visible(text)}\n")
                 else:
                     self._write(now_s, "end", text)
             elif not self._quiet:
@@ -43,7 +44,7 @@ class Lines:
         self._out.flush()
 
     def _write(self, now_s: float, topic: str, text: str) -> None:
-        self._out.write(f"{now_s:9.3f}  {topic:<9}  {text}\n")
+        self._out.write(f"{now_s:9.3f}  {topic:<9}  {visible(text)}\n")
 
 
 def headline(situation: Situation) -> str:

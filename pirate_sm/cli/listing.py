@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+from pirate_sm.cli.visible import visible
 from pirate_sm.errors import PirateError
 from pirate_sm.expressions import EnumType, NumberType
 from pirate_sm.loading import library
@@ -46,7 +47,8 @@ def _commands(folders: Iterable[Path]) -> None:
         rows = []
         for name, command in profile.commands.items():
             alias = f"also {other[name]}" if name in other else ""
-            about = "; ".join(part for part in (command.description, alias) if part)
+            lets_go = "lets go of every clamp" if command.lets_go else ""
+            about = "; ".join(part for part in (command.description, lets_go, alias) if part)
             rows.append((name, f"at most {command.timeout:g} s", about))
         _table(f"commands of {folder.name}", rows)
 
@@ -97,7 +99,7 @@ def _read(path: Path, model: type[M]) -> M | str:
 
 
 def _table(title: str, rows: Iterable[Row]) -> None:
-    lines = [[*map(str, row)] for row in rows]
+    lines = [[visible(str(cell)) for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     print(f"{title}:")
     for line in lines or [["(none)"]]:

@@ -17,6 +17,7 @@ from pirate_sm.cli.live.gauges import gauges
 from pirate_sm.cli.live.memory import Memory
 from pirate_sm.cli.situation import Situation
 from pirate_sm.cli.telling import summary
+from pirate_sm.cli.visible import visible
 from pirate_sm.detectors.keys import WordKeys
 from pirate_sm.model.effects import Effect
 
@@ -72,12 +73,12 @@ class View:
             return Text()
         text = summary(ended, there.now_s, there.distance_m(), there.odometry_m())
         mission = there.prepared.loaded.mission.mission
-        return Text(f"{mission}: {text}", panels.OUTCOME[ended.outcome])
+        return Text(f"{mission}: {visible(text)}", panels.OUTCOME[ended.outcome])
 
     def begin(self) -> None:
         """What a person must know stands above the view."""
         for notice in self._situation.prepared.notices:
-            self._console.print(Text(notice, "yellow"))
+            self._console.print(Text(visible(notice), "yellow"))
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         """It has taken note; the next frame shows it."""
@@ -90,7 +91,8 @@ class View:
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """The frame, a little less high than the terminal, so that nothing scrolls."""
         width, height = console.size
-        for line in self.frame(width, height - self._spare):
+        for found in self.frame(width, height - self._spare):
+            line = _shown(found)
             line.truncate(width, overflow="ellipsis")
             line.no_wrap, line.end = True, "\n"
             yield line
@@ -141,6 +143,12 @@ class View:
             return draw(truth, columns, rows)
         heading = panels.title("setpoints that would be sent", columns)
         return [heading, *panels.setpoints(self._situation.robot, self._memory, rows - 1)]
+
+
+def _shown(line: Text) -> Text:
+    """The line, without its colours where control characters had to be written out."""
+    plain = visible(line.plain)
+    return line if plain == line.plain else Text(plain, line.style)
 
 
 def _filled(lines: list[Text], rows: int) -> list[Text]:
