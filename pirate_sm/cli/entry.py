@@ -6,6 +6,7 @@ must not wait for models, numbers and compilers.
 
 from __future__ import annotations
 
+import sys
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
@@ -367,11 +368,30 @@ def new_robot(
     raise typer.Exit(guarded(work, debug))
 
 
+def _enter(app: typer.Typer) -> None:
+    """The app has ended this process; an output that cannot be written is told in one line."""
+    if sys.stdout is None:
+        from pirate_sm.cli.guard import say
+        from pirate_sm.runtime.stopping import OUTPUT_LOST
+
+        say("the output cannot be written: standard output is closed")
+        raise SystemExit(OUTPUT_LOST)
+    try:
+        try:
+            app()
+        finally:
+            sys.stdout.flush()
+    except OSError as error:
+        from pirate_sm.cli.guard import output_lost
+
+        raise SystemExit(output_lost(error)) from None
+
+
 def main() -> None:
     """The process has done what the command line says and ended."""
-    commands()
+    _enter(commands)
 
 
 def run_main() -> None:
     """The process has run the mission on the command line and ended."""
-    only_run()
+    _enter(only_run)

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
 
+from pirate_sm.cli.visible import visible
 from pirate_sm.errors import PirateError
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
 from pirate_sm.runtime.stopping import OUTPUT_LOST
+
+_LOST = {errno.EPIPE, errno.ENOSPC, errno.EBADF}
+"""What writing to a standard output fails with that is closed or full."""
 
 
 def guarded(work: Callable[[], int], debug: bool) -> int:
@@ -24,6 +29,11 @@ def guarded(work: Callable[[], int], debug: bool) -> int:
     except BrokenPipeError:
         silence_stdout()
         return OUTPUT_LOST
+    except OSError as error:
+        if error.errno not in _LOST:
+            say_bug(error, debug)
+            return BUG
+        return output_lost(error)
     except PirateError as error:
         if debug:
             show_traceback(error)
@@ -36,8 +46,10 @@ def guarded(work: Callable[[], int], debug: bool) -> int:
 
 def say(message: str) -> None:
     """The message stands on standard error, if anybody still reads it."""
+    if sys.stderr is None:  # it was closed before we began
+        return
     with suppress(OSError, ValueError):
-        print(message, file=sys.stderr, flush=True)
+        print(visible(message, lines=True), file=sys.stderr, flush=True)
 
 
 def say_bug(error: BaseException, debug: bool) -> None:
@@ -53,6 +65,13 @@ def show_traceback(error: BaseException) -> None:
     import traceback
 
     say("".join(traceback.format_exception(error)).rstrip())
+
+
+def output_lost(error: OSError) -> int:
+    """It has been said that standard output cannot be written; the exit code for that."""
+    silence_stdout()
+    say(f"the output cannot be written: {error.strerror}")
+    return OUTPUT_LOST
 
 
 def silence_stdout() -> None:

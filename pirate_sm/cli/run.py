@@ -18,7 +18,7 @@ from pirate_sm.cli.reader import watch_pipe
 from pirate_sm.cli.script import read_fire, read_script
 from pirate_sm.cli.situation import Situation
 from pirate_sm.errors import UsageError
-from pirate_sm.runtime.companions import Companion, FirstChoice
+from pirate_sm.runtime.companions import Companion, FirstChoice, TriggerScript
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.observing import Observer, Watcher
 from pirate_sm.runtime.outcome import BUG, Result
@@ -137,7 +137,16 @@ def _show(
         if isinstance(output, AbstractContextManager):
             stack.enter_context(output)
         result = run.execute()
+    _say_unused(prepared)
     return _conclude(result, wishes)
+
+
+def _say_unused(prepared: Prepared) -> None:
+    """Whoever asked for a trigger that was never fired knows."""
+    for companion in prepared.companions:
+        if isinstance(companion, TriggerScript) and companion.unused:
+            names = ", ".join(f"'{firing.trigger}'" for firing in companion.unused)
+            say(f"warning: never fired, because no wait came that had it: {names}")
 
 
 def _people(
@@ -283,6 +292,8 @@ def _conclude(result: Result, wishes: Wishes) -> int:
     elif result.exit_code == OUTPUT_LOST:
         silence_stdout()
         ended = result.ended
-        how = "was stopped safely" if ended.outcome == "interrupted" else ended.outcome
-        say(f"the output cannot be written; the mission {how}: {ended.message}")
+        if ended.outcome == "interrupted":  # its message is about the output
+            say(f"{ended.message}; the mission was stopped safely")
+        else:
+            say(f"the output cannot be written; the mission {ended.outcome}: {ended.message}")
     return result.exit_code
