@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from pirate_sm.model.base import Frozen, Name
-from pirate_sm.model.quantities import Angle, Duration, Length
+from pirate_sm.model.quantities import Angle, Duration, Length, quantity_fault
 from pirate_sm.model.simulation import Friction
 
-RIGHT_ANGLE_RAD = 1.5707963267948966
+_ROUNDING_DEG = 1e-6
+
+
+def _within(limit_deg: int) -> AfterValidator:
+    """A validator of angles between minus and plus a limit, which it names in degrees."""
+
+    def check(angle_rad: float) -> float:
+        angle_deg = math.degrees(angle_rad)
+        if abs(angle_deg) <= limit_deg + _ROUNDING_DEG:
+            return angle_rad
+        bound = f"at most {limit_deg}" if angle_deg > 0 else f"at least -{limit_deg}"
+        raise quantity_fault(f"expected {bound} deg, got {angle_deg:.6g} deg")
+
+    return AfterValidator(check)
 
 
 class Straight(Frozen):
@@ -22,7 +36,7 @@ class Straight(Frozen):
 class Mitre(Frozen):
     """A mitre bend by this angle; positive turns to side A of the robot in normal polarity."""
 
-    mitre: Annotated[Angle, Field(ge=-2.1, le=2.1)]
+    mitre: Annotated[Angle, _within(120)]
 
 
 def _kind_of_segment(value: Any) -> str | None:
@@ -84,9 +98,9 @@ class Pipe(Frozen):
     pipe: Name | None = None
     description: str = ""
     diameter: Annotated[Length, Field(gt=0, le=10)]
-    tilt: Annotated[Angle, Field(ge=-RIGHT_ANGLE_RAD - 1e-9, le=RIGHT_ANGLE_RAD + 1e-9)] = 0.0
-    uphill: Angle = 0.0
-    roll: Angle = 0.0
+    tilt: Annotated[Angle, _within(90)] = 0.0
+    uphill: Annotated[Angle, _within(360)] = 0.0
+    roll: Annotated[Angle, _within(180)] = 0.0
     segments: Annotated[tuple[Segment, ...], Field(min_length=1, max_length=100)]
     friction: Friction | None = None
     start: Start | None = None

@@ -17,6 +17,8 @@ from pirate_sm.backends.simulator.arrays import Floats
 from pirate_sm.errors import UsageError
 
 GRAVITY_M_S2 = 9.81
+# 120 deg, and what rounding adds to it.
+_SHARPEST_RAD = math.radians(120) + 1e-6
 
 Vector = tuple[float, float, float]
 
@@ -183,7 +185,7 @@ def _check(shape: PipeShape, legs: Sequence[Leg]) -> None:
     for number, leg in enumerate(legs, start=1):
         after = 0.0
         if leg.bend is not None:
-            if not 0.0 < abs(leg.bend.angle_rad) <= math.radians(120):
+            if not 0.0 < abs(leg.bend.angle_rad) <= _SHARPEST_RAD:
                 raise UsageError(f"mitre {number} must turn by more than 0 and at most 120 deg")
             after = radius * math.tan(abs(leg.bend.angle_rad) / 2.0)
         if leg.length_m <= before + after:
