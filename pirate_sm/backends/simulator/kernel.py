@@ -11,15 +11,10 @@ by more than a few mrad in one. Impulses are in kg m, that is force times the sq
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeVar, cast
-
-import numba
 import numpy as np
 
 from pirate_sm.backends.simulator.arrays import Floats, Ints, Words
-
-_F = TypeVar("_F", bound=Callable[..., Any])
+from pirate_sm.backends.simulator.machine_code import compiled, is_kept
 
 # Columns of `body`, a row per wheel; joint columns are of the joint at that wheel, the link's
 # length is of the link from that wheel to the next one behind it.
@@ -85,32 +80,9 @@ _WINDING_RAD = 0.6
 _STOP_RAD = 0.1
 
 
-def compiled(function: _F) -> _F:
-    """The function is compiled on its first call, and its machine code kept on disk.
-
-    numba keeps it beside this file or else in the user's cache folder; where neither can be
-    written to, each process compiles for itself.
-    """
-    try:
-        return cast(_F, numba.njit(cache=True, error_model="numpy")(function))
-    except RuntimeError:
-        return cast(_F, numba.njit(error_model="numpy")(function))
-
-
 def is_compiled() -> bool:
-    """Whether the simulator can start at once; otherwise its first call takes seconds.
-
-    Looks for machine code for this processor in numba's cache, which has no public way to ask.
-    """
-    dispatcher: Any = advance
-    if dispatcher.signatures:
-        return True
-    try:
-        index = dispatcher._cache._cache_file._load_index()
-        machine = dispatcher.targetctx.codegen().magic_tuple()
-    except AttributeError:
-        return False
-    return any(machine in key for key in index)
+    """Whether the simulator can start at once; otherwise its first call takes seconds."""
+    return is_kept(advance)
 
 
 @compiled

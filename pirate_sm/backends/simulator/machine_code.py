@@ -1,0 +1,64 @@
+"""Functions compiled to machine code that is kept on disk, and made anew where it is damaged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+import numba
+
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+
+def compiled(function: _F) -> _F:
+    """The function is compiled on its first call, and its machine code kept on disk.
+
+    numba keeps it beside the function's file or else in the user's cache folder; where neither
+    can be written to, each process compiles for itself.
+    """
+    try:
+        dispatcher = numba.njit(cache=True, error_model="numpy")(function)
+    except RuntimeError:
+        return cast(_F, numba.njit(error_model="numpy")(function))
+    _forgive_damage(dispatcher)
+    return cast(_F, dispatcher)
+
+
+def is_kept(function: Callable[..., Any]) -> bool:
+    """Whether a compiled function can run at once; otherwise its first call takes seconds.
+
+    Looks for machine code for this processor in numba's cache, which has no public way to ask.
+    """
+    dispatcher: Any = function
+    if dispatcher.signatures:
+        return True
+    try:
+        index = dispatcher._cache._cache_file._load_index()
+        machine = dispatcher.targetctx.codegen().magic_tuple()
+        return any(machine in key for key in index)
+    except Exception:  # unpickling a damaged index can raise anything
+        return False
+
+
+def _forgive_damage(dispatcher: Any) -> None:
+    """Machine code that cannot be read back is dropped and made again.
+
+    numba itself takes a file that cannot be read for a fault of the program: one that was cut
+    short, by a full disk say, would stop this run and all later ones.
+    """
+    cache = getattr(dispatcher, "_cache", None)
+    load = getattr(cache, "load_overload", None)
+    if cache is None or load is None:
+        return
+
+    def load_or_drop(signature: Any, target: Any) -> Any:
+        try:
+            return load(signature, target)
+        except Exception:  # unpickling damaged code can raise anything
+            try:
+                cache.flush()
+            except OSError:  # it cannot be written: do without
+                cache.disable()
+            return None
+
+    cache.load_overload = load_or_drop
