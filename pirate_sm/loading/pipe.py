@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-from math import sin, tan
+from itertools import combinations, pairwise
+from math import cos, sin, tan
 from pathlib import Path
+from typing import NamedTuple
 
 from pirate_sm.loading.folders import shown
 from pirate_sm.loading.problems import Path as At
@@ -49,6 +50,7 @@ def check_fit(pipe: Pipe, profile: Profile, document: Document, problems: Proble
     at: At = ("pipe",) if "pipe" in document.data and "phases" in document.data else ()
     about = problems.about(document)
     _check_shape(pipe, at, about)
+    _check_crossing(pipe, at, about)
     _check_places(pipe, at, about)
     least, largest = reach(profile)
     if not least < pipe.diameter <= largest:
@@ -82,6 +84,68 @@ def _check_shape(pipe: Pipe, at: At, problems: Problems) -> None:
                 path = (*at, "segments", number, "straight")
                 message = f"the walls of its mitres meet in a straight of {_mm(segment.straight)}"
                 problems.add("pipe.segment", path, message, expected=f"more than {_mm(least)}")
+
+
+class _Leg(NamedTuple):
+    """A straight part of a pipe in the drawing, between two bends.
+
+    Attributes:
+        segment: Index of its first straight.
+        corners: Where its walls begin and end, in order around it, m.
+    """
+
+    segment: int
+    corners: tuple[tuple[float, float], ...]
+
+
+def _legs(pipe: Pipe) -> list[_Leg]:
+    """The drawing of a pipe; each mitre cuts the legs beside it at half its angle."""
+    runs: list[tuple[int, float, float]] = []  # first straight, length, mitre at the end
+    first, length = 0, 0.0
+    for number, segment in enumerate(pipe.segments):
+        if isinstance(segment, Straight):
+            length += segment.straight
+        else:
+            runs.append((first, length, segment.mitre))
+            first, length = number + 1, 0.0
+    runs.append((first, length, 0.0))
+    legs = []
+    x = y = heading = before = 0.0
+    for first, length, after in runs:
+        tx, ty = cos(heading), sin(heading)
+        half = pipe.diameter / 2
+        places = [(side * half * tan(before / 2), side * half) for side in (1, -1)] + [
+            (length - side * half * tan(after / 2), side * half) for side in (-1, 1)
+        ]
+        corners = tuple((x + s * tx - o * ty, y + s * ty + o * tx) for s, o in places)
+        legs.append(_Leg(first, corners))
+        x, y = x + length * tx, y + length * ty
+        heading, before = heading + after, after
+    return legs
+
+
+def _check_crossing(pipe: Pipe, at: At, problems: Problems) -> None:
+    """No leg of the pipe lies in the place of another one; neighbours meet at their mitre."""
+    legs = _legs(pipe)
+    for (i, one), (k, two) in combinations(enumerate(legs), 2):
+        if k - i > 1 and _overlap(one, two):
+            path = (*at, "segments", min(two.segment, len(pipe.segments) - 1))
+            message = f"this runs into segment {one.segment + 1} of the same pipe"
+            problems.add(
+                "pipe.crossing", path, message, expected="a pipe that keeps clear of itself"
+            )
+            return
+
+
+def _overlap(one: _Leg, two: _Leg) -> bool:
+    """Whether two convex shapes share a place: no edge of either separates them."""
+    for shape in (one.corners, two.corners):
+        for (ax, ay), (bx, by) in zip(shape, (*shape[1:], shape[0]), strict=True):
+            first = [(by - ay) * x - (bx - ax) * y for x, y in one.corners]
+            second = [(by - ay) * x - (bx - ax) * y for x, y in two.corners]
+            if max(first) <= min(second) + 1e-12 or max(second) <= min(first) + 1e-12:
+                return False
+    return True
 
 
 def _taken(segment: Straight | Mitre, diameter_m: float) -> float:

@@ -99,3 +99,38 @@ def test_a_pipe_that_cannot_be_built_is_refused_with_its_place(faults, rest, fau
     said = faults(mission(f"{{diameter: 120 mm, {rest}}}"))
 
     assert [each for each in said if each.startswith(f"m.yaml:{fault}")], said
+
+
+def bends(*rest: str) -> str:
+    """A pipe of straights, `0.3 m`, and mitres, `90 deg`."""
+    kinds = [f"{{{'mitre' if each.endswith('deg') else 'straight'}: {each}}}" for each in rest]
+    return f"{{diameter: 120 mm, segments: [{', '.join(kinds)}]}}"
+
+
+@pytest.mark.parametrize(
+    ("segments", "into"),
+    [
+        (("1 m", "90 deg", "0.3 m", "90 deg", "0.3 m", "90 deg", "1 m"), 1),
+        (("1 m", "120 deg", "0.4 m", "120 deg", "1 m"), 1),
+        (("0.5 m", "0.5 m", "-90 deg", "0.3 m", "-90 deg", "0.3 m", "-90 deg", "1 m"), 1),
+        (("1 m", "45 deg", "1 m", "90 deg", "0.3 m", "90 deg", "0.3 m", "90 deg", "1 m"), 3),
+    ],
+)
+def test_a_pipe_that_runs_into_itself_is_refused(faults, segments, into):
+    said = faults(mission(bends(*segments)))
+
+    assert len(said) == 1
+    assert said[0].endswith(f"this runs into segment {into} of the same pipe")
+
+
+@pytest.mark.parametrize(
+    "segments",
+    [
+        ("1 m", "90 deg", "0.13 m", "90 deg", "1 m"),
+        ("1 m", "90 deg", "0.13 m", "-90 deg", "1 m"),
+        ("1 m", "30 deg", "0.05 m", "-30 deg", "1 m"),
+        ("1 m", "90 deg", "1 m", "90 deg", "0.5 m", "90 deg", "0.8 m"),
+    ],
+)
+def test_a_pipe_that_keeps_clear_of_itself_is_taken(faults, segments):
+    assert faults(mission(bends(*segments))) == []
