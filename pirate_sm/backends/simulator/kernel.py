@@ -58,9 +58,9 @@ SINGLE = ("roll", "roll_current", "acc_x", "acc_y", "acc_z", "mag_x", "mag_y", "
 (
     X0, Y0, LEVER_X, LEVER_Y, GA_X, GA_Y, GM_X, GM_Y, GB_X, GB_Y, J_C, J_D, J_W, J_INV, J_LAM,
     J_FRICTION, J_STOP, G_X, G_Y, SPIN, FORCE, SLOPE, LINK_SCALE,
-    J_RESISTS,
-) = range(24)  # fmt: skip
-_NODE_COLUMNS = 24
+    J_RESISTS, DRAG,
+) = range(25)  # fmt: skip
+_NODE_COLUMNS = 25
 # Sums per wheel over the substeps of a call.
 T_PRESS, T_DRIVE, T_GRIP, T_TORQUE, T_CURRENT, _T_COLUMNS = range(6)
 # Scratch columns per contact, and per link at an inner corner.
@@ -377,6 +377,21 @@ def _begin(
 
 
 @compiled
+def _predict(n: int, pos: Floats, vel: Floats, dt: float, w: Floats) -> None:
+    """Wheels have moved on as gravity and the floor's friction would have them alone."""
+    for i in range(n):
+        vx = vel[i, 0] + dt * w[i, G_X]
+        vy = vel[i, 1] + dt * w[i, G_Y]
+        if w[i, DRAG] > 0.0:
+            speed = np.sqrt(vx * vx + vy * vy)
+            left = 1.0 - w[i, DRAG] / speed if speed > w[i, DRAG] else 0.0
+            vx *= left
+            vy *= left
+        pos[i, 0] += dt * vx
+        pos[i, 1] += dt * vy
+
+
+@compiled
 def _resist(i: int, turned: float, bend: float, body: Floats, dt2: float, w: Floats) -> float:
     """Impulse that dry friction and end stops of a joint add after it has turned so far."""
     added = 0.0
@@ -544,6 +559,9 @@ def _prepare(
             across = leg[L_GN] * np.cos(part) - leg[L_GB] * np.sin(part)
         w[i, G_X] = leg[L_GT] * leg[L_TX] - across * leg[L_TY]
         w[i, G_Y] = leg[L_GT] * leg[L_TY] + across * leg[L_TX]
+        # A wheel that presses no wall lies on the floor and drags there by its weight.
+        floor = abs(leg[L_GN] * np.sin(part) + leg[L_GB] * np.cos(part))
+        w[i, DRAG] = body[i, MU_KINETIC] * floor * dt if out[6 * n + i] == 0.0 else 0.0
         duty = command[n + i]
         w[i, SPIN] = duty * body[i, WHEEL_RATE] * dt
         w[i, SLOPE] = 0.0
@@ -697,9 +715,7 @@ def advance(
         count = _find_contacts(n, pos, walls, world, con, who, hit)
         _prepare_contacts(count, body, world, anchor, w, con, who)
         corners = _find_corners(n, pos, walls, body, world, cor, at_corner)
-        for i in range(n):
-            pos[i, 0] += dt * (vel[i, 0] + dt * w[i, G_X])
-            pos[i, 1] += dt * (vel[i, 1] + dt * w[i, G_Y])
+        _predict(n, pos, vel, dt, w)
         for _ in range(int(world[ITERATIONS])):
             _solve_joints(n, pos, bend, motor, body, dt * dt, w)
             _solve_contacts(count, pos, body, compliance, w, con, who)

@@ -214,3 +214,25 @@ def test_another_robot_needs_other_numbers_only(
     robot.drive(1.0)
     robot.run(3.0)
     assert robot.middle - start > 0.15
+
+
+def test_an_unclamped_robot_comes_to_rest_on_the_floor(place: Place) -> None:
+    robot = place(straight(), at=2.5, clamped=0.0)
+    robot.world.state.velocity[:, 0] = 0.3
+    start = robot.middle
+    robot.run(2.0)
+    # Coulomb: v^2 / (2 mu g), with the kinetic coefficient.
+    assert robot.middle - start == pytest.approx(0.3**2 / (2 * 0.5 * 9.81), rel=0.1)
+    assert abs(robot.world.state.velocity).max() < 1e-6
+
+
+@pytest.mark.parametrize(("tilt_deg", "slides"), [(20.0, False), (35.0, True)])
+def test_an_unclamped_robot_slides_where_the_floor_is_steep(
+    place: Place, tilt_deg: float, slides: bool
+) -> None:
+    # Kinetic friction of 0.5 holds up to atan(0.5) = 26.6 deg.
+    shape = straight(tilt_rad=math.radians(tilt_deg), uphill_rad=0.0)
+    robot = place(shape, at=2.5, clamped=0.0)
+    start = robot.middle
+    robot.run(0.5)
+    assert (start - robot.middle > 0.05) is slides
