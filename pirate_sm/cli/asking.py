@@ -10,12 +10,26 @@ import tty
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from math import inf
-from typing import Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
-from pirate_sm.model.effects import Ask, Effect, Ended, TriggerFired, WaitArmed
+from pirate_sm.model.effects import Ask, Effect, Ended, Log, TriggerFired, WaitArmed
 from pirate_sm.model.events import Answer, Event
+from pirate_sm.runtime.companions import Answered
+
+if TYPE_CHECKING:
+    from pirate_sm.engine.state import EngineState
 
 _LOOK_EVERY_S = 0.05
+
+
+def can_type() -> bool:
+    """Whether standard input is a terminal whose keys reach this process."""
+    try:
+        fd = sys.stdin.fileno()
+        # In the background, touching the terminal would halt us in the middle of a run.
+        return os.isatty(fd) and os.tcgetpgrp(fd) == os.getpgrp()
+    except (AttributeError, OSError, ValueError):  # closed, or no terminal of ours
+        return False
 
 
 class Keys(Protocol):
@@ -117,6 +131,7 @@ class Operator:
         self.question = ""
         self.choices: tuple[str, ...] = ()
         self._expects = False
+        self._answer: str | None = None
         self.due_s = inf
 
     @property
@@ -135,15 +150,21 @@ class Operator:
             elif isinstance(effect, TriggerFired | Ended):
                 self._put("", (), now_s, expects=False)
 
-    def speak(self, now_s: float) -> Sequence[Event]:
-        """The answer, once a key has given it."""
+    def look(self, state: EngineState | None, now_s: float) -> Sequence[Log]:
+        """What a key has answered, which it will speak next."""
         self.due_s = now_s + _LOOK_EVERY_S
         for key in self._keys.pressed():
             choice = self._choice(key)
             if choice is not None:
                 self._put("", (), now_s, expects=False)
-                return (Answer(choice),)
+                self._answer = choice
+                return (Answered("info", f"answered '{choice}' (operator)"),)
         return ()
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """The answer that was just seen."""
+        answer, self._answer = self._answer, None
+        return () if answer is None else (Answer(answer),)
 
     def _put(self, question: str, choices: tuple[str, ...], now_s: float, expects: bool) -> None:
         self.question, self.choices = question, choices

@@ -11,6 +11,7 @@ from pirate_sm import __version__
 from pirate_sm.cli.situation import Situation
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import ALPHABET_VERSION
+from pirate_sm.runtime.companions import Answered
 
 FORMAT = 1
 """Changes when a reader of the lines would have to."""
@@ -25,6 +26,7 @@ class JsonLines:
         self._out = out
         self._situation = situation
         self._regions = situation.robot.regions
+        self._answered = False
 
     def begin(self) -> None:
         """The first line says what is about to run."""
@@ -58,9 +60,17 @@ class JsonLines:
         """A line for each effect has been handed to whoever reads."""
         for effect in effects:
             make = _LINES.get(type(effect))
-            if make is not None:
+            if make is not None and not self._is_known(effect):
                 self._write(now_s, *make(self, effect))
         self._out.flush()
+
+    def _is_known(self, effect: fx.Effect) -> bool:
+        """Whether a question only goes away because of the answer that was just told."""
+        if isinstance(effect, fx.Ask):
+            known, self._answered = self._answered and not effect.question, False
+            return known
+        self._answered = self._answered or isinstance(effect, Answered)
+        return False
 
     def _write(self, now_s: float, kind: str, rest: dict[str, Any]) -> None:
         line = {"t": _number(now_s), "type": kind, **rest}
@@ -154,6 +164,7 @@ _LINES: dict[type, Callable[[JsonLines, Any], tuple[str, dict[str, Any]]]] = {
     fx.Environment: _environment,
     fx.Fault: _fault,
     fx.Log: _log,
+    Answered: _log,
     fx.Ask: _ask,
     fx.Ended: JsonLines._end,
 }

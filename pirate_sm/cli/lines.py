@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TextIO
 
+from pirate_sm.cli.guard import say
 from pirate_sm.cli.situation import Situation
 from pirate_sm.cli.telling import Teller, summary
 from pirate_sm.cli.visible import visible
 from pirate_sm.model.effects import Effect, Ended
+from pirate_sm.runtime.companions import Answered
 
 
 class Lines:
@@ -19,7 +21,7 @@ class Lines:
         self._situation = situation
         self._quiet = quiet
         nominal = situation.prepared.engine.nominal
-        self._teller = Teller(situation.robot, with_setpoints=nominal)
+        self._teller = Teller(situation.robot, with_setpoints=nominal, nominal=nominal)
 
     def begin(self) -> None:
         """It is written what is about to run."""
@@ -38,7 +40,10 @@ class Lines:
                     self._out.write(f"{there.prepared.loaded.mission.mission}: {visible(text)}\n")
                 else:
                     self._write(now_s, "end", text)
-            elif not self._quiet:
+            elif self._quiet:
+                if isinstance(effect, Answered) and effect.level == "warning":
+                    say(f"warning: {effect.message}")
+            else:
                 for topic, text in self._teller.lines(effect):
                     self._write(now_s, topic, text)
         self._out.flush()

@@ -11,12 +11,14 @@ from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from pirate_sm.cli.asking import Operator, SharedKeys, TerminalKeys, can_type
 from pirate_sm.cli.guard import say, say_bug, show_traceback, silence_stdout
 from pirate_sm.cli.jsonl import JsonLines
 from pirate_sm.cli.lines import Lines
 from pirate_sm.cli.reader import watch_pipe
 from pirate_sm.cli.script import read_fire, read_script
 from pirate_sm.cli.situation import Situation
+from pirate_sm.cli.visible import visible
 from pirate_sm.errors import UsageError
 from pirate_sm.runtime.companions import Companion, FirstChoice, TriggerScript
 from pirate_sm.runtime.loop import MissionRun
@@ -27,7 +29,6 @@ from pirate_sm.units import LENGTH, QuantityError, read_quantity
 from pirate_sm.wiring import Order, Prepared, answers, prepare
 
 if TYPE_CHECKING:
-    from pirate_sm.cli.asking import Operator
     from pirate_sm.detectors.keys import WordKeys
 
 ON_A_TERMINAL = 4.0
@@ -115,7 +116,7 @@ def _show(
         operator, words = _people(prepared, wishes, on_terminal, live, stack)
         output = _output(situation, wishes, live, factor, operator, words)
         pipe = watch_pipe(sys.stdout)
-        companions: list[Companion] = [*prepared.companions, operator or FirstChoice()]
+        companions: list[Companion] = [*prepared.companions, operator or _nobody(wishes)]
         companions += [words] if words else []
         run = MissionRun(
             prepared.engine,
@@ -157,22 +158,31 @@ def _people(
     Raises:
         UsageError: The detector shall be a person, and there is none.
     """
-    present = on_terminal and sys.stdin.isatty()
+    shown = sys.stdout if on_terminal else sys.stderr
+    present = shown is not None and shown.isatty() and can_type()
     detects = prepared.detector == "operator"
-    if detects and not present:
+    if detects and not (present and on_terminal):
         raise UsageError("--detector operator needs a terminal: nobody could see it and type")
     if not present or (wishes.yes and not detects):
         return None, None
-    from pirate_sm.cli.asking import Operator, SharedKeys, TerminalKeys
     from pirate_sm.detectors.keys import LETTERS, WordKeys
 
     keys = SharedKeys(stack.enter_context(TerminalKeys()), LETTERS if detects else "")
-    show = (lambda text: None) if live else (lambda text: print(text, flush=True))
+
+    def show(text: str) -> None:
+        if not live:
+            print(visible(text), file=shown, flush=True)
+
     operator = None if wishes.yes else Operator(keys.answers, answers(prepared.loaded), show)
     if not detects:
         return operator, None
     valid_for_s = prepared.loaded.loaded_robot.profile.detector.valid_for
     return operator, WordKeys(keys.words, prepared.loaded.robot.detector_words, valid_for_s)
+
+
+def _nobody(wishes: Wishes) -> FirstChoice:
+    """What answers where no operator does, and keeps why."""
+    return FirstChoice("--yes") if wishes.yes else FirstChoice("no terminal", "warning")
 
 
 def _output(

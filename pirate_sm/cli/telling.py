@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from pirate_sm.engine.robot import RobotSpec, SlotSpec
 from pirate_sm.model import effects as fx
+from pirate_sm.runtime.companions import Answered
 
 
 class Line(NamedTuple):
@@ -21,17 +22,21 @@ class Line(NamedTuple):
 class Teller:
     """Turns effects into lines; remembers what it has said so that it tells changes only."""
 
-    def __init__(self, robot: RobotSpec, *, with_setpoints: bool, short: bool = False) -> None:
+    def __init__(
+        self, robot: RobotSpec, *, with_setpoints: bool, short: bool = False, nominal: bool = False
+    ) -> None:
         """Nothing has been told.
 
         Args:
             robot: Whose slots and regions are told about.
             with_setpoints: Whether setpoints are told.
             short: Whether regions are named without the ending that they share.
+            nominal: Whether it is a trace, where no operator takes a trigger but its script.
         """
         self._robot = robot
         self._labels = shortened(robot.regions) if short else list(robot.regions)
         self._with_setpoints = with_setpoints
+        self._nominal = nominal
         self._values: tuple[float, ...] = (0.0,) * len(robot.slots)
         self._states: tuple[str, ...] = ()
         self._unconfirmed: tuple[str, ...] = ()
@@ -78,7 +83,8 @@ class Teller:
         return [Line("waits", f"for {' or '.join(it.conditions)}{limit}")]
 
     def _trigger(self, it: fx.TriggerFired) -> list[Line]:
-        return [Line("trigger", f"{it.reason} → {it.go}")]
+        by_script = self._nominal and it.reason == "taken by the operator"
+        return [Line("trigger", f"{'taken by the trace' if by_script else it.reason} → {it.go}")]
 
     def _detected(self, it: fx.Detected) -> list[Line]:
         return [Line("detected", it.word)]
@@ -111,6 +117,7 @@ _TELL: dict[type, Callable[[Teller, Any], list[Line]]] = {
     fx.Environment: Teller._environment,
     fx.Fault: Teller._fault,
     fx.Log: Teller._log,
+    Answered: Teller._log,
     fx.Ask: Teller._ask,
 }
 

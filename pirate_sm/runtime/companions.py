@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from math import inf
-from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, runtime_checkable
 
 from pirate_sm.model.effects import (
     Ask,
@@ -144,12 +144,25 @@ class Holder:
         return ()
 
 
+class Answered(Log):
+    """A question got an answer; the message says which, and from whom."""
+
+    __slots__ = ()
+
+
 class FirstChoice:
-    """Answers every question at once with the expected answer, where nobody can be asked."""
+    """Answers every question at once with the expected answer, where nobody is asked.
+
+    Args:
+        why: Why nobody is; kept beside each answer. Empty: answers are not kept.
+        level: Of what is kept.
+    """
 
     listening = False
 
-    def __init__(self) -> None:
+    def __init__(self, why: str = "", level: Literal["info", "warning"] = "info") -> None:
+        self._why = why
+        self._level = level
         self.due_s = inf
         self._choice = ""
 
@@ -160,6 +173,12 @@ class FirstChoice:
                 asked = bool(effect.question and effect.choices)
                 self._choice = effect.choices[0] if asked else ""
                 self.due_s = now_s if asked else inf
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """What it is about to answer."""
+        if not self._why:
+            return ()
+        return (Answered(self._level, f"answered '{self._choice}' ({self._why})"),)
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """The answer."""

@@ -33,8 +33,8 @@ class Memory:
         ended: How it ended.
     """
 
-    def __init__(self, robot: RobotSpec) -> None:
-        self._teller = Teller(robot, with_setpoints=False, short=True)
+    def __init__(self, robot: RobotSpec, *, nominal: bool = False) -> None:
+        self._teller = Teller(robot, with_setpoints=False, short=True, nominal=nominal)
         self.phase = Visit("", 0.0)
         self.spent_s: dict[str, float] = {}
         self.wait: tuple[fx.WaitArmed, float] | None = None

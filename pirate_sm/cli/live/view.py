@@ -41,7 +41,7 @@ class View:
         self._speed = speed
         self._operator = operator
         self._word_keys = words
-        self._memory = Memory(situation.robot)
+        self._memory = Memory(situation.robot, nominal=situation.prepared.engine.nominal)
         self._gauges = gauges(situation.prepared.loaded.loaded_robot.profile)
         self._spare = 1
         self._live = Live(

@@ -1,12 +1,13 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf
 
 import pytest
 
 from pirate_sm.cli.asking import Operator
 from pirate_sm.model.effects import Ask, TriggerFired, WaitArmed
-from pirate_sm.model.events import Answer
+from pirate_sm.model.events import Answer, Event
 
 
 class Keyboard:
@@ -33,6 +34,12 @@ def operator(keyboard: Keyboard, told: list[str]) -> Operator:
     return Operator(keyboard, {"drive": ("stop", "turn")}, told.append)
 
 
+def heard(operator: Operator, now_s: float) -> Sequence[Event]:
+    """What it says when the loop asks it."""
+    operator.look(None, now_s)
+    return operator.speak(now_s)
+
+
 WAIT = WaitArmed("drive", ("halt", "back"), ("operator", "operator"), 60.0)
 OTHER = WaitArmed("rest", ("halt",), ("after",), 60.0)
 
@@ -46,10 +53,10 @@ def test_a_key_answers_a_question(
     operator.react((Ask("Go on?", ("yes", "no")),), 3.0)
     assert operator.listening
     assert operator.due_s == 3.0
-    assert operator.speak(3.0) == ()
+    assert heard(operator, 3.0) == ()
 
     keyboard.keys = keys
-    assert operator.speak(operator.due_s) == (Answer(answer),)
+    assert heard(operator, operator.due_s) == (Answer(answer),)
     assert not operator.listening
     assert operator.due_s == inf
     assert told == ["Go on?  [1] yes  [2] no"]
@@ -60,7 +67,7 @@ def test_other_keys_do_not(operator: Operator, keyboard: Keyboard, keys: str) ->
     operator.react((Ask("Go on?", ("yes", "no")),), 0.0)
     keyboard.keys = keys
 
-    assert operator.speak(0.0) == ()
+    assert heard(operator, 0.0) == ()
     assert operator.listening
 
 
@@ -70,7 +77,7 @@ def test_what_was_typed_before_a_question_does_not_answer_it(
     keyboard.keys = "1"
     operator.react((Ask("Go on?", ("yes", "no")),), 0.0)
 
-    assert operator.speak(0.0) == ()
+    assert heard(operator, 0.0) == ()
 
 
 def test_a_withdrawn_question_is_forgotten(operator: Operator, keyboard: Keyboard) -> None:
@@ -85,10 +92,19 @@ def test_the_operators_triggers_are_on_offer_while_their_wait_lasts(
 ) -> None:
     operator.react((WAIT,), 0.0)
     keyboard.keys = "\n"
-    assert operator.speak(0.0) == ()  # a trigger has no expected answer
+    assert heard(operator, 0.0) == ()  # a trigger has no expected answer
     keyboard.keys = "2"
-    assert operator.speak(0.1) == (Answer("turn"),)
+    assert heard(operator, 0.1) == (Answer("turn"),)
 
     operator.react((WAIT,), 1.0)
     operator.react((TriggerFired("drive", "halt", "next", ""), OTHER), 2.0)
     assert not operator.listening
+
+
+def test_an_answer_is_kept_with_who_gave_it(operator: Operator, keyboard: Keyboard) -> None:
+    operator.react((Ask("Go on?", ("yes", "no")),), 0.0)
+    keyboard.keys = "2"
+
+    told = operator.look(None, 0.0)
+
+    assert [line.message for line in told] == ["answered 'no' (operator)"]

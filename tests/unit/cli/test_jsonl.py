@@ -10,6 +10,7 @@ from jsonschema import Draft202012Validator
 
 from pirate_sm.cli.jsonl import _LINES
 from pirate_sm.model.effects import Effect, WakeAt
+from pirate_sm.runtime.companions import Answered
 
 from .conftest import NEWT, ROOT
 
@@ -51,7 +52,7 @@ def test_every_line_holds_to_the_schema(
 
 
 def test_the_schema_knows_every_type_that_is_written_and_no_other() -> None:
-    assert set(_LINES) == set(Effect.__args__) - {WakeAt}
+    assert set(_LINES) - {Answered} == set(Effect.__args__) - {WakeAt}  # an Answered is a Log
     documented = {
         "start", "phase", "command", "state", "setpoints", "trigger", "detected", "environment",
         "fault", "log", "end",
@@ -106,3 +107,12 @@ def test_equal_seeds_print_equal_lines(pirate_run: Any) -> None:
     order = (NEWT / "patrol.yaml", "--seed", "11", "--json")
 
     assert pirate_run(*order).stdout == pirate_run(*order).stdout
+
+
+def test_an_answer_is_kept_and_its_question_not_called_withdrawn(pirate_run: Any) -> None:
+    result = pirate_run("exp_1a_both", "--backend", "trace", "--yes", "--json")
+    logs = [line for line in map(json.loads, result.stdout.splitlines()) if line["type"] == "log"]
+    told = [line["message"] for line in logs]
+
+    assert "answered 'removed' (--yes)" in told
+    assert "the question is withdrawn" not in told
