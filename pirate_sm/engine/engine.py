@@ -252,13 +252,16 @@ class Engine:
             state = self._watch(state, now, effects)
         if state.mission.diverting is not None:
             state = divert(self._setting, state, now, effects)
-        state = pausing.begin_if_wanted(self.robot, state, now, effects)
+        if state.mission.pause_wanted:
+            state = pausing.begin_if_wanted(self.robot, state, now, effects)
         state = advance(self._setting, state, now, effects)
         limit_s = self.program.time_limit_s
         if limit_s < inf and has_come(state.mission.clock(now), limit_s):
             message = f"the mission's time limit of {limit_s:g} s has passed"
             state = end(self._setting, state, "failed", message, "", now, effects)
-        return pausing.begin_if_wanted(self.robot, state, now, effects)
+        if state.mission.pause_wanted:
+            state = pausing.begin_if_wanted(self.robot, state, now, effects)
+        return state
 
     def _watch(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
         robot, finished = machine.watch(

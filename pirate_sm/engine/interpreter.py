@@ -59,7 +59,6 @@ def advance(setting: Setting, state: EngineState, now: float, effects: list[Effe
     Once its time is up no command begins any more; what else is due now comes before (rule 6).
     """
     instructions = setting.program.instructions
-    over = has_come(state.mission.clock(now), setting.program.time_limit_s)
     for _ in range(MOST_INSTRUCTIONS):
         mission = state.mission
         if mission.ending or mission.ended:
@@ -67,7 +66,7 @@ def advance(setting: Setting, state: EngineState, now: float, effects: list[Effe
         if mission.diverting or mission.paused or mission.pause_wanted:
             return state
         instruction = instructions[mission.pc]
-        if over and not mission.begun and type(instruction) is Do:
+        if not mission.begun and type(instruction) is Do and _is_over(setting, mission, now):
             return state
         after = _KINDS[type(instruction)](setting, state, instruction, now, effects)
         if after.mission.pc == mission.pc and after.mission.begun:
@@ -88,6 +87,10 @@ def spoken(setting: Setting, state: EngineState) -> MissionState:
     doing = mission.begun and isinstance(setting.program.instructions[mission.pc], Do)
     waits = doing and state.robot.flight is not None
     return mission._replace(answer=None, skipped=mission.skipped if waits else None)
+
+
+def _is_over(setting: Setting, mission: MissionState, now: float) -> bool:
+    return has_come(mission.clock(now), setting.program.time_limit_s)
 
 
 def withdraw(setting: Setting, state: EngineState, effects: list[Effect]) -> None:

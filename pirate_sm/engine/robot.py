@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.engine.chart_table import ChartTable
@@ -200,6 +201,11 @@ class BoardSpec:
     wheels: tuple[WheelSpec, ...]
     faults: tuple[int, ...]
     zeros: tuple[tuple[int, float], ...] = ()
+
+    @cached_property
+    def length(self) -> int:
+        """How many values a frame must have at least."""
+        return max((place + 1 for place, *_ in self.channels), default=0)
 
     @property
     def numbers(self) -> tuple[int, ...]:

@@ -59,7 +59,7 @@ def observe(
         now: When the frame was received.
     """
     board = robot.boards.get(frame.board)
-    if board is None or len(frame.values) <= max((c[0] for c in board.channels), default=-1):
+    if board is None or len(frame.values) < board.length:
         return sensing
     before = sensing.numbers
     numbers = list(before)
