@@ -1,0 +1,1 @@
+"""What can be known of robots, missions and pipes before anything moves."""

@@ -1,0 +1,98 @@
+"""A finding: what is wrong, how surely, where, and how it comes about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from enum import IntEnum
+
+from pirate_sm.loading.problems import Locator, Place, Problem
+from pirate_sm.loading.problems import Severity as LoadSeverity
+
+
+class Severity(IntEnum):
+    """How surely something is wrong; greater is worse.
+
+    ``POSSIBLE`` depends on what the check cannot decide, such as two sensors compared with each
+    other; ``WARNING`` can run and is hardly meant; ``ERROR`` will be refused or goes wrong.
+    """
+
+    POSSIBLE = 1
+    WARNING = 2
+    ERROR = 3
+
+    @property
+    def word(self) -> str:
+        """Its name in messages and files."""
+        return self.name.lower()
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that a person should know before anything moves.
+
+    Attributes:
+        code: A stable word for programs, explained in :mod:`pirate_sm.checking.catalogue`.
+        place: Where it stands.
+        message: What is wrong, in one sentence.
+        mend: How to mend it, where this is more than the catalogue says of the code.
+        suggestion: A name that was probably meant.
+        excerpt: The source line of the place.
+        related: Further places with what they have to do with it.
+        story: How it comes about, one sentence for each event, the first one first.
+        example: Name of the counterexample that plays the story; empty without one.
+        allowed: Why it may stay, said in a comment on its line; empty: it may not.
+    """
+
+    code: str
+    severity: Severity
+    place: Place
+    message: str
+    mend: str = ""
+    suggestion: str = ""
+    excerpt: str = ""
+    related: tuple[tuple[Place, str], ...] = ()
+    story: tuple[str, ...] = ()
+    example: str = ""
+    allowed: str = field(default="", compare=False)
+
+    @property
+    def order(self) -> tuple[Place, str, str]:
+        """Findings are told by place, then code."""
+        return self.place, self.code, self.message
+
+    def allow(self, reason: str) -> Finding:
+        """The same finding, allowed."""
+        return replace(self, allowed=reason)
+
+
+def finding_of(problem: Problem) -> Finding:
+    """The finding that says what loading found."""
+    warning = problem.severity is LoadSeverity.WARNING
+    return Finding(
+        problem.code,
+        Severity.WARNING if warning else Severity.ERROR,
+        problem.place,
+        problem.message,
+        mend=f"expected {problem.expected}" if problem.expected else "",
+        suggestion=problem.suggestion,
+        excerpt=problem.excerpt,
+    )
+
+
+def at(
+    document: Locator,
+    place: Place,
+    code: str,
+    severity: Severity,
+    message: str,
+    *,
+    mend: str = "",
+    related: Iterable[tuple[Place, str]] = (),
+    story: Iterable[str] = (),
+) -> Finding:
+    """A finding at a place of a document, with the line that stands there."""
+    return Finding(
+        code, severity, place, message, mend=mend, excerpt=document.excerpt(place.line),
+        related=tuple(related), story=tuple(story),
+    )  # fmt: skip
