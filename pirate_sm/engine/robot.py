@@ -23,12 +23,14 @@ BUILT_IN_FAULTS: Mapping[str, bool] = {
     "motion.unasked": True,
     "link.silent": False,
     "link.lost": False,
+    "link.interrupted": True,
     "link.no_echo": False,
     "link.mismatch": False,
     "runner.stalled": False,
     "firmware.reset": True,
     "backend.failed": False,
     "pipe.impassable": True,
+    "rule.violated": False,
 }
 """Faults that any robot can have, and whether a mission may catch them (rule 10)."""
 
@@ -266,6 +268,14 @@ class RobotSpec:
     def regions(self) -> tuple[str, ...]:
         """Names of the state machines."""
         return self.table.regions
+
+    @cached_property
+    def wheel_boards(self) -> tuple[int, ...]:
+        """Position of the board that tells of each wheel; -1 where none does."""
+        positions = {
+            wheel.place: board.position for board in self.boards.values() for wheel in board.wheels
+        }
+        return tuple(positions.get(wheel.place, -1) for wheel in self.wheels)
 
     def fault_codes(self) -> dict[str, bool]:
         """Every fault code of this robot and whether a mission may catch it."""

@@ -22,6 +22,8 @@ class Sensing(NamedTuple):
         shares: Per wheel its share of the odometry when its board last reported; 0 when the wheel
             was not driven then. A wheel that has just been stopped still brings in what it
             rolled until then.
+        angles: Per wheel what its sensor last showed, however long ago: what it has rolled while
+            its board could not be heard is not lost with the frames.
     """
 
     numbers: Numbers
@@ -29,6 +31,7 @@ class Sensing(NamedTuple):
     checked_s: float = 0.0
     stale: frozenset[int] = frozenset()
     shares: tuple[float, ...] = ()
+    angles: tuple[float, ...] = ()
 
 
 def nothing_known(robot: RobotSpec, *, blind: bool = False) -> Sensing:
@@ -36,8 +39,10 @@ def nothing_known(robot: RobotSpec, *, blind: bool = False) -> Sensing:
     numbers = [nan] * len(robot.vocabulary.numbers)
     if robot.odometry >= 0 and not blind:
         numbers[robot.odometry] = 0.0
-    wheels = (0.0,) * len(robot.wheels)
-    return Sensing(tuple(numbers), (-inf,) * len(robot.boards), shares=wheels)
+    count = len(robot.wheels)
+    return Sensing(
+        tuple(numbers), (-inf,) * len(robot.boards), shares=(0.0,) * count, angles=(nan,) * count
+    )
 
 
 def observe(
@@ -81,14 +86,14 @@ def observe(
     for apex, length_m, wheels_m, target in board.diameters:
         angle = numbers[apex] if isfinite(numbers[apex]) else nan
         numbers[target] = abs(length_m * sin(angle / 2)) + wheels_m  # eq. 3-2
-    shares = sensing.shares
+    shares, angles = sensing.shares, sensing.angles
     if board.wheels:
         driven = setpoints if latest is setpoints else _either(setpoints, latest)
-        shares = _roll_on(robot, board, before, numbers, driven, shares)
+        shares, angles = _roll_on(robot, board, sensing, numbers, driven, now)
     heard = list(sensing.heard_s)
     heard[board.position] = now
     stale = sensing.stale - {board.position} if sensing.stale else sensing.stale
-    return Sensing(tuple(numbers), tuple(heard), sensing.checked_s, stale, shares)
+    return Sensing(tuple(numbers), tuple(heard), sensing.checked_s, stale, shares, angles)
 
 
 def _vector(vector: Vector, numbers: list[float]) -> float:
@@ -108,37 +113,50 @@ def _either(setpoints: Numbers, latest: Numbers) -> Numbers:
 def _roll_on(
     robot: RobotSpec,
     board: BoardSpec,
-    before: Numbers,
+    sensing: Sensing,
     numbers: list[float],
     driven: Numbers,
-    shares: tuple[float, ...],
-) -> tuple[float, ...]:
-    """Odometry and speed have taken the board's wheels in; returns the new shares.
+    now: float,
+) -> tuple[Numbers, Numbers]:
+    """Odometry and speed have taken the board's wheels in; returns the new shares and angles.
 
     Odometry is the mean over the driven wheels that can be measured of what their rims rolled;
-    each wheel's share is added when its board reports.
+    each wheel's share is added when its board reports, for all the time since it last did. One
+    whose board has been silent for so long that it is a fault has no share: the others stand in.
     """
-    count, total = 0, 0.0
-    for wheel in robot.wheels:
-        speed = numbers[wheel.speed]
-        if driven[wheel.slot] and speed == speed:  # noqa: PLR0124 - NaN is unknown
-            count += 1
-            total += speed * wheel.metres_per_rad
+    limit_s = now - robot.link.silent_after_s
+    silent = sensing.heard_s[board.position] <= limit_s
+    angles, shares = list(sensing.angles), list(sensing.shares)
     for wheel in board.wheels:
-        share = 1 / count if count and driven[wheel.slot] else 0.0
-        old = shares[wheel.place]
-        turned = numbers[wheel.angle] - before[wheel.angle]
-        if robot.odometry >= 0 and turned == turned:  # noqa: PLR0124
+        angles[wheel.place] = numbers[wheel.angle]
+    sharing = 0
+    for wheel, position in zip(robot.wheels, robot.wheel_boards, strict=True):
+        if driven[wheel.slot] and not isnan(angles[wheel.place]):
+            sharing += position == board.position or sensing.heard_s[position] > limit_s
+    for wheel in board.wheels:
+        share = 1 / sharing if sharing and driven[wheel.slot] else 0.0
+        old, shares[wheel.place] = shares[wheel.place], share
+        turned = angles[wheel.place] - sensing.angles[wheel.place]
+        if robot.odometry >= 0 and not silent and not isnan(turned):
             numbers[robot.odometry] += turned * wheel.metres_per_rad * (old or share)
-        if share != old:
-            shares = (*shares[: wheel.place], share, *shares[wheel.place + 1 :])
-    if not count:
-        known = [wheel for wheel in robot.wheels if not isnan(numbers[wheel.speed])]
-        count = len(known)
-        total = sum(numbers[wheel.speed] * wheel.metres_per_rad for wheel in known)
     if robot.speed >= 0:
-        numbers[robot.speed] = total / count if count else nan
-    return shares
+        numbers[robot.speed] = _speed(robot, numbers, driven)
+    return tuple(shares), tuple(angles)
+
+
+def _speed(robot: RobotSpec, numbers: list[float], driven: Numbers) -> float:
+    """The mean over the driven wheels that can be measured, over all of them when none is."""
+    known, total, every, sum_ = 0, 0.0, 0, 0.0
+    for wheel in robot.wheels:
+        speed = numbers[wheel.speed] * wheel.metres_per_rad
+        if isnan(speed):
+            continue
+        every, sum_ = every + 1, sum_ + speed
+        if driven[wheel.slot]:
+            known, total = known + 1, total + speed
+    if known:
+        return total / known
+    return sum_ / every if every else nan
 
 
 def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
@@ -155,4 +173,6 @@ def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
                 numbers[index] = nan
     if robot.speed >= 0 and all(isnan(numbers[wheel.speed]) for wheel in robot.wheels):
         numbers[robot.speed] = nan
-    return Sensing(tuple(numbers), sensing.heard_s, now, frozenset(stale), sensing.shares)
+    return Sensing(
+        tuple(numbers), sensing.heard_s, now, frozenset(stale), sensing.shares, sensing.angles
+    )

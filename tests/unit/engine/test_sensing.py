@@ -155,6 +155,31 @@ def test_a_wheel_that_tells_nothing_does_not_spoil_the_odometry(drive):
     assert driver.engine.signals(driver.state)["odometry"] == pytest.approx(0.24, rel=0.05)
 
 
+@pytest.mark.parametrize("deaf_s", [0.4, 0.7, 5.0])  # fresh, stale, and silent for so long
+def test_what_is_rolled_while_boards_cannot_be_heard_is_not_lost(drive, deaf_s):
+    driver = drive(CARELESS, states=BOTH_CLAMPED)
+    driver.report_all(0.1)
+    command(driver, "DriveForward")
+    driver.accept()
+    turning = {f"theta_{n}": 1.0 if n % 2 else -1.0 for n in range(1, 7)}
+    driver.run(2.0, **turning)
+    began_m = driver.engine.signals(driver.state)["odometry"]
+    ends_s = 2.0 + deaf_s
+
+    while driver.now < ends_s - 1e-9:
+        driver.now += 0.1
+        for name, rate in turning.items():
+            driver.signals[name] += rate * 0.1
+        for board in set(driver.robot.boards) - {24, 25}:
+            driver.report(board)
+    driver.run(ends_s + 0.3, **turning)
+
+    rolled_m = driver.engine.signals(driver.state)["odometry"] - began_m
+    # The others stand in from when the silence is a fault, 1 s; till then a share is missing.
+    missing_m = 2 / 6 * 1.0 * 0.024 if deaf_s > 1.0 else 0.0
+    assert rolled_m == pytest.approx((deaf_s + 0.3) * 0.024 - missing_m, abs=0.001)
+
+
 def test_a_signal_not_heard_for_too_long_is_unknown(drive):
     driver = drive(CARELESS)
     frame(driver, 22, counts(c0=1024, c3=10), 0.1)
