@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from math import inf, isnan
 from typing import Any
 
-from pirate_sm.engine import machine, pausing, robot_state
+from pirate_sm.engine import machine, pausing, robot_state, rules, scripted
 from pirate_sm.engine.diverting import divert, meet
-from pirate_sm.engine.faults import Found, listen, look, no_faults, unsettle
+from pirate_sm.engine.faults import ANEW, Found, begin_anew, listen, look, no_faults, unsettle
 from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline, spoken
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import Program
@@ -20,6 +20,7 @@ from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import RobotState
 from pirate_sm.engine.sensing import forget_stale, nothing_known, observe
 from pirate_sm.engine.state import EngineState, MissionState, Words
+from pirate_sm.engine.watching import watch
 from pirate_sm.model import events
 from pirate_sm.model.effects import (
     CommandStatus,
@@ -68,7 +69,8 @@ class Engine:
             sensing = observe(self.robot, sensing, frame, robot.values, robot.values, now_s)
         words = (*robot_state.states_of(self.robot, robot), None, None)
         mission = MissionState(self.program.start, offset_s=now_s)
-        state = EngineState(robot, sensing, mission, no_faults(self.robot), words)
+        following, _ = rules.follow(self.program, self.robot, rules.unseen(self.program), robot, 0)
+        state = EngineState(robot, sensing, mission, no_faults(self.robot), words, rules=following)
         effects: list[Effect] = [robot_state.state_change(self.robot, robot)]
         return self._settle(state, state, now_s, effects)
 
@@ -117,7 +119,7 @@ class Engine:
         faults, found = look(self.robot, state.faults, board, sensing, words, now)
         state = EngineState(
             state.robot, sensing, state.mission, faults, state.words,
-            state.word_until_s, state.wake_at_s,
+            state.word_until_s, state.wake_at_s, state.rules,
         )  # fmt: skip
         for fault in found:
             state = meet(self._setting, state, fault, now, effects)
@@ -181,6 +183,11 @@ class Engine:
     ) -> EngineState:
         catchable = self._known_faults.get(event.code, True)
         found = Found(event.code, event.message, catchable)
+        if event.code in ANEW:
+            state = state._replace(sensing=begin_anew(self.robot, state.sensing, now))
+            words = self._obeyed_words(state)
+            faults = unsettle(self.robot, state.faults, state.sensing, words)
+            state = state._replace(faults=faults)
         return meet(self._setting, state, found, now, effects)
 
     def _operator(
@@ -234,6 +241,8 @@ class Engine:
             state = self._finish_ending(state, now, effects)
         elif not state.mission.ended:
             state = self._go_on(state, now, effects)
+        if state.robot is not before.robot and state.rules:
+            state = watch(self._setting, before, state, now, effects)
         mission = state.mission
         if mission.answer is not None or mission.skipped is not None:
             state = state._replace(mission=spoken(self._setting, state))
@@ -375,6 +384,8 @@ _ON: dict[type, _Handler] = {
     events.OperatorCommand: Engine._operator,
     events.Answer: Engine._answer,
     events.Skip: Engine._skip,
+    events.SignalReport: scripted.told,
+    events.CommandFailed: scripted.undone,
     events.Abort: Engine._abort,
     events.Pause: _pause,
     events.Resume: _resume,

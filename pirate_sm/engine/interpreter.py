@@ -9,7 +9,7 @@ from collections.abc import Callable
 from math import inf, isnan, nan
 from typing import Any, NamedTuple
 
-from pirate_sm.engine import machine, robot_state
+from pirate_sm.engine import machine, robot_state, rules
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import (
     STOP,
@@ -32,6 +32,7 @@ from pirate_sm.model.effects import (
     CommandStatus,
     Effect,
     Ended,
+    Fault,
     Log,
     Outcome,
     PhaseChange,
@@ -216,6 +217,11 @@ def _do(
         effects.append(CommandStatus(name, "refused", reason, it.place))
         cause = f"{name} ({it.place}) was refused as {reason}"
         return fail(setting, state, cause, it.failed, now, effects)
+    forbidden = rules.forbids(setting.robot, setting.program, state, it.command)
+    if forbidden:
+        message = f"{name} ({it.place}) is not sent, it would break {forbidden}"
+        effects.append(Fault(rules.CODE, message, "stop"))
+        return end(setting, state, "fault", f"{rules.CODE}: {message}", "", now, effects)
     robot = machine.begin(
         setting.robot, state.robot, state.sensing, it.command, it.timeout_s, it.place, effects
     )

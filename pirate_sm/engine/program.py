@@ -128,6 +128,24 @@ class Finish(NamedTuple):
 Instruction: TypeAlias = Enter | Do | Branch | Require | Wait | Question | Say | Raise | Finish
 
 
+class RuleSpec(NamedTuple):
+    """A safety rule in force for this mission; its conditions see the facts of ``engine.rules``.
+
+    Attributes:
+        after: From when on it applies; None: always.
+        must: What must hold then.
+        within: How many commands may be accepted until it does; None: none, it must hold always.
+        why: What happens otherwise.
+    """
+
+    name: str
+    text: str
+    after: Expression | None
+    must: Expression
+    within: int | None
+    why: str
+
+
 class HandlerSpec(NamedTuple):
     """What to do about a fault; ``go`` is None to only log it."""
 
@@ -147,6 +165,7 @@ class Program:
         phases: Names of the phases in the order of the file; inlined ones are ``caller/callee``.
         phase_of: Per instruction the name of its phase.
         time_limit_s: Longest run; infinite without one.
+        rules: The robot's safety rules, without those that the mission is allowed to break.
     """
 
     mission: str
@@ -158,6 +177,7 @@ class Program:
     phase_of: tuple[str, ...]
     ends: tuple[str, ...]
     time_limit_s: float
+    rules: tuple[RuleSpec, ...] = ()
 
     def handler(self, at: int, code: str) -> HandlerSpec | None:
         """The innermost handler for a fault at this instruction."""

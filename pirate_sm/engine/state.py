@@ -114,6 +114,7 @@ class EngineState(NamedTuple):
         words: State of each region, then the detector's word and the segment; None is unknown.
         word_until_s: Until when the detector's word is valid.
         wake_at_s: When time alone will change something.
+        rules: Where each safety rule of the program is, see :mod:`pirate_sm.engine.rules`.
     """
 
     robot: RobotState
@@ -123,3 +124,4 @@ class EngineState(NamedTuple):
     words: Words
     word_until_s: float = inf
     wake_at_s: float = inf
+    rules: tuple[int, ...] = ()

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple, TypeAlias
 
-ALPHABET_VERSION = 1
+ALPHABET_VERSION = 2
 
 SubmitStatus: TypeAlias = Literal["accepted", "superseded", "rejected", "unknown"]
 
@@ -110,6 +110,24 @@ class Skip(NamedTuple):
     trigger: str = ""
 
 
+class SignalReport(NamedTuple):
+    """A script says what sensors and detector show, in a run where none of them speaks.
+
+    Attributes:
+        numbers: Signals by name in SI, NaN for unknown; the others stay as they are.
+        words: The detector's word and the segment by name, None for unknown.
+    """
+
+    numbers: tuple[tuple[str, float], ...] = ()
+    words: tuple[tuple[str, str | None], ...] = ()
+
+
+class CommandFailed(NamedTuple):
+    """A script says that the command under way will not be done, where no sensor can tell."""
+
+    reason: str
+
+
 class Abort(NamedTuple):
     """The run must end now, through the safe stop."""
 
@@ -129,5 +147,7 @@ Event: TypeAlias = (
     | Resume
     | Step
     | Skip
+    | SignalReport
+    | CommandFailed
     | Abort
 )
