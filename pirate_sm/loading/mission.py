@@ -30,7 +30,9 @@ class LoadedMission:
     """Everything that a run needs, free of faults.
 
     Attributes:
-        files: Hash of every file it was made from, by the name it was read under.
+        documents: The files it was made from: its own first, its pipe's last (its own again
+            where that is written out in it, or where there is none).
+        files: Hash of each of them, by the name it was read under.
         parameters: The values in force, as messages write them.
     """
 
@@ -40,6 +42,7 @@ class LoadedMission:
     program: Program
     pipe: Pipe | None
     pipe_name: str
+    documents: tuple[Document, ...]
     files: Mapping[str, str]
     parameters: Mapping[str, str]
 
@@ -82,10 +85,10 @@ def load_mission(
     source = Source(mission, document, path)
     program, called = build_program(source, loaded, values, start_phase, states, problems)
     problems.raise_errors()
-    documents = {each.name: each for each in (document, *loaded.documents, *called, pipe_document)}
+    documents = (document, *loaded.documents, *called, pipe_document)
     return LoadedMission(
-        mission, loaded, spec, program, chosen, pipe_name,
-        {name: _hash(each) for name, each in documents.items()},
+        mission, loaded, spec, program, chosen, pipe_name, documents,
+        {each.name: _hash(each) for each in documents},
         {name: value.text for name, value in values.items()},
     )  # fmt: skip
 
