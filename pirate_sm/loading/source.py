@@ -22,6 +22,7 @@ LARGEST_FILE: Final = 1 << 20  # bytes
 _UNPRINTABLE: Final = re.compile(
     "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 )
+_INK: Final = re.compile(r"\S")
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,9 +75,12 @@ class Document:
 
         Quotes, escapes and folded lines move text; the character's own line of the value is
         looked for in the source, and where it is not found literally, the value's start must do.
+        Folding a block (`>`) changes blanks and nothing else: there the others are counted.
         """
         value = node.value if isinstance(node.value, str) else ""
         offset = min(max(offset, 0), len(value))
+        if self.text.startswith(">", node.start):
+            return _line_and_column(self.text, self._folded(node, value, offset))
         begin = value.rfind("\n", 0, offset) + 1
         end = value.find("\n", offset)
         line_text = value[begin : end if end >= 0 else len(value)]
@@ -84,6 +88,16 @@ class Document:
         if position < 0:
             return node.line, node.column
         return _line_and_column(self.text, position + offset - begin)
+
+    def _folded(self, node: Node, value: str, offset: int) -> int:
+        """Return where in the text a character of a folded block's value stands."""
+        before = sum(not each.isspace() for each in value[:offset])
+        position = self.text.find("\n", node.start, node.end)  # the header is no part of it
+        for match in _INK.finditer(self.text, max(position, node.start), node.end):
+            if before == 0:
+                return match.start()
+            before, position = before - 1, match.end()
+        return max(position, node.start)
 
 
 def _line_and_column(text: str, position: int) -> tuple[int, int]:

@@ -88,7 +88,7 @@ def test_data_is_plain() -> None:
         (("steps", 1, "command"), False, 3, 5, 19),
         (("steps", 2, "when"), False, 7, 6, 18),
         (("steps", 2, "when"), False, 99, 6, 23),
-        (("steps", 2, "held"), False, 2, 7, 11),
+        (("steps", 2, "held"), False, 2, 8, 9),
         (("Off",), True, None, 10, 1),
         (("steps", 7, "when"), False, None, 4, 3),
         (("steps", 1, "missing"), False, None, 5, 5),
@@ -109,6 +109,21 @@ def test_an_offset_counts_in_the_line_of_a_block() -> None:
     place = document.place_of(("when",), offset=len("one\nand "))
 
     assert (place.line, place.column) == (3, 7)
+
+
+def test_an_offset_counts_over_the_lines_of_a_folded_block() -> None:
+    text = "when: >-\n  one\n    and two\n\n  or three\nthen: x\n"
+    document = parse_document(text, "f")
+    value = document.data["when"]
+
+    places = [
+        document.place_of(("when",), offset=value.index(word))
+        for word in ("one", "and", "two", "three")
+    ]
+    beyond = document.place_of(("when",), offset=len(value))
+
+    assert [(each.line, each.column) for each in places] == [(2, 3), (3, 5), (3, 9), (5, 6)]
+    assert (beyond.line, beyond.column) == (5, 11)
 
 
 def test_an_alias_has_its_own_place_and_its_anchors_content() -> None:
