@@ -7,8 +7,11 @@ from typing import NamedTuple
 
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.robot import BoardSpec, RobotSpec
-from pirate_sm.engine.sensing import Sensing
+from pirate_sm.engine.sensing import Sensing, nothing_known
 from pirate_sm.engine.state import FaultState, Words
+
+ANEW = frozenset({"firmware.reset", "link.interrupted"})
+"""After these what was known of the robot is past, and counters may begin at zero."""
 
 
 class Found(NamedTuple):
@@ -89,6 +92,16 @@ def unsettle(robot: RobotSpec, faults: FaultState, sensing: Sensing, words: Word
     )
     raised = frozenset(index for index in faults.raised if not isnan(since[index]))
     return faults._replace(since=since, raised=raised)
+
+
+def begin_anew(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
+    """Nothing is known but the odometry, which leaves out what was rolled unseen."""
+    fresh = nothing_known(robot)
+    numbers = list(fresh.numbers)
+    if robot.odometry >= 0:
+        numbers[robot.odometry] = sensing.numbers[robot.odometry]
+    heard_s = (now,) * len(fresh.heard_s)  # each board has its time to report
+    return fresh._replace(numbers=tuple(numbers), heard_s=heard_s, checked_s=now)
 
 
 def listen(
