@@ -136,6 +136,7 @@ class RuleSpec(NamedTuple):
         must: What must hold then.
         within: How many commands may be accepted until it does; None: none, it must hold always.
         why: What happens otherwise.
+        waived_by: The key with which a mission may be allowed to break it; empty: none may.
     """
 
     name: str
@@ -143,7 +144,8 @@ class RuleSpec(NamedTuple):
     after: Expression | None
     must: Expression
     within: int | None
-    why: str
+    why: str = ""
+    waived_by: str = ""
 
 
 class HandlerSpec(NamedTuple):

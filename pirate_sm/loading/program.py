@@ -63,8 +63,18 @@ def build_program(
     program = Program(
         mission.mission, instructions, start.index, at_start, handlers, tuple(compiler.names),
         phase_of, tuple(mission.ends), inf if limit is None else limit,
+        _rules_for(mission, robot),
     )  # fmt: skip
     return program, tuple(compiler.files.values())
+
+
+def _rules_for(mission: model.Mission, robot: LoadedRobot) -> tuple[out.RuleSpec, ...]:
+    """The robot's rules without those that the mission says it must break, and why."""
+    return tuple(
+        rule
+        for rule in robot.rules
+        if not (rule.waived_by and getattr(mission, rule.waived_by) is not None)
+    )
 
 
 def _labels(mission: model.Mission) -> dict[str, Label]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from pirate_sm.engine.chart_table import ChartTable
+from pirate_sm.engine.program import RuleSpec
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.loading.chart_cache import cached_table
 from pirate_sm.loading.chart_outline import ChartOutline, outline_chart
@@ -16,6 +17,7 @@ from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.robot_actuation import resolve_actuation
 from pirate_sm.loading.robot_body import check_body
 from pirate_sm.loading.robot_commands import resolve_commands, resolve_faults, resolve_parts
+from pirate_sm.loading.robot_rules import resolve_rules
 from pirate_sm.loading.robot_signals import Signals, resolve_signals
 from pirate_sm.loading.robot_slots import resolve_slots
 from pirate_sm.loading.source import Document, read_document
@@ -40,6 +42,8 @@ class LoadedRobot:
         folder: Where they stand.
         normal: What the engine runs in normal polarity.
         mirrored: The same with every mirrored slot and wheel negated.
+        rules: Its safety rules.
+        outline: What the chart's file declares, with places.
     """
 
     profile: Profile
@@ -48,6 +52,8 @@ class LoadedRobot:
     folder: Path
     normal: RobotSpec
     mirrored: RobotSpec
+    rules: tuple[RuleSpec, ...]
+    outline: ChartOutline
 
     def oriented(self, polarity: Polarity) -> RobotSpec:
         """The robot in this polarity."""
@@ -81,10 +87,12 @@ def load_robot(folder: Path) -> LoadedRobot:
     assert outline is not None
     table = cached_table(chart_document, outline, problems)
     _check_reached(outline, table, problems.about(chart_document))
+    rules = resolve_rules(profile, table, problems)
     normal = _resolve(profile, table, "normal", problems)
     problems.raise_errors()
     mirrored = _resolve(profile, table, "mirrored", problems)
-    return LoadedRobot(profile, table, (document, chart_document), folder, normal, mirrored)
+    documents = (document, chart_document)
+    return LoadedRobot(profile, table, documents, folder, normal, mirrored, rules, outline)
 
 
 def _chart(path: Path, problems: Problems) -> Document | None:

@@ -257,7 +257,11 @@ class End(Frozen):
 
 
 class Mission(Frozen):
-    """A whole mission."""
+    """A whole mission.
+
+    Attributes:
+        allow_unclamp: Why this mission may let go of the pipe; a reason that people read.
+    """
 
     format: Literal[1]
     mission: Name
@@ -268,6 +272,7 @@ class Mission(Frozen):
     parameters: dict[Name, ParameterDefinition] = {}
     starts_in: dict[Name, Name] | None = None
     time_limit: DurationOrParameter | None = None
+    allow_unclamp: Annotated[str, Field(min_length=1)] | None = None
     on_failure: Name | None = None
     on_fault: tuple[FaultHandler, ...] = ()
     start: Name

@@ -27,6 +27,7 @@ from pirate_sm.model.quantities import (
     Stiffness,
     Torque,
 )
+from pirate_sm.model.safety import SafetyRule
 from pirate_sm.model.simulation import Simulation
 from pirate_sm.model.wire import Serial
 
@@ -352,6 +353,7 @@ class Profile(Frozen):
     not_commands: dict[Name, str] = {}
     safe_state: SafeState
     faults: tuple[FaultRule, ...] = ()
+    rules: tuple[SafetyRule, ...] = ()
     detector: Detector
     simulation: Simulation
     serial: Serial | None = None

@@ -64,6 +64,8 @@ class Serial(Frozen):
     Attributes:
         boot: How long the boot loader may take after the port has been opened.
         echo_within: An array not echoed for so long is sent again.
+        recover_within: A controller that has fallen silent, or whose port has gone, must be back
+            within so long beyond the boot loader's time; then the link is lost.
         heartbeat_within: The guardian sends the safe array when it has not heard the runner for
             so long.
         messages: Folder beside the profile with one ``<Type>.msg`` per type.
@@ -72,6 +74,7 @@ class Serial(Frozen):
     baud: Annotated[int, Field(gt=0)]
     boot: Duration
     echo_within: Annotated[Duration, Field(gt=0)]
+    recover_within: Annotated[Duration, Field(gt=0)] = 6.0
     heartbeat_within: Annotated[Duration, Field(gt=0)]
     messages: str = "messages"
     setpoints: SetpointTopic

@@ -1,0 +1,44 @@
+"""Safety rules of a robot, in patterns that read aloud: never, always, after … expect within."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from pirate_sm.model.base import Frozen, Name
+from pirate_sm.model.quantities import Count
+
+
+class SafetyRule(Frozen):
+    """What must never happen, or always hold, whatever a mission commands.
+
+    Exactly one of ``always``, ``never`` and ``expect`` is given. Conditions see the state of each
+    region, ``command`` (accepted last), ``clamps`` (parts that the states hold),
+    ``confirmed_clamps`` and ``driven_wheels``.
+
+    Attributes:
+        after: The rule applies from when on this has been true.
+        within_steps: With ``expect``: so many more commands may be accepted until it holds.
+        why: What happens otherwise.
+        waived_by: The key of a mission that allows it to break the rule, with a reason.
+    """
+
+    rule: Name
+    always: str | None = None
+    never: str | None = None
+    after: str | None = None
+    expect: str | None = None
+    within_steps: Annotated[Count, Field(ge=1, le=1000)] | None = None
+    why: str = ""
+    waived_by: Literal["allow_unclamp"] | None = None
+
+    @model_validator(mode="after")
+    def _one_of_three(self) -> SafetyRule:
+        if sum(each is not None for each in (self.always, self.never, self.expect)) != 1:
+            raise ValueError("expected exactly one of `always`, `never` and `expect`")
+        if (self.expect is None) != (self.within_steps is None):
+            raise ValueError("`expect` and `within_steps` go together")
+        if self.expect is not None and self.after is None:
+            raise ValueError("`expect` needs `after`: what it is expected to follow")
+        return self
