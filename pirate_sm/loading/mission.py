@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -70,6 +70,42 @@ def load_mission(
         LoadError: Everything that is wrong with the files.
         UsageError: An argument does not fit.
     """
+    loaded, problems = read_mission(
+        path, robot=robot, pipe=pipe, settings=settings, start_phase=start_phase, states=states
+    )
+    problems.raise_errors()
+    return loaded
+
+
+TOLERABLE = frozenset({"mission.command"})
+"""Faults with which a mission still has a shape: the steps that have them can be left out."""
+
+
+def read_mission(
+    path: Path,
+    *,
+    robot: str | None = None,
+    pipe: str | None = None,
+    settings: Mapping[str, str] | None = None,
+    start_phase: str | None = None,
+    states: Mapping[str, str] | None = None,
+    tolerated: Collection[str] = (),
+) -> tuple[LoadedMission, Problems]:
+    """The mission as far as it can be understood, and what is wrong with it.
+
+    Args:
+        path: As for :func:`load_mission`, like all others.
+        robot: Robot.
+        pipe: Pipe.
+        settings: Parameters.
+        start_phase: First phase.
+        states: Where it begins.
+        tolerated: Codes of faults with which it shall be returned all the same.
+
+    Raises:
+        LoadError: There are faults of other codes; holds all of them.
+        UsageError: An argument does not fit.
+    """
     document = read_document(path, shown(path))
     mission = validate(document, Mission)
     folder = path.resolve().parent
@@ -83,14 +119,17 @@ def load_mission(
     if start_phase is not None and start_phase not in mission.phases:
         raise _unknown("phase", start_phase, mission.phases)
     source = Source(mission, document, path)
-    program, called = build_program(source, loaded, values, start_phase, states, problems)
-    problems.raise_errors()
+    program, called = build_program(
+        source, loaded, values, start_phase, states, problems, tolerated
+    )
+    problems.raise_errors(tolerated)
     documents = (document, *loaded.documents, *called, pipe_document)
-    return LoadedMission(
+    result = LoadedMission(
         mission, loaded, spec, program, chosen, pipe_name, documents,
         {each.name: _hash(each) for each in documents},
         {name: value.text for name, value in values.items()},
     )  # fmt: skip
+    return result, problems
 
 
 def _robot_folder(robot: str | None, mission: Mission, document: Document, folder: Path) -> Path:

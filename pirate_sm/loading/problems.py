@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import ClassVar, Protocol, TypeAlias
@@ -185,11 +185,11 @@ class Problems:
         """Return what keeps the files from being used, by place."""
         return tuple(problem for problem in self.all if problem.severity is Severity.ERROR)
 
-    def raise_errors(self) -> None:
-        """Return only when there is no error.
+    def raise_errors(self, but: Collection[str] = ()) -> None:
+        """Return only when there is no error, except of the codes that the caller can live with.
 
         Raises:
             LoadError: There is one; it holds the warnings too.
         """
-        if self.errors:
+        if any(problem.code not in but for problem in self.errors):
             raise LoadError(self._found)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 from pathlib import Path as FilePath
@@ -17,6 +17,7 @@ from pirate_sm.loading.folders import shown
 from pirate_sm.loading.parameters import Values
 from pirate_sm.loading.problems import LoadError, Path, Problems
 from pirate_sm.loading.robot import LoadedRobot
+from pirate_sm.loading.robot_rules import rules_for
 from pirate_sm.loading.scope import Scope, Source
 from pirate_sm.loading.source import Document, read_document
 from pirate_sm.loading.validate import validate
@@ -32,8 +33,11 @@ def build_program(
     start_phase: str | None,
     states: Mapping[str, str] | None,
     problems: Problems,
+    tolerated: Collection[str] = (),
 ) -> tuple[Program, tuple[Document, ...]]:
     """The mission's program, and the files of the missions that it calls.
+
+    Steps whose fault has a tolerated code are left out.
 
     Raises:
         LoadError: Something in it cannot be resolved; holds all that is wrong.
@@ -58,23 +62,14 @@ def build_program(
             "mission.too_long", path,
             f"with its repeats and calls written out it has more than {MOST_INSTRUCTIONS} steps",
         )  # fmt: skip
-    problems.raise_errors()
+    problems.raise_errors(tolerated)
     instructions, handlers, phase_of = compiler.assembly.finished()
     program = Program(
         mission.mission, instructions, start.index, at_start, handlers, tuple(compiler.names),
         phase_of, tuple(mission.ends), inf if limit is None else limit,
-        _rules_for(mission, robot),
+        rules_for(mission, robot.rules),
     )  # fmt: skip
     return program, tuple(compiler.files.values())
-
-
-def _rules_for(mission: model.Mission, robot: LoadedRobot) -> tuple[out.RuleSpec, ...]:
-    """The robot's rules without those that the mission says it must break, and why."""
-    return tuple(
-        rule
-        for rule in robot.rules
-        if not (rule.waived_by and getattr(mission, rule.waived_by) is not None)
-    )
 
 
 def _labels(mission: model.Mission) -> dict[str, Label]:
@@ -242,9 +237,13 @@ class _PhaseWriter:
 
     def _command(self, step: model.CommandStep, path: Path, after: Label) -> None:
         scope = self.scope
+        command = scope.command(step.command, (*path, "command"))
+        if command is None:
+            self._jump(after)  # as if it were not there, for whoever looks at the rest
+            return
         self._emit(
             out.Do,
-            command=scope.command(step.command, (*path, "command")),
+            command=command,
             timeout_s=scope.limit(step.timeout, (*path, "timeout")),
             retries=scope.count(step.retry, (*path, "retry")),
             skip_unneeded=step.unneeded == "skip",

@@ -15,6 +15,7 @@ from pirate_sm.expressions import (
 )
 from pirate_sm.expressions.tree import Not
 from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.model.mission import Mission
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.safety import SafetyRule
 from pirate_sm.units import DIMENSIONLESS
@@ -44,6 +45,15 @@ def resolve_rules(profile: Profile, table: ChartTable, problems: Problems) -> tu
         if spec is not None:
             found.append(spec)
     return tuple(found)
+
+
+def rules_for(mission: Mission, rules: tuple[RuleSpec, ...]) -> tuple[RuleSpec, ...]:
+    """The rules without those that the mission says it must break, and why."""
+    return tuple(
+        rule
+        for rule in rules
+        if not (rule.waived_by and getattr(mission, rule.waived_by) is not None)
+    )
 
 
 def _rule(

@@ -145,8 +145,8 @@ class Scope:
             names.append(name)
         return names
 
-    def command(self, name: str, path: Path) -> int:
-        """The index of a command, also by an alias; a problem when there is none."""
+    def command(self, name: str, path: Path) -> int | None:
+        """The index of a command, also by an alias; None and a problem when there is none."""
         profile, table = self.profile, self.robot.table
         name = profile.aliases.get(name, name)
         if name in table.command_index:
@@ -154,9 +154,9 @@ class Scope:
         if name in profile.not_commands:
             why = profile.not_commands[name]
             self.problems.add("mission.command", path, f"'{name}' is not a command: {why}")
-            return 0
-        self._unknown("command", name, [*table.commands, *profile.aliases], path)
-        return 0
+            return None
+        self._unknown("command", name, [*table.commands, *profile.aliases], path, "mission.command")
+        return None
 
     def condition(self, text: str, path: Path) -> Expression | None:
         """A compiled condition, or None after saying what is wrong with it."""
@@ -224,10 +224,12 @@ class Scope:
         self._unknown("parameter", name, self.source.mission.parameters, path)
         return Value(Quantity(1.0, TIME), "")
 
-    def _unknown(self, kind: str, name: str, known: object, path: Path) -> None:
+    def _unknown(
+        self, kind: str, name: str, known: object, path: Path, code: str = "mission.name"
+    ) -> None:
         names = list(known)  # type: ignore[call-overload]
         self.problems.add(
-            "mission.name", path, f"there is no {kind} '{name}'",
+            code, path, f"there is no {kind} '{name}'",
             expected=one_of(names) if names else f"no {kind} at all",
             suggestion=nearest(name, names) or "",
         )  # fmt: skip
