@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 from pydantic import BeforeValidator, PlainSerializer, WithJsonSchema
 
 from pirate_sm.model.base import Name
+from pirate_sm.model.patterns import quantity_pattern, ratio_pattern
 from pirate_sm.units import ANGLE, DIMENSIONLESS, QuantityError, parse_quantity
 
 
@@ -58,9 +59,21 @@ SlotSetpoint = Annotated[
     PlainSerializer(_write),
     WithJsonSchema(
         {
-            "type": "string",
+            "anyOf": [
+                {"const": KEEP, "description": "The last accepted value stays."},
+                {
+                    "type": "string",
+                    "pattern": ratio_pattern({}),
+                    "description": "A duty cycle such as '60 %', of the full voltage.",
+                },
+                {
+                    "type": "string",
+                    "pattern": quantity_pattern(ANGLE, {}),
+                    "description": "An angle such as '-45 deg' to come to.",
+                },
+            ],
             "description": "A duty cycle such as '60 %', an angle such as '-45 deg', or keep.",
-            "examples": ["60 %", "-45 deg", "keep"],
+            "examples": ["60 %", "-45 deg", KEEP],
         }
     ),
 ]

@@ -1,16 +1,78 @@
-"""What all models share: they are frozen, and a key that they do not know is an error."""
+"""What all models share: they are frozen, and a key that they do not know is an error.
+
+What a class's docstring lists under "Attributes" is also what editors show for the key: the JSON
+Schemas take it from there (:mod:`pirate_sm.schemas`).
+"""
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, StringConstraints
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    GetJsonSchemaHandler,
+    StringConstraints,
+)
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 """A name that an expression can use: a letter, then letters, digits and underscores."""
 
 FaultCode = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*(\.[a-z0-9_]+)+$")]
 """A fault's code, ``family.detail``."""
+
+DEFINED = "x-defined"
+"""Key of a JSON Schema that stands for a definition which the schemas' writer knows by name."""
+
+
+@dataclass(frozen=True, slots=True)
+class AlsoWritten:
+    """Says in JSON Schema that a validator before takes other forms of the value as well.
+
+    Attributes:
+        forms: Gives the schemas of the other forms, from the schema of the usual one.
+    """
+
+    forms: Callable[[JsonSchemaValue], list[JsonSchemaValue]]
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        usual = handler(schema)
+        return {"anyOf": [*self.forms(usual), usual]}
+
+
+@dataclass(frozen=True, slots=True)
+class Defined:
+    """Says in JSON Schema that the value is of a kind that is defined once, by name."""
+
+    name: str
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {DEFINED: self.name}
+
+
+def _no_truth(value: Any) -> Any:
+    """A number of a closed set: for Python `true` would be the 1 in it."""
+    if isinstance(value, bool):
+        raise ValueError(f"expected a number, got '{str(value).lower()}'")
+    return value
+
+
+Format = Annotated[Literal[1], BeforeValidator(_no_truth)]
+"""The version of a file's format."""
+
+Sign = Annotated[Literal[1, -1], BeforeValidator(_no_truth)]
+
+Condition = Annotated[str, Defined("Condition")]
+"""The text of a condition, see ``docs/expressions.md``."""
 
 
 class Frozen(BaseModel):

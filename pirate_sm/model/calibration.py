@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field, StringConstraints
 
-from pirate_sm.model.base import Frozen, Name
+from pirate_sm.model.base import Format, Frozen, Name
 from pirate_sm.model.quantities import Angle
 
 Date = Annotated[str, StringConstraints(pattern=r"^\d{4}-\d{2}-\d{2}$")]
@@ -16,13 +16,15 @@ class Calibration(Frozen):
     """The zeros of one robot, measured on one day.
 
     Attributes:
+        format: Version of this format.
+        robot: Name of the robot.
         date: Of the measurement.
         port: Where the robot was connected.
-        zeros: What the sensor of each joint shows when the joint is at zero; it is subtracted
-            from what is read.
+        zeros: What the sensor of each joint shows when the joint is at zero; it is subtracted from
+            what is read.
     """
 
-    format: Literal[1]
+    format: Format
     robot: Name
     date: Date
     port: str = ""

@@ -14,7 +14,11 @@ from pirate_sm.model.quantities import Angle, AngularSpeed, AnyQuantity, Duratio
 
 
 class Accepted(Frozen):
-    """Done as soon as the setpoints are accepted: there is nothing to measure."""
+    """Done as soon as the setpoints are accepted: there is nothing to measure.
+
+    Attributes:
+        kind: What shows that a command is done.
+    """
 
     kind: Literal["accepted"]
 
@@ -23,8 +27,12 @@ class Stalled(Frozen):
     """Done when the joints stand still and each of ``loaded`` bears ``torque``, ``for`` so long.
 
     Attributes:
+        kind: What shows that a command is done.
         joints: Joints that must stand still, slower than ``still``.
         loaded: Joints that must bear the torque.
+        torque: The torque that each of ``loaded`` must bear.
+        still: The speed below which a joint stands still.
+        for_s: How long all of it must hold.
     """
 
     kind: Literal["stalled"]
@@ -41,6 +49,13 @@ class Reached(Frozen):
     Where ``or_still`` is given, a joint that stands still for ``for`` so long while pushed counts
     as well: the wall has stopped it. It is pushed while it bears ``loaded`` of the torque that its
     duty cycle gives at stall, in the direction of the push; a spring that still unwinds does not.
+
+    Attributes:
+        kind: What shows that a command is done.
+        or_still: A joint that is pushed and slower than this has been stopped by the wall, and
+            counts.
+        loaded: Share of its stall torque that such a joint bears.
+        for_s: How long all of it must hold.
     """
 
     kind: Literal["reached"]
@@ -50,14 +65,25 @@ class Reached(Frozen):
 
 
 class Turning(Frozen):
-    """Done when one of the driven wheels turns faster than ``above``."""
+    """Done when one of the driven wheels turns faster than ``above``.
+
+    Attributes:
+        kind: What shows that a command is done.
+        above: The angular speed.
+    """
 
     kind: Literal["turning"]
     above: Annotated[AngularSpeed, Field(gt=0)]
 
 
 class Stopped(Frozen):
-    """Done when no wheel that can be measured turns faster than ``below``, ``for`` so long."""
+    """Done when no wheel that can be measured turns faster than ``below``, ``for`` so long.
+
+    Attributes:
+        kind: What shows that a command is done.
+        below: The angular speed.
+        for_s: How long it must hold.
+    """
 
     kind: Literal["stopped"]
     below: Annotated[AngularSpeed, Field(gt=0)]
@@ -65,7 +91,13 @@ class Stopped(Frozen):
 
 
 class Aligned(Frozen):
-    """Done when the angle behind each of the slots is ``within`` its setpoint."""
+    """Done when the angle behind each of the slots is ``within`` its setpoint.
+
+    Attributes:
+        kind: What shows that a command is done.
+        slots: The slots whose angles are looked at.
+        within: The largest difference to the setpoint.
+    """
 
     kind: Literal["aligned"]
     slots: Annotated[tuple[Name, ...], Field(min_length=1)]
@@ -73,7 +105,14 @@ class Aligned(Frozen):
 
 
 class Below(Frozen):
-    """Done when all the signals are smaller than ``limit`` in magnitude, ``for`` so long."""
+    """Done when all the signals are smaller than ``limit`` in magnitude, ``for`` so long.
+
+    Attributes:
+        kind: What shows that a command is done.
+        signals: The signals that are looked at.
+        limit: The largest magnitude.
+        for_s: How long it must hold.
+    """
 
     kind: Literal["below"]
     signals: Annotated[tuple[Name, ...], Field(min_length=1)]

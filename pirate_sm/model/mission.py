@@ -9,7 +9,16 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, model_validator
 
-from pirate_sm.model.base import FaultCode, Frozen, Name
+from pirate_sm.model.base import (
+    DEFINED,
+    AlsoWritten,
+    Condition,
+    Defined,
+    FaultCode,
+    Format,
+    Frozen,
+    Name,
+)
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.quantities import CountOrParameter, DurationOrParameter
 
@@ -27,7 +36,15 @@ ParameterValue: TypeAlias = (
 
 
 class ParameterDefinition(Frozen):
-    """A constant of a run; without a default it must be given."""
+    """A constant of a run; without a default it must be given.
+
+    Attributes:
+        type: What the value is, and so which units fit.
+        default: The value when none is given; without a default it must be given.
+        min: The least value that may be given.
+        max: The largest value that may be given.
+        description: One line for people.
+    """
 
     type: ParameterType
     default: ParameterValue | None = None
@@ -44,7 +61,7 @@ class _AnyStep(Frozen):
         on_failure: A phase or end, or ``continue`` for the next step.
     """
 
-    condition: Annotated[str | None, Field(alias="if")] = None
+    condition: Annotated[Condition | None, Field(alias="if")] = None
     on_failure: Name | None = None
 
 
@@ -52,53 +69,84 @@ class CommandStep(_AnyStep):
     """One command, awaited until it is done.
 
     Attributes:
+        command: The command's name, or an alias that the robot declares.
         timeout: In place of the profile's; counts from acceptance.
         retry: How often the same command is sent again after a failure.
         unneeded: ``skip`` takes an unneeded command as done; ``fail`` as a failure.
     """
 
-    command: str
+    command: Annotated[str, Defined("CommandName")]
     timeout: DurationOrParameter | None = None
     retry: CountOrParameter = 0
     unneeded: Literal["skip", "fail"] = "fail"
 
 
 class CallStep(_AnyStep):
-    """Another mission, inlined with its arguments."""
+    """Another mission, inlined with its arguments.
+
+    Attributes:
+        call: The other mission: its name, or a path from this file's folder.
+        arguments: Values of its parameters, by name; ``$name`` hands one of our own on.
+    """
 
     call: str
     arguments: Annotated[dict[Name, ParameterValue], Field(alias="with")] = {}
 
 
 class RepeatBody(Frozen):
-    """Steps to be done so many times."""
+    """Steps to be done so many times.
+
+    Attributes:
+        times: How often.
+        do: The steps, one after the other.
+    """
 
     times: CountOrParameter
     do: Annotated[tuple[Step, ...], Field(min_length=1)]
 
 
 class RepeatStep(_AnyStep):
-    """The same steps several times."""
+    """The same steps several times.
+
+    Attributes:
+        repeat: Which steps, and how often.
+    """
 
     repeat: RepeatBody
 
 
 class Choice(Frozen):
-    """Steps to be done if the condition is true."""
+    """Steps to be done if the condition is true.
 
-    condition: Annotated[str, Field(alias="if")]
+    Attributes:
+        condition: What must be true for these steps to be taken.
+        do: The steps, one after the other.
+    """
+
+    condition: Annotated[Condition, Field(alias="if")]
     do: tuple[Step, ...]
 
 
 class ChooseStep(_AnyStep):
-    """The first choice whose condition is true; otherwise ``else``."""
+    """The first choice whose condition is true; otherwise ``else``.
+
+    Attributes:
+        choose: The choices, looked at in order.
+        otherwise: The steps when no condition was true.
+    """
 
     choose: Annotated[tuple[Choice, ...], Field(min_length=1)]
     otherwise: Annotated[tuple[Step, ...], Field(alias="else")] = ()
 
 
 class AskStep(_AnyStep):
-    """A question to the operator; each choice continues, fails, or goes to a phase or end."""
+    """A question to the operator; each choice continues, fails, or goes to a phase or end.
+
+    Attributes:
+        ask: The question.
+        choices: What each answer leads to: ``continue``, ``fail``, a phase or an end.
+        timeout: How long to wait for an answer; then the step has failed.
+    """
 
     ask: str
     choices: Annotated[dict[str, str], Field(min_length=1)] = {"yes": CONTINUE, "no": FAIL}
@@ -106,7 +154,12 @@ class AskStep(_AnyStep):
 
 
 class LogStep(_AnyStep):
-    """A line for the operator."""
+    """A line for the operator.
+
+    Attributes:
+        log: The text; ``{name}`` stands for a parameter's value.
+        level: How loud it is.
+    """
 
     log: str
     level: Literal["info", "warning"] = "info"
@@ -144,20 +197,34 @@ Step: TypeAlias = Annotated[
         ),
     ],
     BeforeValidator(_bare_command),
+    AlsoWritten(lambda _: [{DEFINED: "CommandName"}]),
 ]
 
 
 class ConditionTrigger(Frozen):
-    """Fires when the condition has been true for ``held``."""
+    """Fires when the condition has been true for ``held``.
 
-    when: str
+    Attributes:
+        when: The condition.
+        held: How long it must have been true without a break.
+        go: The phase or end that it leads to.
+        name: What views, recordings and ``--fire`` call it; else like what it leads to.
+    """
+
+    when: Condition
     held: DurationOrParameter = 0.0
     go: Name
     name: Name | None = None
 
 
 class TimeTrigger(Frozen):
-    """Fires when so much time has passed since the wait was armed."""
+    """Fires when so much time has passed since the wait was armed.
+
+    Attributes:
+        after: How long after the wait began.
+        go: The phase or end that it leads to.
+        name: What views, recordings and ``--fire`` call it; else like what it leads to.
+    """
 
     after: DurationOrParameter
     go: Name
@@ -165,7 +232,13 @@ class TimeTrigger(Frozen):
 
 
 class OperatorTrigger(Frozen):
-    """Fires when the operator gives this answer."""
+    """Fires when the operator gives this answer.
+
+    Attributes:
+        operator: The answer, which the operator sees.
+        go: The phase or end that it leads to.
+        name: What views, recordings and ``--fire`` call it; else like what it leads to.
+    """
 
     operator: Name
     go: Name
@@ -195,19 +268,31 @@ Trigger: TypeAlias = Annotated[
 
 
 class Within(Frozen):
-    """The longest that a wait may take, and where it leads then."""
+    """The longest that a wait may take, and where it leads then.
+
+    Attributes:
+        time: How long.
+        go: The phase or end that it leads to then.
+    """
 
     time: DurationOrParameter
     go: Name
 
 
 class FaultHandler(Frozen):
-    """What to do about a fault: only log it, or go to a phase."""
+    """What to do about a fault: only log it, or go to a phase.
+
+    Attributes:
+        fault: A fault's code, ``family.detail``, or a list of codes.
+        then: ``continue``: only log it.
+        go: The phase or end that it leads to.
+    """
 
     fault: Annotated[
         tuple[FaultCode, ...],
         BeforeValidator(lambda value: [value] if isinstance(value, str) else value),
         Field(min_length=1),
+        AlsoWritten(lambda usual: [usual["items"]]),
     ]
     then: Literal["continue"] | None = None
     go: Name | None = None
@@ -220,7 +305,16 @@ class FaultHandler(Frozen):
 
 
 class Phase(Frozen):
-    """Steps in order, then a wait for one of several triggers, or straight on to ``go``."""
+    """Steps in order, then a wait for one of several triggers, or straight on to ``go``.
+
+    Attributes:
+        description: One line for people.
+        do: Steps, one after the other.
+        wait: Triggers, of which the first to fire decides.
+        within: How long the wait may take, and where it leads then.
+        go: What comes next, in a phase without ``wait``.
+        on_failure: The phase or end that a failure of one of its steps leads to.
+    """
 
     description: str = ""
     do: tuple[Step, ...] = ()
@@ -244,7 +338,12 @@ class Phase(Frozen):
 
 
 class End(Frozen):
-    """How a mission ends: exactly one of the two, with the sentence that the operator reads."""
+    """How a mission ends: exactly one of the two, with the sentence that the operator reads.
+
+    Attributes:
+        succeed: The mission has succeeded; the sentence that the operator reads.
+        fail: The mission has failed; the sentence that the operator reads, with ``{cause}``.
+    """
 
     succeed: str | None = None
     fail: str | None = None
@@ -260,10 +359,25 @@ class Mission(Frozen):
     """A whole mission.
 
     Attributes:
+        format: Version of this language.
+        mission: Name of the mission.
+        description: One line for people.
+        robot: Name of a shipped robot, or the path of a robot's folder.
+        pipe: Name of a pipe, a path, or a pipe written out.
+        polarity: Which side the wheels touch; else the caller's, else ``normal``.
+        parameters: Constants of a run, by name.
+        starts_in: The state that each region must be in at the start and at a call.
+        time_limit: Longest time for the whole run.
         allow_unclamp: Why this mission may let go of the pipe; a reason that people read.
+        on_failure: The phase or end that a failure leads to; without one, the safe stop.
+        on_fault: What to do about faults; one that no line names ends the mission in the safe
+            state.
+        start: The first phase.
+        phases: The phases by name.
+        ends: The ends by name.
     """
 
-    format: Literal[1]
+    format: Format
     mission: Name
     description: str = ""
     robot: str

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
-from pirate_sm.model.base import Frozen, Name
+from pirate_sm.model.base import Format, Frozen, Name
 from pirate_sm.model.quantities import Angle, Duration, Length, quantity_fault
 from pirate_sm.model.simulation import Friction
 
@@ -28,13 +28,22 @@ def _within(limit_deg: int) -> AfterValidator:
 
 
 class Straight(Frozen):
-    """A straight of this length, measured along the axis up to the crossing of the axes."""
+    """A straight of this length, measured along the axis up to the crossing of the axes.
+
+    Attributes:
+        straight: Its length, measured along the axis up to the crossing of the axes.
+    """
 
     straight: Annotated[Length, Field(gt=0, le=100)]
 
 
 class Mitre(Frozen):
-    """A mitre bend by this angle; positive turns to side A of the robot in normal polarity."""
+    """A mitre bend by this angle; positive turns to side A of the robot in normal polarity.
+
+    Attributes:
+        mitre: Its angle, at most 120 deg either way; positive turns to side A of the robot in
+            normal polarity.
+    """
 
     mitre: Annotated[Angle, _within(120)]
 
@@ -71,7 +80,11 @@ class Blockage(Frozen):
 
 
 class Start(Frozen):
-    """Where the robot is put; ``at`` is the place of its first wheel along the axis."""
+    """Where the robot is put; ``at`` is the place of its first wheel along the axis.
+
+    Attributes:
+        at: Place of the robot's first wheel along the axis, from the beginning of the pipe.
+    """
 
     at: Annotated[Length, Field(ge=0)]
 
@@ -80,12 +93,15 @@ class Pipe(Frozen):
     """A pipe in one plane.
 
     Attributes:
+        format: Version of this format.
+        pipe: Name of the pipe.
+        description: One line for people.
         diameter: Inner diameter.
-        tilt: The plane of the pipe is tilted about the axis of its first segment's normal in
-            that plane such that gravity has the component g sin(tilt) in the plane.
-        uphill: Direction in the plane that goes up when tilted, measured from the axis of the
-            first segment towards side A: 0 deg = the first segment goes up, 90 deg = a leg
-            behind a mitre of +90 deg goes up.
+        tilt: The plane of the pipe is tilted about the axis of its first segment's normal in that
+            plane such that gravity has the component g sin(tilt) in the plane.
+        uphill: Direction in the plane that goes up when tilted, measured from the axis of the first
+            segment towards side A: 0 deg = the first segment goes up, 90 deg = a leg behind a mitre
+            of +90 deg goes up.
         roll: Roll of the plane of the pipe about the axis of its first segment, relative to the
             robot's plane.
         segments: Straights joined by mitres.
@@ -94,7 +110,7 @@ class Pipe(Frozen):
         blockages: Obstacles.
     """
 
-    format: Literal[1] = 1
+    format: Format = 1
     pipe: Name | None = None
     description: str = ""
     diameter: Annotated[Length, Field(gt=0, le=10)]

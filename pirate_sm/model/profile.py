@@ -11,7 +11,15 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from pirate_sm.model.actuation import Stage
-from pirate_sm.model.base import FaultCode, Frozen, Name
+from pirate_sm.model.base import (
+    AlsoWritten,
+    Condition,
+    FaultCode,
+    Format,
+    Frozen,
+    Name,
+    Sign,
+)
 from pirate_sm.model.criteria import Criterion
 from pirate_sm.model.quantities import (
     Angle,
@@ -39,21 +47,31 @@ class Wheel(Frozen):
     """A wheel on a node of the chain.
 
     Attributes:
+        name: Name of the wheel.
+        part: The part that it belongs to.
         direction: +1 where it touches side A when clamped, -1 for side B (thesis eq. 3-1).
+        mass: Mass at this node.
         angle: Signal with its angle.
         speed: Signal with its angular speed.
     """
 
     name: Name
     part: Name
-    direction: Literal[1, -1]
+    direction: Sign
     mass: Annotated[Mass, Field(gt=0)]
     angle: Name
     speed: Name
 
 
 class Link(Frozen):
-    """A rigid link between two wheels; ``roll`` names the signal of a roll joint inside it."""
+    """A rigid link between two wheels; ``roll`` names the signal of a roll joint inside it.
+
+    Attributes:
+        module: The module that it is.
+        length: From wheel to wheel.
+        mass: Mass of the link.
+        roll: Signal of the roll joint inside it, if there is one.
+    """
 
     module: Name
     length: PositiveLength
@@ -62,7 +80,15 @@ class Link(Frozen):
 
 
 class Joint(Frozen):
-    """A driven bend joint at a wheel; its name is that of its angle signal."""
+    """A driven bend joint at a wheel; its name is that of its angle signal.
+
+    Attributes:
+        name: Name of the joint, and of its angle signal.
+        wheel: The wheel that it sits at.
+        part: The part that it belongs to.
+        end_stop: Largest angle, either way.
+        torque: Signal with its torque.
+    """
 
     name: Name
     wheel: Name
@@ -72,14 +98,29 @@ class Joint(Frozen):
 
 
 class Part(Frozen):
-    """A part that clamps as a V; ``held`` is a condition on states, ``apex`` the V's joint."""
+    """A part that clamps as a V; ``held`` is a condition on states, ``apex`` the V's joint.
+
+    Attributes:
+        apex: The joint at the tip of the V.
+        held: Condition on states that says when the part holds.
+    """
 
     apex: Name
-    held: str
+    held: Condition
 
 
 class Body(Frozen):
-    """The planar chain: wheels are nodes, links join them in order."""
+    """The planar chain: wheels are nodes, links join them in order.
+
+    Attributes:
+        wheel_radius: Radius of the wheels.
+        wheel_width: Width of the wheels.
+        body_half_thickness: From the axis of a link to its surface.
+        wheels: From the front.
+        links: Between neighbouring wheels, from the front.
+        joints: The driven bend joints.
+        parts: What clamps, by name.
+    """
 
     wheel_radius: PositiveLength
     wheel_width: PositiveLength
@@ -107,7 +148,17 @@ class PositionLoop(Frozen):
 
 
 class Motor(Frozen):
-    """A kind of motor with what limits it; what a kind needs is checked at loading."""
+    """A kind of motor with what limits it; what a kind needs is checked at loading.
+
+    Attributes:
+        kind: ``sprung_worm``: self-locking, behind a series spring. ``geared``: a wheel.
+            ``position``: takes an angle, the board controls it. ``light``. ``none``.
+        stall_torque: Torque at full duty when it stands.
+        stall_current: Current at full duty when it stands.
+        no_load_speed: Speed at full duty without load.
+        stiffness: Of the series spring.
+        position_loop: How a duty slot is brought to an angle.
+    """
 
     kind: Literal["sprung_worm", "geared", "position", "light", "none"]
     stall_torque: Torque | None = None
@@ -121,7 +172,12 @@ class Slot(Frozen):
     """One setpoint of the wire and what it drives.
 
     Attributes:
+        name: Name of the slot.
         unit: ``duty``: -1..1 of full voltage. ``angle``: rad, the board has its own controller.
+        motor: The kind of motor behind it.
+        joint: The joint that it drives.
+        wheel: The wheel that it drives.
+        roll: The signal of the roll joint that it drives.
         mirrors: Whether the setpoint changes sign in mirrored polarity.
         limit: Largest magnitude of an angle setpoint.
     """
@@ -145,6 +201,7 @@ class Channel(Frozen):
     """One raw value of a board; without a signal it is carried but not interpreted.
 
     Attributes:
+        name: Name of the channel.
         signal: Name under which conditions know it.
         convert: Conversion from raw to SI.
         senses: What it measures, so that a simulator can make it. ``turned`` is a mean of
@@ -160,7 +217,16 @@ class Channel(Frozen):
 
 
 class Board(Frozen):
-    """A board on the bus: its motor slots and its channels in the order of the wire."""
+    """A board on the bus: its motor slots and its channels in the order of the wire.
+
+    Attributes:
+        id: Address on the bus.
+        module: The module that it sits in.
+        fitted: ``false`` for what is not there; its place on the wire stays.
+        channels_fitted: ``false`` where its sensors are not there; their place on the wire stays.
+        slots: Setpoints in the order of the wire.
+        channels: Raw values in the order of the wire.
+    """
 
     id: Count
     module: Name
@@ -171,7 +237,19 @@ class Board(Frozen):
 
 
 class LinkSettings(Frozen):
-    """Timing and resolution of the wire between us and the boards."""
+    """Timing and resolution of the wire between us and the boards.
+
+    Attributes:
+        cycle: One state message comes per cycle.
+        state_message: ``board``: one message per board. ``value``: one per value.
+        echo_delay: Until a setpoint array is confirmed.
+        duty_resolution: Step of a duty cycle on the wire.
+        angle_resolution: Step of an angle on the wire.
+        stale_after: A signal not heard for so long is unknown.
+        silent_after: A board not heard for so long is a fault, all of them are a lost link.
+        resend_after: An array of unknown fate is sent again after so long.
+        resend_limit: How often an array of unknown fate is sent again.
+    """
 
     cycle: PositiveDuration
     state_message: Literal["board", "value"] = "board"
@@ -185,19 +263,33 @@ class LinkSettings(Frozen):
 
 
 class Conversion(Frozen):
-    """A raw count times ``scale`` is the signal; the scale is a constant expression with unit."""
+    """A raw count times ``scale`` is the signal; the scale is a constant expression with unit.
+
+    Attributes:
+        scale: A constant expression with a unit, such as ``360 deg / 4096``.
+    """
 
     scale: str
 
 
 class RateOf(Frozen):
-    """Difference of a signal between two frames over the time between them (thesis B-11)."""
+    """Difference of a signal between two frames over the time between them (thesis B-11).
+
+    Attributes:
+        rate_of: The signal.
+    """
 
     rate_of: Name
 
 
 class TorqueOf(Frozen):
-    """Current times ``scale`` with the sign of a slot's setpoint (thesis eq. 5-3)."""
+    """Current times ``scale`` with the sign of a slot's setpoint (thesis eq. 5-3).
+
+    Attributes:
+        torque_of: The signal with the current.
+        slot: The slot whose setpoint gives the sign.
+        scale: Torque per current, a constant expression such as ``0.9 Nm/A``.
+    """
 
     torque_of: Name
     slot: Name
@@ -205,37 +297,61 @@ class TorqueOf(Frozen):
 
 
 class RollOf(Frozen):
-    """Roll from an accelerometer's x, y, z (thesis B-13)."""
+    """Roll from an accelerometer's x, y, z (thesis B-13).
+
+    Attributes:
+        roll_of: The signals x, y and z of the accelerometer.
+    """
 
     roll_of: Annotated[tuple[Name, ...], Field(min_length=3, max_length=3)]
 
 
 class PitchOf(Frozen):
-    """Pitch from an accelerometer's x, y, z (thesis B-14)."""
+    """Pitch from an accelerometer's x, y, z (thesis B-14).
+
+    Attributes:
+        pitch_of: The signals x, y and z of the accelerometer.
+    """
 
     pitch_of: Annotated[tuple[Name, ...], Field(min_length=3, max_length=3)]
 
 
 class NormOf(Frozen):
-    """Length of the vector that the signals make."""
+    """Length of the vector that the signals make.
+
+    Attributes:
+        norm_of: The signals.
+    """
 
     norm_of: Annotated[tuple[Name, ...], Field(min_length=1)]
 
 
 class DiameterOf(Frozen):
-    """Inner diameter seen by a clamped part, h + 2r (thesis eq. 3-2)."""
+    """Inner diameter seen by a clamped part, h + 2r (thesis eq. 3-2).
+
+    Attributes:
+        diameter_of: The part.
+    """
 
     diameter_of: Name
 
 
 class OdometryOf(Frozen):
-    """Distance rolled forward: mean of what the driven wheels among these rolled."""
+    """Distance rolled forward: mean of what the driven wheels among these rolled.
+
+    Attributes:
+        odometry_of: The wheels.
+    """
 
     odometry_of: Annotated[tuple[Name, ...], Field(min_length=1)]
 
 
 class SpeedOf(Frozen):
-    """Speed forward: mean of the rim speeds of the driven wheels among these."""
+    """Speed forward: mean of the rim speeds of the driven wheels among these.
+
+    Attributes:
+        speed_of: The wheels.
+    """
 
     speed_of: Annotated[tuple[Name, ...], Field(min_length=1)]
 
@@ -274,7 +390,12 @@ def _one_stage_is_a_list(value: Any) -> Any:
     return [value] if isinstance(value, dict) else value
 
 
-Stages = Annotated[tuple[Stage, ...], BeforeValidator(_one_stage_is_a_list), Field(min_length=1)]
+Stages = Annotated[
+    tuple[Stage, ...],
+    BeforeValidator(_one_stage_is_a_list),
+    Field(min_length=1),
+    AlsoWritten(lambda usual: [usual["items"]]),
+]
 
 
 class Command(Frozen):
@@ -286,9 +407,10 @@ class Command(Frozen):
         timeout: From acceptance; after it the command has failed.
         nominal: How long it takes on paper, for backends in which nothing moves.
         lets_go: Whether it may open the last confirmed clamp.
+        description: One line for people.
     """
 
-    asks_for: str
+    asks_for: Condition
     done: Criterion
     timeout: PositiveDuration
     nominal: PositiveDuration
@@ -297,16 +419,29 @@ class Command(Frozen):
 
 
 class SafeState(Frozen):
-    """Slots that the safe state sets to zero; every other keeps its last accepted value."""
+    """Slots that the safe state sets to zero; every other keeps its last accepted value.
+
+    Attributes:
+        zero: Slots that go to zero; all others keep their last accepted value.
+    """
 
     zero: Annotated[tuple[Name, ...], Field(min_length=1)]
 
 
 class FaultRule(Frozen):
-    """A fault that the signals tell: a condition that has held for a time."""
+    """A fault that the signals tell: a condition that has held for a time.
+
+    Attributes:
+        code: The fault's code, ``family.detail``.
+        when: The condition; ``{i}`` stands for each of ``for_each``.
+        held: How long it must have been true without a break.
+        message: What people read.
+        catchable: ``false`` for what no mission may handle.
+        for_each: The rule is written out for each of these numbers, in place of ``{i}``.
+    """
 
     code: FaultCode
-    when: str
+    when: Condition
     held: Annotated[Duration, Field(ge=0)]
     message: str
     catchable: Flag = True
@@ -314,30 +449,68 @@ class FaultRule(Frozen):
 
 
 class DetectorPoint(Frozen):
-    """A wheel and how far beyond the crossing of the pipe axes it is, along the pipe."""
+    """A wheel and how far beyond the crossing of the pipe axes it is, along the pipe.
+
+    Attributes:
+        wheel: The wheel.
+        passed: How far it has passed the crossing of the pipe's axes; negative: still before it.
+    """
 
     wheel: Name
     passed: Length
 
 
 class DetectorDefinition(Frozen):
-    """Where a detector's word begins to hold, for either direction of travel."""
+    """Where a detector's word begins to hold, for either direction of travel.
+
+    Attributes:
+        forward: Where it begins when driving forward.
+        backward: Where it begins when driving backward.
+    """
 
     forward: DetectorPoint
     backward: DetectorPoint
 
 
 class Detector(Frozen):
-    """The words a detector may say; a word is a level that is valid for a time."""
+    """The words a detector may say; a word is a level that is valid for a time.
+
+    Attributes:
+        valid_for: How long a word holds unless another is said.
+        words: The words, and where each begins to hold.
+    """
 
     valid_for: PositiveDuration
     words: Annotated[dict[Name, DetectorDefinition], Field(min_length=1)]
 
 
 class Profile(Frozen):
-    """A whole robot."""
+    """A whole robot.
 
-    format: Literal[1]
+    Attributes:
+        format: Version of this format.
+        robot: Name of the robot.
+        description: One line for people.
+        chart: The chart's file, beside this one.
+        body: The planar chain of wheels and links.
+        motors: Kinds of motors by name; slots refer to them.
+        boards: The boards in the order of the wire.
+        link: Timing and resolution of the wire.
+        conversions: Scales from raw counts to SI, by name.
+        derived: Signals that are computed from others, by name.
+        actuation: For each region and each of its states, what the slots get.
+        commands: One entry for each event of the chart.
+        aliases: Other names of commands: ``{other: command}``.
+        not_commands: Names that people may try, each with what to say then.
+        safe_state: What makes the robot safe.
+        faults: Faults that the signals tell.
+        rules: Safety rules: missions are checked against them, and watched in every run.
+        detector: The words of a detector.
+        simulation: What only the simulator reads.
+        serial: The serial link; none for a robot that is only simulated.
+    """
+
+    format: Format
     robot: Name
     description: str
     chart: str

@@ -24,6 +24,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from pirate_sm import units
+from pirate_sm.model import patterns
 from pirate_sm.units import Dimension, Quantity, QuantityError
 
 FROM_FILE: Final[Mapping[str, Any]] = {"from_file": True}
@@ -107,81 +108,131 @@ def _read_any(value: Any) -> Quantity:
     raise quantity_fault(f"expected a quantity such as '120 mm', got {_shown(value)}")
 
 
-def _text_schema(dimension: Dimension) -> WithJsonSchema:
-    """Return the JSON Schema of a quantity: text that begins with a number."""
-    return WithJsonSchema(
-        {
+@dataclass(frozen=True, slots=True)
+class _Written:
+    """Says in JSON Schema how a quantity of a dimension is written in a file."""
+
+    dimension: Dimension
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        bounds = _bounds(handler(schema))
+        expected = f"{units.expectation(self.dimension)}{_limits(bounds, self.dimension)}."
+        return {
             "type": "string",
-            "pattern": r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*[A-Za-z°%]",
-            "description": units.describe(dimension),
-            "examples": [units.example(dimension)],
+            "pattern": patterns.quantity_pattern(self.dimension, bounds),
+            "patternErrorMessage": f"expected {units.expectation(self.dimension)}",
+            "description": expected[0].upper() + expected[1:],
+            "examples": [units.example(self.dimension)],
+            SI_UNIT: units.format_quantity(1.0, self.dimension).partition(" ")[2],
         }
-    )
 
 
-_RATIO_SCHEMA = WithJsonSchema(
+class _WrittenRatio:
+    """Says in JSON Schema how a ratio is written in a file."""
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        bounds = _bounds(handler(schema))
+        limits = {_JSON_BOUNDS[name]: limit for name, limit in bounds.items()}
+        text = {
+            "type": "string",
+            "pattern": patterns.ratio_pattern(bounds),
+            "patternErrorMessage": "expected a ratio such as '60 %' or 0.6",
+        }
+        return {
+            "anyOf": [{"type": "number", **limits}, text],
+            "description": f"A ratio such as 60 % or 0.6{_limits(bounds, units.DIMENSIONLESS)}.",
+            "examples": ["60 %", 0.6],
+        }
+
+
+SI_UNIT: Final = "x-si-unit"
+"""Key of a JSON Schema under which a default, an SI number, finds its unit."""
+
+_JSON_BOUNDS: Final = {
+    "gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum",
+}  # fmt: skip
+_LIMITS: Final = {"gt": "more than", "ge": "at least", "lt": "less than", "le": "at most"}
+
+
+def _bounds(schema: JsonSchemaValue) -> dict[str, float]:
+    """Return the limits in SI, by pydantic's names for them."""
+    return {
+        name: schema[key]
+        for name, json_name in _JSON_BOUNDS.items()
+        for key in (name, json_name)
+        if key in schema
+    }
+
+
+def _limits(bounds: Mapping[str, float], dimension: Dimension) -> str:
+    """Return limits in words, each after a comma."""
+    unit = units.format_quantity(1.0, dimension).partition(" ")[2]
+    shown = {name: f"{limit:g} {unit}" if limit else "0" for name, limit in bounds.items()}
+    return "".join(f", {_LIMITS[name]} {limit.strip()}" for name, limit in shown.items())
+
+
+_ANY_SCHEMA = WithJsonSchema(
     {
-        "anyOf": [{"type": "number"}, {"type": "string", "pattern": r"%\s*$"}],
-        "examples": ["60 %", 0.6],
+        "anyOf": [
+            {"type": "number"},
+            {
+                "type": "string",
+                "pattern": patterns.any_quantity_pattern(),
+                "patternErrorMessage": "expected a quantity such as '120 mm'",
+            },
+        ],
+        "description": "A number, or a quantity such as '120 mm'.",
+        "examples": ["120 mm", 0.6],
     }
 )
-_ANY_SCHEMA = WithJsonSchema({"type": ["number", "string"], "examples": ["120 mm", 0.6]})
 
-Length: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.LENGTH)), _text_schema(units.LENGTH)
-]
-Angle: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.ANGLE)), _text_schema(units.ANGLE)
-]
-Duration: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.TIME)), _text_schema(units.TIME)
-]
-Speed: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.SPEED)), _text_schema(units.SPEED)
-]
+Length: TypeAlias = Annotated[float, BeforeValidator(_reader(units.LENGTH)), _Written(units.LENGTH)]
+Angle: TypeAlias = Annotated[float, BeforeValidator(_reader(units.ANGLE)), _Written(units.ANGLE)]
+Duration: TypeAlias = Annotated[float, BeforeValidator(_reader(units.TIME)), _Written(units.TIME)]
+Speed: TypeAlias = Annotated[float, BeforeValidator(_reader(units.SPEED)), _Written(units.SPEED)]
 AngularSpeed: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.ANGULAR_SPEED)), _text_schema(units.ANGULAR_SPEED)
+    float, BeforeValidator(_reader(units.ANGULAR_SPEED)), _Written(units.ANGULAR_SPEED)
 ]
 Acceleration: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.ACCELERATION)), _text_schema(units.ACCELERATION)
+    float, BeforeValidator(_reader(units.ACCELERATION)), _Written(units.ACCELERATION)
 ]
 AngularAcceleration: TypeAlias = Annotated[
     float,
     BeforeValidator(_reader(units.ANGULAR_ACCELERATION)),
-    _text_schema(units.ANGULAR_ACCELERATION),
+    _Written(units.ANGULAR_ACCELERATION),
 ]
-Torque: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.TORQUE)), _text_schema(units.TORQUE)
-]
-Force: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.FORCE)), _text_schema(units.FORCE)
-]
+Torque: TypeAlias = Annotated[float, BeforeValidator(_reader(units.TORQUE)), _Written(units.TORQUE)]
+Force: TypeAlias = Annotated[float, BeforeValidator(_reader(units.FORCE)), _Written(units.FORCE)]
 Current: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.CURRENT)), _text_schema(units.CURRENT)
+    float, BeforeValidator(_reader(units.CURRENT)), _Written(units.CURRENT)
 ]
-Mass: TypeAlias = Annotated[float, BeforeValidator(_reader(units.MASS)), _text_schema(units.MASS)]
+Mass: TypeAlias = Annotated[float, BeforeValidator(_reader(units.MASS)), _Written(units.MASS)]
 Stiffness: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.STIFFNESS)), _text_schema(units.STIFFNESS)
+    float, BeforeValidator(_reader(units.STIFFNESS)), _Written(units.STIFFNESS)
 ]
 ForcePerLength: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.FORCE_PER_LENGTH)), _text_schema(units.FORCE_PER_LENGTH)
+    float, BeforeValidator(_reader(units.FORCE_PER_LENGTH)), _Written(units.FORCE_PER_LENGTH)
 ]
 Frequency: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.FREQUENCY)), _text_schema(units.FREQUENCY)
+    float, BeforeValidator(_reader(units.FREQUENCY)), _Written(units.FREQUENCY)
 ]
 Voltage: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.VOLTAGE)), _text_schema(units.VOLTAGE)
+    float, BeforeValidator(_reader(units.VOLTAGE)), _Written(units.VOLTAGE)
 ]
 Inertia: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.INERTIA)), _text_schema(units.INERTIA)
+    float, BeforeValidator(_reader(units.INERTIA)), _Written(units.INERTIA)
 ]
 Damping: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.DAMPING)), _text_schema(units.DAMPING)
+    float, BeforeValidator(_reader(units.DAMPING)), _Written(units.DAMPING)
 ]
 MotorConstant: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.MOTOR_CONSTANT)), _text_schema(units.MOTOR_CONSTANT)
+    float, BeforeValidator(_reader(units.MOTOR_CONSTANT)), _Written(units.MOTOR_CONSTANT)
 ]
-Ratio: TypeAlias = Annotated[float, BeforeValidator(_read_ratio), _RATIO_SCHEMA]
+Ratio: TypeAlias = Annotated[float, BeforeValidator(_read_ratio), _WrittenRatio()]
 Number: TypeAlias = Annotated[
     float, BeforeValidator(_read_number), WithJsonSchema({"type": "number"})
 ]
@@ -205,7 +256,11 @@ class Parameter:
     def __get_pydantic_json_schema__(
         cls, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        return {"type": "string", "pattern": f"^{_PARAMETER.pattern}$", "examples": ["$give_up"]}
+        return {
+            "type": "string",
+            "pattern": patterns.PARAMETER_PATTERN,
+            "patternErrorMessage": "expected a parameter such as '$give_up'",
+        }
 
 
 def _or_parameter(
@@ -232,20 +287,44 @@ def _read_count(value: Any, info: ValidationInfo) -> int:
     raise quantity_fault(f"expected a count such as 3, got {_shown(value)}")
 
 
-_PARAMETER_SCHEMA = WithJsonSchema({"type": ["string", "number"], "examples": ["10 s", "$give_up"]})
+class _OrParameter:
+    """Says in JSON Schema that `$name` may stand where a quantity or a count is wanted."""
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        value, parameter = handler(schema)["anyOf"]
+        about = f"{value['description'].removesuffix('.')}, or a parameter such as $give_up."
+        examples = [*value["examples"], "$give_up"]
+        return {"anyOf": [value, parameter], "description": about, "examples": examples}
+
+
+_COUNT_SCHEMA = WithJsonSchema(
+    {"type": "integer", "minimum": 0, "description": "A count such as 3.", "examples": [3]}
+)
 
 DurationOrParameter: TypeAlias = Annotated[
-    float | Parameter, BeforeValidator(_or_parameter(_reader(units.TIME))), _PARAMETER_SCHEMA
+    Annotated[float, _Written(units.TIME)] | Parameter,
+    BeforeValidator(_or_parameter(_reader(units.TIME))),
+    _OrParameter(),
 ]
 LengthOrParameter: TypeAlias = Annotated[
-    float | Parameter, BeforeValidator(_or_parameter(_reader(units.LENGTH))), _PARAMETER_SCHEMA
+    Annotated[float, _Written(units.LENGTH)] | Parameter,
+    BeforeValidator(_or_parameter(_reader(units.LENGTH))),
+    _OrParameter(),
 ]
 AngleOrParameter: TypeAlias = Annotated[
-    float | Parameter, BeforeValidator(_or_parameter(_reader(units.ANGLE))), _PARAMETER_SCHEMA
+    Annotated[float, _Written(units.ANGLE)] | Parameter,
+    BeforeValidator(_or_parameter(_reader(units.ANGLE))),
+    _OrParameter(),
 ]
 RatioOrParameter: TypeAlias = Annotated[
-    float | Parameter, BeforeValidator(_or_parameter(_read_ratio)), _PARAMETER_SCHEMA
+    Annotated[float, _WrittenRatio()] | Parameter,
+    BeforeValidator(_or_parameter(_read_ratio)),
+    _OrParameter(),
 ]
 CountOrParameter: TypeAlias = Annotated[
-    int | Parameter, BeforeValidator(_or_parameter(_read_count)), _PARAMETER_SCHEMA
+    Annotated[int, _COUNT_SCHEMA] | Parameter,
+    BeforeValidator(_or_parameter(_read_count)),
+    _OrParameter(),
 ]

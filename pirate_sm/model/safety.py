@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from pirate_sm.model.base import Frozen, Name
+from pirate_sm.model.base import Condition, Frozen, Name
 from pirate_sm.model.quantities import Count
 
 
@@ -18,17 +18,21 @@ class SafetyRule(Frozen):
     ``confirmed_clamps`` and ``driven_wheels``.
 
     Attributes:
+        rule: Name of the rule.
+        always: A condition that must hold.
+        never: A condition that must not hold.
         after: The rule applies from when on this has been true.
+        expect: A condition that must come true in time after ``after``.
         within_steps: With ``expect``: so many more commands may be accepted until it holds.
         why: What happens otherwise.
         waived_by: The key of a mission that allows it to break the rule, with a reason.
     """
 
     rule: Name
-    always: str | None = None
-    never: str | None = None
-    after: str | None = None
-    expect: str | None = None
+    always: Condition | None = None
+    never: Condition | None = None
+    after: Condition | None = None
+    expect: Condition | None = None
     within_steps: Annotated[Count, Field(ge=1, le=1000)] | None = None
     why: str = ""
     waived_by: Literal["allow_unclamp"] | None = None

@@ -21,7 +21,12 @@ from pirate_sm.model.quantities import (
 
 
 class Friction(Frozen):
-    """Coulomb friction between wheel and wall."""
+    """Coulomb friction between wheel and wall.
+
+    Attributes:
+        static: Coefficient while the wheel sticks.
+        kinetic: Coefficient while it slides; not more than ``static``.
+    """
 
     static: Annotated[Number, Field(ge=0, le=5)]
     kinetic: Annotated[Number, Field(ge=0, le=5)]
@@ -34,7 +39,14 @@ class Friction(Frozen):
 
 
 class Noise(Frozen):
-    """Standard deviations of seeded white noise on what the sensors see."""
+    """Standard deviations of seeded white noise on what the sensors see.
+
+    Attributes:
+        angle: Of joint and wheel angles.
+        current: Of motor currents.
+        acceleration: Of accelerometers.
+        detector: Of the place at which a simulated detector speaks.
+    """
 
     angle: Annotated[Angle, Field(ge=0)] = 0.0
     current: Annotated[Current, Field(ge=0)] = 0.0
@@ -47,6 +59,7 @@ class Defect(Frozen):
 
     Attributes:
         kind: What goes wrong.
+        description: One line for people.
         wheels: Wheels it acts on.
         joint: Joint it acts on.
         signals: Signals whose channels it acts on.
@@ -85,7 +98,13 @@ class Defect(Frozen):
 
 
 class Simulation(Frozen):
-    """Simulator settings of a robot."""
+    """Simulator settings of a robot.
+
+    Attributes:
+        friction: Between wheel and wall.
+        noise: On what the sensors see.
+        defects: Known defects by name; ``--defect`` switches one on.
+    """
 
     friction: Friction
     noise: Noise = Noise()

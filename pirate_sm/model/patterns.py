@@ -1,0 +1,91 @@
+"""Regular expressions of quantities, for the JSON Schemas that editors check files with.
+
+They accept all that :mod:`pirate_sm.units` reads. What they cannot do is multiply out a dimension:
+a unit of three factors, or with an exponent, only has to be made of known units.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import Any, Final
+
+from pirate_sm.units import UNITS, Dimension
+
+PARAMETER_PATTERN: Final = r"^\$[A-Za-z_][A-Za-z0-9_]*$"
+
+_DIGITS: Final = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
+_EXPONENT: Final = r"(?:[eE][+-]?[0-9]+)?"
+_ANY_NUMBER: Final = rf"[+-]?{_DIGITS}{_EXPONENT}"
+_NOT_NEGATIVE: Final = rf"(?:\+?{_DIGITS}|-(?:0+(?:\.0*)?|\.0+)){_EXPONENT}"
+_POSITIVE: Final = rf"\+?(?=[0-9.]*[1-9]){_DIGITS}{_EXPONENT}"
+
+_TIMES: Final = r"\s*[*/·]\s*"
+
+
+def number_pattern(bounds: Mapping[str, Any]) -> str:
+    """A number's pattern; of limits only those at zero can be told without knowing the unit.
+
+    Args:
+        bounds: Limits in SI by pydantic's names for them: ``gt``, ``ge``.
+    """
+    if bounds.get("gt", -1) >= 0:
+        return _POSITIVE
+    return _NOT_NEGATIVE if bounds.get("ge", -1) >= 0 else _ANY_NUMBER
+
+
+def quantity_pattern(dimension: Dimension, bounds: Mapping[str, Any]) -> str:
+    """The pattern of text that is a quantity of this dimension."""
+    plain = [name for name, unit in UNITS.items() if unit.dimension == dimension]
+    known = [_one_of(plain)] if plain else []
+    factor = _factor()
+    composed = rf"(?=[^^]*\^|(?:[^*/·]*[*/·]){{2}}){factor}(?:{_TIMES}{factor})*"
+    unit = "|".join([*known, *_pairs(dimension), composed])
+    # A `1` as the first factor stands apart, or it is a digit of the number.
+    return rf"^\s*{number_pattern(bounds)}(?:\s+|(?!1))(?:{unit})\s*$"
+
+
+def ratio_pattern(bounds: Mapping[str, Any]) -> str:
+    """The pattern of text that is a ratio: it ends with a percent sign."""
+    factor = _factor()
+    composed = rf"{factor}(?:{_TIMES}{factor})*{_TIMES}%"
+    return rf"^\s*{number_pattern(bounds)}(?:\s+|(?!1))(?:%|{composed})\s*$"
+
+
+def any_quantity_pattern() -> str:
+    """The pattern of text that is a number with any known unit, or with none."""
+    factor = _factor()
+    return rf"^\s*{_ANY_NUMBER}(?:(?:\s+|(?!1)){factor}(?:{_TIMES}{factor})*)?\s*$"
+
+
+def _factor() -> str:
+    return rf"{_one_of(UNITS)}(?:\^-?[0-9])?"
+
+
+def _pairs(dimension: Dimension) -> list[str]:
+    """A pattern for each two dimensions whose product or quotient is this one."""
+    names = _names_by_dimension()
+    pairs = [
+        (first, sign, second)
+        for first in names
+        for second in names
+        for sign, result in (("[*·]", first * second), ("/", first / second))
+        if result == dimension
+    ]
+    return [
+        rf"{_one_of(names[first])}\s*{sign}\s*{_one_of(names[second])}"
+        for first, sign, second in pairs
+    ]
+
+
+@cache
+def _names_by_dimension() -> dict[Dimension, list[str]]:
+    names: dict[Dimension, list[str]] = {}
+    for name, unit in UNITS.items():
+        names.setdefault(unit.dimension, []).append(name)
+    return names
+
+
+def _one_of(names: Iterable[str]) -> str:
+    return f"(?:{'|'.join(re.escape(name) for name in names)})"
