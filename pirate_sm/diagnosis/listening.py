@@ -11,11 +11,12 @@ from typing import Self
 
 from pirate_sm.backends.pico.backend import ANSWER_WITHIN_S
 from pirate_sm.backends.pico.diagnosis import unanswered
-from pirate_sm.backends.pico.exchange import RESET, Exchange
+from pirate_sm.backends.pico.exchange import Exchange
 from pirate_sm.backends.pico.framing import Decoder, encode
 from pirate_sm.backends.pico.messages import Malformed
 from pirate_sm.backends.pico.plan import STATE
 from pirate_sm.backends.pico.port import Port
+from pirate_sm.backends.pico.recovery import RESET
 from pirate_sm.backends.pico.topics import PUBLISHER, REQUEST_TOPICS, SUBSCRIBER, TIME
 from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject, TopicFact
 from pirate_sm.diagnosis.records import Records

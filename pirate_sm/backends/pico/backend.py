@@ -14,7 +14,6 @@ from pirate_sm.backends.protocol import Completion
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import Event, FaultReport, SensorFrame
 
-LOST = "link.lost"
 SILENT = "sensor.silent"
 OVERRULED = "runner.stalled"
 
@@ -59,7 +58,9 @@ class SerialBackend:
         self._baud = baud or plan.serial.baud
         self._check = check
         self.exchange = Exchange(plan, port.now(), port.epoch_s, self._baud)
-        self._began_s = 0.0
+        self._zero_s = 0.0
+        self._held_s = inf
+        self._late = False
         self._now_s = 0.0
         self._events: list[Event] = []
         self._open = False
@@ -87,7 +88,8 @@ class SerialBackend:
         except BaseException:
             self.close()
             raise
-        self._began_s = self.port.now()
+        self._zero_s = self.port.now()
+        self.exchange.watch()
         return events
 
     def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
@@ -97,22 +99,35 @@ class SerialBackend:
         self.exchange.submit(setpoint_id, values, self.port.now())
 
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
-        """Time has passed until there was something to say, or ``until_s``, or for a moment."""
+        """Time has passed until there was something to say, or ``until_s``, or for a moment.
+
+        While the link is silent mission time stands still: no deadline passes, nothing goes on.
+        """
         if self._closed or not self._open:
             raise BackendError("the port is closed")
         if until_s < self._now_s:
             return self._now_s, ()
-        deadline_s = min(self._began_s + until_s, self.port.now() + _LOOK_UP_S)
+        self.exchange.resume(self.port.now())
+        look_up_s = self.port.now() + _LOOK_UP_S
         while True:
+            held = self._held_s < inf
+            deadline_s = look_up_s if held else min(self._zero_s + until_s, look_up_s)
             self._turn(deadline_s)
             now = self.port.now()
+            self._keep_time(now)
             self._events += self.exchange.take()
             if self._events or now >= deadline_s:
-                # Not `now - began` alone, which rounding may leave a hair before `until_s`.
-                reached_s = until_s if now >= self._began_s + until_s else now - self._began_s
-                self._now_s = max(self._now_s, reached_s)
-                events, self._events = self._events, []
-                return self._now_s, events
+                break
+        now_s = min(now, self._held_s) - self._zero_s
+        # Not `now_s` alone, which rounding may leave a hair before `until_s`.
+        self._now_s = max(self._now_s, min(now_s, until_s))
+        if min(now, self._held_s) >= self._zero_s + until_s:
+            self._now_s = until_s
+        if self._late and now_s > until_s:
+            return self._now_s, ()  # what has happened by now is told when mission time is there
+        self._late = False
+        events, self._events = self._events, []
+        return self._now_s, events
 
     def close(self) -> None:
         """The last array has gone out, the device has been told to be quiet, the port is free."""
@@ -135,6 +150,21 @@ class SerialBackend:
         self.exchange.hold(values)
 
     # --- inside -----------------------------------------------------------------------------
+
+    def _keep_time(self, now: float) -> None:
+        """Mission time stands still while the mission is held.
+
+        It catches up with a silence that was none, and leaves out one that is told as a fault.
+        """
+        outage = self.exchange.outage
+        if outage is not None:
+            self._held_s = min(self._held_s, outage.since_s)
+        elif self._held_s < inf:
+            if self.exchange.brief:
+                self._late = True
+            else:
+                self._zero_s += now - self._held_s
+            self._held_s = inf
 
     def _turn(self, until_s: float) -> None:
         """Everything due has been written, and what came by then has been taken in."""
@@ -171,7 +201,7 @@ class SerialBackend:
         now = self.port.now()
         if self._lost_s == inf:
             self._lost_s = now
-            self._events.append(FaultReport(LOST, f"the link to the robot is lost: {reason}"))
+            self.exchange.lost(reason, now)
         self._retry_s = now + _REOPEN_EVERY_S
 
     def _retry(self, now: float) -> None:
@@ -224,11 +254,18 @@ class SerialBackend:
         return [*frames.values(), *told]
 
     def _flush(self) -> None:
-        """The last array has been confirmed, or the safe one has gone out once more."""
-        give_up_s = self.port.now() + _FLUSH_WITHIN_S
-        if self.exchange.conversation.asking:  # it may come back from a reset
-            give_up_s += self.plan.serial.boot + _FLUSH_WITHIN_S
-        while not self.exchange.link.idle and self.port.now() < give_up_s:
+        """The last array has been confirmed, or the safe one has gone out once more.
+
+        A robot that is away, for it is being reset or its cable is out, is waited for.
+        """
+        exchange, began_s = self.exchange, self.port.now()
+        while not exchange.settled:
+            patience_s = self.plan.away_s if exchange.outage is not None else 0.0
+            give_up_s = began_s + patience_s + _FLUSH_WITHIN_S
+            if self.port.now() >= give_up_s:
+                break
             self._turn(min(give_up_s, self.port.now() + _LOOK_UP_S))
-        if not self.exchange.link.idle:
-            self.port.write(self.exchange.safe_frame())
+            if exchange.newer:
+                exchange.resume(self.port.now())
+        if not exchange.settled:
+            self.port.write(exchange.safe_frame())

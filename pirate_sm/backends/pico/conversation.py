@@ -98,7 +98,12 @@ class Conversation:
     """
 
     def __init__(
-        self, wanted: Sequence[Wanted], now: float, epoch_s: float = 0.0, boot_s: float = 0.0
+        self,
+        wanted: Sequence[Wanted],
+        now: float,
+        epoch_s: float = 0.0,
+        boot_s: float = 0.0,
+        silent_s: float = SILENT_AFTER_S,
     ) -> None:
         """Nothing has been said.
 
@@ -107,9 +112,11 @@ class Conversation:
             now: The time.
             epoch_s: Added to the time it gives what the device is told, seconds since 1970.
             boot_s: How long a boot loader may be listening, to which nothing must be said.
+            silent_s: A device that has said nothing for so long is asked anew.
         """
         self._wanted = tuple(wanted)
         self._epoch_s = epoch_s
+        self._silent_s = silent_s
         self._decoder = Decoder()
         self._numbers: dict[int, int] = {}
         self._rooms: dict[int, int] = {}
@@ -153,14 +160,14 @@ class Conversation:
     @property
     def due_s(self) -> float:
         """When there will be something to write, if nothing comes before."""
-        due = self._ask_s if self.asking else self.heard_s + SILENT_AFTER_S
+        due = self._ask_s if self.asking else self.heard_s + self._silent_s
         return min(due, self._time_s)
 
     def write(self, now: float) -> bytes:
         """The next frame to be written at this time; empty when there is none."""
         if now >= self._time_s:
             return self._tell_time()
-        if self._known and not self._again and now >= self.heard_s + SILENT_AFTER_S:
+        if self._known and not self._again and now >= self.heard_s + self._silent_s:
             self._again = True
             self._fresh.clear()
             self._ask_s = now

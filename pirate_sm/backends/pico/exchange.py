@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from pirate_sm.backends.pico.conversation import Conversation, Known, Message, Refused
+from pirate_sm.backends.pico.conversation import (
+    SILENT_AFTER_S,
+    Conversation,
+    Known,
+    Message,
+    Refused,
+)
 from pirate_sm.backends.pico.framing import OVERHEAD_BYTES
 from pirate_sm.backends.pico.link import SetpointLink
 from pirate_sm.backends.pico.measurements import Measurements
 from pirate_sm.backends.pico.messages import Malformed
 from pirate_sm.backends.pico.plan import ECHO, SETPOINTS, STATE, Plan
+from pirate_sm.backends.pico.recovery import BRIEF, RESET, Outage, Recovery, was_reset
 from pirate_sm.backends.pico.supervision import Supervision
 from pirate_sm.backends.pico.throttle import Throttle
 from pirate_sm.model.events import Event, FaultReport
 
-RESET = "firmware.reset"
 MISMATCH = "link.mismatch"
 
 _GREETING_BYTES = OVERHEAD_BYTES * 2
@@ -23,6 +29,9 @@ _GREETING_BYTES = OVERHEAD_BYTES * 2
 SAFE_WIRE_ID = 0
 
 _EXPIRE_EVERY_S = 0.05
+
+_SILENT_SHARE = 0.4
+"""Of the time after which a single board is silent: none may be so before all of them are."""
 
 
 class Counts(NamedTuple):
@@ -60,6 +69,10 @@ class Exchange:
         conversation: What has been said about topics.
         link: What has become of arrays.
         heard: Boards that have reported since the beginning.
+        outage: The silence during which the mission is held; None while all is well.
+        brief: Whether the last outage was none, only a short silence.
+        aside: Whether arrays wait until whoever was told of an outage has had a say.
+        newer: Whether an array has been submitted since the last outage began.
         refused: Why a topic cannot be used, one sentence each.
     """
 
@@ -79,28 +92,60 @@ class Exchange:
         )
         self._measurements = Measurements(plan.channels)
         self._supervision = Supervision(plan.watched, plan.wheels)
+        self._recovery = Recovery(BRIEF * plan.silent_after_s, plan.away_s)
         self._events: list[Event] = []
         self._held: tuple[int, ...] | None = None
-        self._safe_counts: tuple[int, ...] | None = None
+        self._safe_from: tuple[int, ...] | None = None
+        self._safe_counts: tuple[int, ...] = ()
         self._safe_payload = b""
+        self._safe_frame = b""
         self._unreadable = 0
         self._flowing = False
+        self._watching = False
+        self._given_up = False
+        self.outage: Outage | None = None
+        self.aside = False
+        self.brief = False
+        self.newer = False
         self.heard: set[int] = set()
         self.refused: list[str] = []
         self.conversation = self._begin(now)
 
-    def connected(self, now: float) -> None:
-        """The port has been opened again: topics are asked for, then the last array repeated."""
-        self.conversation = self._begin(now)
-        self._flowing = False
-
     def _begin(self, now: float) -> Conversation:
-        return Conversation(self._plan.wanted, now, self._epoch_s, self._plan.serial.boot)
+        silent_s = min(SILENT_AFTER_S, _SILENT_SHARE * self._plan.silent_after_s)
+        serial = self._plan.serial
+        return Conversation(self._plan.wanted, now, self._epoch_s, serial.boot, silent_s)
+
+    # --- the link itself --------------------------------------------------------------------
+
+    def watch(self) -> None:
+        """From now on a silence holds the mission until it is clear what has happened."""
+        self._watching = True
+
+    def lost(self, reason: str, now: float) -> None:
+        """The port has gone."""
+        outage = self._hold(now)
+        if outage is not None:
+            outage.relapse()
+            outage.gone = outage.gone or reason
+
+    def connected(self, now: float) -> None:
+        """The port has been opened again: topics are asked for as at the beginning."""
+        self.conversation = self._begin(now)
+        if self.outage is not None:
+            self.outage.sign_s = now
+
+    def resume(self, now: float) -> None:
+        """Whoever was told of an outage has had a say: the newest array is to be in force."""
+        if self.aside and self.outage is None:
+            self.aside = False
+            self.link.reassert(now)
 
     # --- in ---------------------------------------------------------------------------------
 
     def submit(self, setpoint_id: int, values: tuple[float, ...], now: float) -> None:
         """The array is on its way."""
+        self.newer = True
         self.link.submit(setpoint_id, values, now)
         self._events += self.link.take()
 
@@ -111,13 +156,16 @@ class Exchange:
 
     def receive(self, data: bytes, now: float) -> None:
         """The bytes have had their consequences."""
+        dropped = self.conversation.dropped
         for heard in self.conversation.receive(data, now):
+            if isinstance(heard, Known):
+                self._know(heard, now)
+            self._notice_return(now)
             if isinstance(heard, Message):
                 self._take(heard, now)
-            elif isinstance(heard, Known):
-                self._know(heard, now)
-            else:
+            elif isinstance(heard, Refused):
                 self._refuse(heard)
+        self.link.listened(len(data), self.conversation.dropped - dropped)
         self._events += self.link.take()
 
     def take(self) -> list[Event]:
@@ -133,7 +181,14 @@ class Exchange:
         if due <= now:
             due = self._throttle.free_s(_GREETING_BYTES, now)
         if not self.conversation.known:
-            return min(due, now + _EXPIRE_EVERY_S)  # arrays can only be given up meanwhile
+            due = min(due, now + _EXPIRE_EVERY_S)  # arrays can only be given up meanwhile
+        if self.outage is not None:
+            safe_due = self._recovery.due_s(self.outage)
+            if safe_due <= now:
+                safe_due = self._throttle.free_s(self._setpoint_bytes, now)
+            return min(due, safe_due)
+        if self.aside or not self.conversation.known:
+            return due
         link_due = self.link.due_s
         if link_due <= now:
             link_due = self._throttle.free_s(self._setpoint_bytes, now)
@@ -146,14 +201,17 @@ class Exchange:
             now: The time.
             able: Whether there is a port; without one nothing is returned and time passes.
         """
-        self.link.expire(now, able and self.conversation.known)
-        self._events += self.link.take()
-        if not able:
-            return b""
         data = b""
-        if self._throttle.free_s(_GREETING_BYTES, now) <= now:
+        if able and self._throttle.free_s(_GREETING_BYTES, now) <= now:
             data = self.conversation.write(now)
-        fits = self._throttle.free_s(self._setpoint_bytes, now) <= now
+            if self.conversation.asking:
+                self._hold(now)
+        if self.outage is not None:
+            self._judge(self.outage, now)
+        if self.outage is None and not self.aside:
+            self.link.expire(now, able and self.conversation.known)
+            self._events += self.link.take()
+        fits = able and self._throttle.free_s(self._setpoint_bytes, now) <= now
         if not data and fits and self.conversation.known:
             data = self._setpoints(now)
         if data:
@@ -170,12 +228,25 @@ class Exchange:
             return b""
         if self._held is not None:
             counts = self._held
-        if counts is not self._safe_counts:  # asked for at every turn
+        if counts is not self._safe_from:  # asked for at every turn
             zero = set(self._plan.safe_zero)
-            safe = [0 if slot in zero else count for slot, count in enumerate(counts)]
-            self._safe_counts = counts
+            safe = tuple(0 if slot in zero else count for slot, count in enumerate(counts))
+            self._safe_from, self._safe_counts = counts, safe
             self._safe_payload = self._plan.messages.setpoints.pack(SAFE_WIRE_ID, safe)
-        return self.conversation.frame(SETPOINTS, self._safe_payload)
+        frame = self.conversation.frame(SETPOINTS, self._safe_payload)
+        if frame or self.conversation.known:
+            self._safe_frame = frame
+        return self._safe_frame  # while topics are not known again, what they were
+
+    @property
+    def settled(self) -> bool:
+        """Whether nothing is under way: what is to be in force is, as far as can be told.
+
+        After an outage that is the safe array, until something newer is wanted.
+        """
+        if self.outage is not None:
+            return not self.safe_frame()
+        return (self.aside and not self.newer) or self.link.idle
 
     @property
     def counts(self) -> Counts:
@@ -194,27 +265,81 @@ class Exchange:
 
     # --- inside -----------------------------------------------------------------------------
 
+    def _hold(self, now: float) -> Outage | None:
+        """The outage that there is, or that begins now; None where none is looked for."""
+        outage = self.outage
+        if outage is not None:
+            if outage.back:
+                outage.relapse()
+        elif self._watching and not self._given_up:
+            heard_s = self.conversation.heard_s
+            outage = self.outage = Outage(heard_s, since_s=now, sign_s=heard_s)
+            self.aside = self.newer = False
+        return outage
+
+    def _notice_return(self, now: float) -> None:
+        """A controller that speaks again is looked at before anything is believed."""
+        outage = self.outage
+        if self.conversation.asking:
+            return
+        if outage is None:
+            self._given_up = False
+        elif not outage.back:
+            outage.return_(now, self.heard, bool(self.safe_frame()))
+            self.brief = self._recovery.is_brief(outage)
+            if self.brief:
+                self.outage = None
+            else:
+                self._supervision.forget()  # counters may begin at zero
+
+    def _judge(self, outage: Outage, now: float) -> None:
+        """An outage of which it is clear what it was has been told."""
+        outage.sign_s = max(outage.sign_s, self.conversation.heard_s)
+        fault = self._recovery.verdict(outage, now, bool(self.safe_frame()))
+        if fault is None:
+            return
+        self.outage, self._given_up = None, not outage.back
+        self.aside = outage.back
+        self._events += [fault, *outage.frames.values(), *outage.faults]
+
     def _setpoints(self, now: float) -> bytes:
+        """The frame with the array that is to be written now; empty when there is none."""
+        outage = self.outage
+        if outage is not None:
+            if not self._recovery.wants_safe(outage, now):
+                return b""
+            outage.wrote_s = now
+            self._actuate(self._safe_counts, now)
+            return self.safe_frame()
+        if self.aside:
+            return b""
         payload = self.link.next_payload(now)
         self._events += self.link.take()
         if not payload:
             return b""
-        _, counts = self._plan.messages.setpoints.unpack(payload)
+        self._actuate(self._plan.messages.setpoints.unpack(payload)[1], now)
+        return self.conversation.frame(SETPOINTS, payload)
+
+    def _actuate(self, counts: tuple[int, ...], now: float) -> None:
         pairs = zip(self._plan.slots, counts, strict=True)
         self._supervision.actuated(tuple(slot.resolution * count for slot, count in pairs), now)
-        return self.conversation.frame(SETPOINTS, payload)
 
     def _take(self, message: Message, now: float) -> None:
         try:
             if message.which == STATE:
                 self._measure(message.payload, now)
             elif message.which == ECHO:
-                number, counts = self._plan.messages.echo.unpack(message.payload)
-                self.link.echoed(number, counts, now)
+                self._echo(*self._plan.messages.echo.unpack(message.payload), now)
         except Malformed:
             self._unreadable += 1
             if message.which == ECHO:
                 self.link.unreadable(now)
+
+    def _echo(self, number: int, counts: tuple[int, ...], now: float) -> None:
+        if number != SAFE_WIRE_ID or counts != self._safe_counts:
+            self.link.echoed(number, counts, now)
+        elif self.outage is not None and self.outage.back:
+            self.outage.safe_s = min(self.outage.safe_s, now)
 
     def _measure(self, payload: bytes, now: float) -> None:
         frame = self._measurements.take(self._plan.messages.state.unpack(payload))
@@ -223,23 +348,27 @@ class Exchange:
         self._flowing = True
         self.heard.add(frame.board)
         frame, faults = self._supervision.look(frame, now)
+        if self.outage is not None:
+            self.outage.report(frame)
+            self.outage.faults += faults
+            return
         self._events += faults
         self._events.append(frame)
 
     def _know(self, known: Known, now: float) -> None:
-        if known.again or self.link.in_force is not None:
+        if self.outage is not None:
+            self.outage.anew = True
+            self.outage.silence_s = known.silence_s
+        elif known.again or self.link.in_force is not None:
             # It may have forgotten what it was told, and counters may begin at zero.
             self._supervision.forget()
             self.link.reassert(now)
-        if known.again and self._flowing:
+        if known.again and self._flowing and not self._watching:
             self._flowing = False
-            message = (
-                f"the robot's controller said nothing for {known.silence_s:.1f} s and had to be "
-                "asked anew: it has been reset, or hung"
-            )
-            self._events.append(FaultReport(RESET, message))
+            self._events.append(FaultReport(RESET, was_reset(known.silence_s)))
 
     def _refuse(self, refused: Refused) -> None:
         self.refused.append(refused.reason)
         if self.heard:
+            self.outage, self._given_up = None, True
             self._events.append(FaultReport(MISMATCH, refused.reason))

@@ -43,6 +43,7 @@ class Plan(NamedTuple):
         modules: What people call these boards.
         safe_zero: Slots that are zero in the safe state.
         wheels: Slots that drive wheels.
+        silent_after_s: A board that has not been heard for so long is silent.
     """
 
     serial: Serial
@@ -54,6 +55,12 @@ class Plan(NamedTuple):
     watched: Mapping[int, tuple[Watched, ...]]
     safe_zero: tuple[int, ...]
     wheels: tuple[int, ...]
+    silent_after_s: float
+
+    @property
+    def away_s(self) -> float:
+        """After its last sign of life the link may be away for so long."""
+        return self.serial.boot + self.serial.recover_within
 
 
 def plan_of(profile: Profile, robot: RobotSpec, messages: Messages) -> Plan:
@@ -82,6 +89,7 @@ def plan_of(profile: Profile, robot: RobotSpec, messages: Messages) -> Plan:
         watched={board.id: _watched(profile, robot, board) for board in heard},
         safe_zero=robot.safe_zero,
         wheels=tuple(at for at, slot in enumerate(profile.slots) if slot.wheel is not None),
+        silent_after_s=profile.link.silent_after,
     )
 
 

@@ -30,6 +30,13 @@ def run(backend: SerialBackend, until_s: float) -> list[tuple[float, Event]]:
             return told
 
 
+def run_port(backend: SerialBackend, port: VirtualPort, seconds: float) -> None:
+    """So much time of the port has passed; mission time may have stood still."""
+    end_s = port.now() + seconds
+    while port.now() < end_s:
+        backend.advance(backend.advance(0.0)[0] + end_s - port.now())
+
+
 def results(told: list[tuple[float, Event]]) -> list[SubmitResult]:
     return [event for _, event in told if isinstance(event, SubmitResult)]
 
@@ -300,7 +307,7 @@ def test_no_two_arrays_are_under_way_and_the_ring_of_the_device_never_overruns(
 # --- what goes wrong on the way --------------------------------------------------------------
 
 
-def test_a_reset_is_noticed_the_topics_asked_for_anew_and_the_last_array_repeated(
+def test_a_reset_is_told_once_the_safe_array_is_confirmed_and_then_the_last_one_repeated(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
     backend.open()
@@ -308,27 +315,171 @@ def test_a_reset_is_noticed_the_topics_asked_for_anew_and_the_last_array_repeate
     run(backend, 1.0)
     device.reset(port.now())
     before = len(device.applied)
-    told = run(backend, 4.0)
+    told = run(backend, 2.0)
 
-    assert [fault.code for fault in faults(told)] == ["firmware.reset"]
-    assert "said nothing for 1." in faults(told)[0].message
-    assert device.applied[before][2] == device.applied[before - 1][2]
+    [fault] = faults(told)
+    assert fault.code == "firmware.reset"
+    assert fault.message.startswith("the robot's controller said nothing for 1.")
+    assert fault.message.endswith("it holds what it held and its wheels are stopped, as it has "
+                                  "confirmed")  # fmt: skip
+    assert [counts[4:8] for _, _, counts in device.applied[before:]] == [
+        (-700, 0, 700, 0),
+        (-700, 1000, 700, -1000),
+    ]
     assert backend.exchange.link.idle
 
 
-def test_a_line_that_is_silent_for_a_moment_is_no_reset(
+def test_after_a_reset_no_wheel_turns_when_whoever_was_told_wants_it_to_stop(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
     backend.open()
-    port.loss = 1.0
-    run(backend, 0.45)
-    port.loss = 0.0
+    backend.submit(1, CLAMPING)
+    run(backend, 1.0)
+    device.reset(port.now())
+    before, now_s, told = len(device.applied), 1.0, []
+    while not told:
+        now_s, events = backend.advance(4.0)
+        told = [event for event in events if isinstance(event, FaultReport)]
+    backend.submit(2, (*CLAMPING[:5], 0.0, 0.7, 0.0, *CLAMPING[8:]))
+    run(backend, now_s + 1.0)
+
+    assert {counts[4:8] for _, _, counts in device.applied[before:]} == {(-700, 0, 700, 0)}
+
+
+def test_mission_time_stands_still_while_a_controller_starts_again(
+    backend: SerialBackend, device: Device, port: VirtualPort
+) -> None:
+    backend.open()
+    opened_s = port.now()
+    run(backend, 1.0)
+    device.reset(port.now())
     told = run(backend, 2.0)
+    at_s = next(at for at, event in told if isinstance(event, FaultReport))
+
+    assert at_s == pytest.approx(1.4, abs=0.05)  # a silence begins to count after 0.4 s
+    assert port.now() - opened_s > 2.6
+    frames = [event.board for at, event in told if at == at_s and isinstance(event, SensorFrame)]
+    assert set(frames) == set(device.boards)
+
+
+def test_nothing_is_told_of_sensors_before_the_reset_is(
+    backend: SerialBackend, device: Device, port: VirtualPort
+) -> None:
+    backend.open()
+    run(backend, 1.0)
+    device.reset(port.now())
+    told = [event for at, event in run(backend, 2.0) if at > 1.1]
+
+    assert isinstance(told[0], FaultReport)
+    assert told[0].message.endswith("it was reset or hung: nothing had been sent to it before")
+
+
+def test_a_controller_that_does_not_come_back_is_a_silent_link(
+    backend: SerialBackend, device: Device, port: VirtualPort, plan: Plan
+) -> None:
+    backend.open()
+    backend.submit(1, CLAMPING)
+    run(backend, 1.0)
+    device.boot_s = 1000.0
+    began_s = port.now()
+    device.reset(began_s)
+    told = run(backend, 3.0)
+
+    assert [fault.code for fault in faults(told)] == ["link.silent"]
+    assert faults(told)[0].message == (
+        "the robot's controller has said nothing for 8.0 s, however often it was asked"
+    )
+    assert plan.away_s == 8.0
+
+
+def test_a_controller_that_comes_back_and_does_not_confirm_is_told_as_that(
+    backend: SerialBackend, device: Device, port: VirtualPort
+) -> None:
+    backend.open()
+    backend.submit(1, CLAMPING)
+    run(backend, 1.0)
+    device.reset(port.now())
+    device.echo_s = 1000.0
+    told = run(backend, 3.0)
+
+    assert [fault.code for fault in faults(told)] == ["link.no_echo"]
+    assert "is back after 1." in faults(told)[0].message
+    assert "does not confirm the safe setpoints" in faults(told)[0].message
+
+
+def test_a_second_reset_while_the_first_is_looked_into_is_one_fault(
+    backend: SerialBackend, device: Device, port: VirtualPort
+) -> None:
+    backend.open()
+    backend.submit(1, CLAMPING)
+    run(backend, 1.0)
+    device.reset(port.now())
+    while not device.configured:
+        backend.advance(5.0)
+    device.reset(port.now())
+    told = run(backend, 3.0)
+
+    assert [fault.code for fault in faults(told)] == ["firmware.reset"]
+    assert device.applied[-1][2][4:8] == (-700, 1000, 700, -1000)
+
+
+@pytest.mark.parametrize("silence_s", [0.45, 0.7])
+def test_a_line_that_is_silent_for_a_moment_is_no_fault_and_takes_no_mission_time(
+    backend: SerialBackend, port: VirtualPort, silence_s: float
+) -> None:
+    backend.open()
+    opened_s = port.now()
+    run(backend, 1.0)
+    port.loss = 1.0
+    run_port(backend, port, silence_s)
+    port.loss = 0.0
+    told = run(backend, 3.0)
 
     assert faults(told) == []
+    assert port.now() - opened_s == pytest.approx(3.0, abs=0.01)
+    assert [at for at, _ in told] == sorted(at for at, _ in told)
 
 
-def test_an_unplugged_robot_is_a_lost_link_and_comes_back_to_the_last_array(
+def test_a_controller_that_hangs_and_goes_on_is_taken_for_one_that_was_reset(
+    backend: SerialBackend, device: Device, port: VirtualPort
+) -> None:
+    backend.open()
+    backend.submit(1, CLAMPING)
+    run(backend, 1.0)
+    before = len(device.applied)
+    device.hung_until_s = port.now() + 1.5
+    told = run(backend, 3.0)
+
+    [fault] = faults(told)
+    assert fault.code == "firmware.reset"
+    assert fault.message.startswith("the robot's controller said nothing for 1.5 s, it was reset ")
+    assert device.applied[before][2][4:8] == (-700, 0, 700, 0)
+
+
+def test_a_robot_that_was_unplugged_and_is_back_is_an_interruption_and_goes_on_from_its_safe_state(
+    backend: SerialBackend, device: Device, port: VirtualPort
+) -> None:
+    backend.open()
+    backend.submit(1, CLAMPING)
+    run(backend, 1.0)
+    before = len(device.applied)
+    port.plugged = False
+    run_port(backend, port, 3.0)
+    port.plugged = True
+    told = run(backend, 3.0)
+
+    [fault] = faults(told)
+    assert fault.code == "link.interrupted"
+    assert fault.message.startswith("the link was away for ")
+    assert "(unplugged) and is back: it holds what it held" in fault.message
+    assert [counts[4:8] for _, _, counts in device.applied[before:]] == [
+        (-700, 0, 700, 0),
+        (-700, 1000, 700, -1000),
+    ]
+    assert port.opened == 2
+
+
+def test_a_robot_that_stays_unplugged_is_a_lost_link_and_still_stopped_should_it_come_back(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
     backend.open()
@@ -343,8 +494,41 @@ def test_an_unplugged_robot_is_a_lost_link_and_comes_back_to_the_last_array(
     told += run(backend, 9.0)
 
     assert [fault.code for fault in faults(told)] == ["link.lost"]
+    assert faults(told)[0].message == (
+        "the link to the robot is lost: unplugged, and was not back 8.0 s later"
+    )
     assert results(told)[0][:2] == (2, "unknown")
     assert device.applied[-1][2] == (0,) * 18
+
+
+def test_another_definition_after_a_reset_is_a_fault_at_once(
+    backend: SerialBackend, device: Device, port: VirtualPort
+) -> None:
+    backend.open()
+    backend.submit(1, CLAMPING)
+    run(backend, 1.0)
+    device.md5["echo"] = "f" * 32
+    device.reset(port.now())
+    told = run(backend, 3.0)
+
+    assert [fault.code for fault in faults(told)] == ["link.mismatch"]
+    assert "is another one than ours" in faults(told)[0].message
+
+
+def test_the_guardian_knows_the_safe_frame_while_topics_are_asked_for_again(
+    backend: SerialBackend, device: Device, port: VirtualPort
+) -> None:
+    backend.open()
+    backend.submit(1, CLAMPING)
+    run(backend, 1.0)
+    frame = port.safe_frame
+    port.plugged = False
+    run_port(backend, port, 1.0)
+    port.plugged = True
+    run_port(backend, port, 1.0)
+
+    assert frame
+    assert port.safe_frame == frame
 
 
 # --- the way out -----------------------------------------------------------------------------
@@ -361,6 +545,38 @@ def test_the_last_array_submitted_goes_out_before_the_port_is_closed(
 
     assert device.applied[-1][2] == (0,) * 18
     assert device.received[-1][1] == 11
+    assert port.closed
+
+
+def test_the_way_out_waits_for_a_controller_that_starts_again_and_has_it_confirm(
+    backend: SerialBackend, device: Device, port: VirtualPort
+) -> None:
+    backend.open()
+    backend.submit(1, CLAMPING)
+    run(backend, 1.0)
+    device.reset(port.now())
+    run(backend, 1.4)
+    run_port(backend, port, 0.1)
+    backend.close()
+
+    assert device.applied[-1][2][4:8] == (-700, 0, 700, 0)
+    assert device.received[-1][1] == 11
+
+
+def test_the_way_out_does_not_wait_for_ever(
+    backend: SerialBackend, device: Device, port: VirtualPort, plan: Plan
+) -> None:
+    backend.open()
+    backend.submit(1, CLAMPING)
+    run(backend, 1.0)
+    device.boot_s = 1000.0
+    device.reset(port.now())
+    backend.submit(2, STILL)
+    run_port(backend, port, 0.5)
+    began_s = port.now()
+    backend.close()
+
+    assert port.now() - began_s < plan.away_s + 1.0
     assert port.closed
 
 

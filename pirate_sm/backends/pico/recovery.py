@@ -1,0 +1,161 @@
+"""A link that fell silent is waited for and brought back to a known state, or given up.
+
+Pure: what is heard goes in with the time, what is wanted and what has come of it come out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Set
+from dataclasses import dataclass, field
+from math import inf
+
+from pirate_sm.model.events import FaultReport, SensorFrame
+
+RESET = "firmware.reset"
+INTERRUPTED = "link.interrupted"
+SILENT = "link.silent"
+LOST = "link.lost"
+NO_ECHO = "link.no_echo"
+
+BRIEF = 0.75
+"""Share of ``silent_after``: shorter silences that end by themselves are none."""
+
+_BOARDS_WITHIN_S = 1.0
+_SAFE_AGAIN_S = 0.1
+_IN_ALL = 3
+"""Times the budget: a controller that comes back and goes away again and again is given up."""
+
+
+@dataclass
+class Outage:
+    """What is known of a silence; the mission is held meanwhile.
+
+    Attributes:
+        heard_s: When the last frame before it had come.
+        since_s: Since when the mission is held.
+        sign_s: The last sign of life.
+        gone: Why the port went away; empty where it did not.
+        anew: Whether the controller had to be asked anew.
+        back_s: Since when it speaks again; infinite before.
+        silence_s: How long it did not.
+        safe_s: When the safe array was confirmed; infinite before.
+        wrote_s: When the safe array was last written.
+        missing: Boards that have reported before and not since.
+        frames: What boards have reported since, the last of each.
+        faults: What their sensors had wrong.
+    """
+
+    heard_s: float
+    since_s: float
+    sign_s: float
+    gone: str = ""
+    anew: bool = False
+    back_s: float = inf
+    silence_s: float = 0.0
+    safe_s: float = inf
+    wrote_s: float = -inf
+    missing: set[int] = field(default_factory=set)
+    frames: dict[int, SensorFrame] = field(default_factory=dict)
+    faults: list[FaultReport] = field(default_factory=list)
+
+    @property
+    def back(self) -> bool:
+        """Whether the controller speaks again and its topics are known."""
+        return self.back_s < inf
+
+    def relapse(self) -> None:
+        """It has fallen silent again: nothing that was known of it holds."""
+        self.back_s = self.safe_s = inf
+        self.wrote_s = -inf
+        self.frames.clear()
+
+    def return_(self, now: float, boards: Set[int], safe_needed: bool) -> None:
+        """The controller speaks again; what it does and where it is remains to be seen."""
+        self.back_s = now
+        self.silence_s = self.silence_s or now - self.heard_s
+        self.safe_s = inf if safe_needed else now
+        self.missing = set(boards)
+
+    def report(self, frame: SensorFrame) -> None:
+        """A board has said where the robot is."""
+        self.frames[frame.board] = frame
+        self.missing.discard(frame.board)
+
+
+class Recovery:
+    """Decides what becomes of an outage.
+
+    Args:
+        brief_s: A silence that ends by itself before is none.
+        within_s: After the last sign of life the link must be back within so long.
+    """
+
+    def __init__(self, brief_s: float, within_s: float) -> None:
+        self._brief_s = brief_s
+        self._within_s = within_s
+
+    def is_brief(self, outage: Outage) -> bool:
+        """Whether nothing has happened but a silence too short to matter."""
+        return not (outage.gone or outage.anew) and outage.silence_s < self._brief_s
+
+    def wants_safe(self, outage: Outage, now: float) -> bool:
+        """Whether the safe array is to be written now."""
+        return outage.back and outage.safe_s == inf and now >= outage.wrote_s + _SAFE_AGAIN_S
+
+    def due_s(self, outage: Outage) -> float:
+        """When there is something to do or to decide, if nothing is heard before."""
+        if not outage.back:
+            return self._patience_s(outage)
+        if outage.safe_s == inf:
+            return min(outage.wrote_s + _SAFE_AGAIN_S, outage.back_s + self._within_s)
+        return outage.safe_s + _BOARDS_WITHIN_S if outage.missing else -inf
+
+    def verdict(self, outage: Outage, now: float, stopped: bool) -> FaultReport | None:
+        """What the outage has been, once that is clear.
+
+        Args:
+            outage: What is known of it.
+            now: The time.
+            stopped: Whether there was a safe array to be confirmed.
+        """
+        if not outage.back:
+            return self._given_up(outage, now) if now >= self._patience_s(outage) else None
+        if outage.safe_s == inf:
+            if now < outage.back_s + self._within_s:
+                return None
+            message = f"the robot's controller is back after {outage.silence_s:.1f} s of silence"
+            return FaultReport(NO_ECHO, f"{message} and does not confirm the safe setpoints")
+        if outage.missing and now < outage.safe_s + _BOARDS_WITHIN_S:
+            return None
+        return self._recovered(outage, stopped)
+
+    def _patience_s(self, outage: Outage) -> float:
+        return min(outage.sign_s + self._within_s, outage.since_s + _IN_ALL * self._within_s)
+
+    def _given_up(self, outage: Outage, now: float) -> FaultReport:
+        away_s = now - outage.heard_s
+        if outage.gone:
+            message = f"the link to the robot is lost: {outage.gone}, and was not back"
+            return FaultReport(LOST, f"{message} {away_s:.1f} s later")
+        message = f"the robot's controller has said nothing for {away_s:.1f} s"
+        return FaultReport(SILENT, f"{message}, however often it was asked")
+
+    def _recovered(self, outage: Outage, stopped: bool) -> FaultReport:
+        state = (
+            "it holds what it held and its wheels are stopped, as it has confirmed"
+            if stopped
+            else "nothing had been sent to it before"
+        )
+        if outage.gone:
+            what = f"the link was away for {outage.silence_s:.1f} s ({outage.gone}) and is back"
+            return FaultReport(INTERRUPTED, f"{what}: {state}")
+        return FaultReport(RESET, f"{was_reset(outage.silence_s)}: {state}")
+
+
+def was_reset(silence_s: float) -> str:
+    """What has happened to a controller that speaks again.
+
+    Whether the answer to our question made it speak or it went on by itself cannot be told where
+    answers are lost; and what a reset asks for is right after any silence.
+    """
+    return f"the robot's controller said nothing for {silence_s:.1f} s, it was reset or hung"
