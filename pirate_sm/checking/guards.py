@@ -1,0 +1,137 @@
+"""Guards of a chart, as far as they can be judged without running it.
+
+A guard is `In('Region.State')` with and, or, not (the loader lets nothing else pass), so it depends
+on which state each region that it names is in. *Thinkable* is every combination of states,
+*reached* every one that commands lead to.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
+from itertools import product
+from math import prod
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pirate_sm.engine.chart_table import ChartTable
+
+MOST_COMBINATIONS = 4096
+"""Over more thinkable combinations than this a guard counts as neither always true nor never."""
+
+_ELSEWHERE = ""
+
+States = Mapping[str, str]
+"""The state that each region is in."""
+
+
+@lru_cache(maxsize=1024)
+def parsed(guard: str) -> ast.expr:
+    """The guard as a tree."""
+    return ast.parse(guard, mode="eval").body
+
+
+def offset_of(guard: str, node: ast.expr) -> int:
+    """At which character of the guard's text a part of it begins."""
+    lines = guard.split("\n")
+    before = sum(len(line) + 1 for line in lines[: node.lineno - 1])
+    return before + len(lines[node.lineno - 1].encode()[: node.col_offset].decode())
+
+
+def holds(node: ast.expr, states: States) -> bool:
+    """Whether a part of a guard is true in these states."""
+    match node:
+        case ast.BoolOp(op=ast.And(), values=parts):
+            return all(holds(part, states) for part in parts)
+        case ast.BoolOp(values=parts):
+            return any(holds(part, states) for part in parts)
+        case ast.UnaryOp(operand=operand):
+            return not holds(operand, states)
+        case _:
+            region, state = _asked(node)
+            return states.get(region) == state
+
+
+def regions_of(node: ast.expr) -> frozenset[str]:
+    """The regions that a part of a guard names."""
+    return frozenset(region for region, _ in _questions(node))
+
+
+def constant(
+    node: ast.expr, states: Mapping[str, Iterable[str]], fixed: States | None = None
+) -> bool | None:
+    """What a part of a guard is in every thinkable combination; None where it depends.
+
+    Args:
+        node: The part.
+        states: The states of each region.
+        fixed: Regions whose state is known.
+    """
+    named: dict[str, set[str]] = {}
+    for region, state in _questions(node):
+        named.setdefault(region, set()).add(state)
+    choices = []
+    for region, mentioned in named.items():
+        if fixed and region in fixed:
+            choices.append([fixed[region]])
+        else:
+            # States that it does not name are all alike.
+            others = [_ELSEWHERE] if set(states[region]) - mentioned else []
+            choices.append([*sorted(mentioned), *others])
+    if prod(map(len, choices)) > MOST_COMBINATIONS:
+        return None
+    found = {holds(node, dict(zip(named, each, strict=True))) for each in product(*choices)}
+    return found.pop() if len(found) == 1 else None
+
+
+def constant_parts(
+    node: ast.expr, states: Mapping[str, Iterable[str]]
+) -> Iterator[tuple[ast.expr, bool]]:
+    """The largest parts that are the same in every thinkable combination, and what they are."""
+    value = constant(node, states)
+    if value is not None:
+        yield node, value
+    elif isinstance(node, ast.BoolOp):
+        for part in node.values:
+            yield from constant_parts(part, states)
+    elif isinstance(node, ast.UnaryOp):
+        yield from constant_parts(node.operand, states)
+
+
+def conjuncts(node: ast.expr) -> list[ast.expr]:
+    """The parts that must all be true."""
+    if isinstance(node, ast.BoolOp) and isinstance(node.op, ast.And):
+        return node.values
+    return [node]
+
+
+class Reached:
+    """The reached combinations, seen through a few regions at a time."""
+
+    def __init__(self, table: ChartTable) -> None:
+        self._table = table
+        self._seen: dict[frozenset[str], list[dict[str, str]]] = {}
+
+    def through(self, regions: frozenset[str]) -> list[dict[str, str]]:
+        """Every combination of the states of these regions that is reached, each once."""
+        if regions not in self._seen:
+            places = [number for number, name in enumerate(self._table.regions) if name in regions]
+            names = [self._table.regions[place] for place in places]
+            rows = {tuple(row[p] for p in places): None for row in self._table.configurations}
+            self._seen[regions] = [dict(zip(names, row, strict=True)) for row in rows]
+        return self._seen[regions]
+
+
+def _questions(node: ast.expr) -> Iterator[tuple[str, str]]:
+    for each in ast.walk(node):
+        if isinstance(each, ast.Call):
+            yield _asked(each)
+
+
+def _asked(node: ast.expr) -> tuple[str, str]:
+    """Region and state of an `In('…')`."""
+    if isinstance(node, ast.Call) and isinstance(node.args[0], ast.Constant):
+        region, _, state = str(node.args[0].value).partition(".")
+        return region, state
+    raise AssertionError(f"the loader has let {ast.dump(node)} pass")

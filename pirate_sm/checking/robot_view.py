@@ -1,0 +1,104 @@
+"""A loaded robot as the checks look at it: moves of commands, writes of states, places."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Set
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+from pirate_sm.checking.findings import Finding, Severity, at
+from pirate_sm.engine.robot import Write
+from pirate_sm.loading.problems import Path
+from pirate_sm.loading.robot import LoadedRobot
+from pirate_sm.model.profile import Motor, Profile, Slot
+
+
+class Written(NamedTuple):
+    """What a state writes to a slot, and where that stands in the profile."""
+
+    region: int
+    state: str
+    stage: int
+    write: Write
+    path: Path
+
+
+@dataclass(frozen=True)
+class RobotView:
+    """A loaded robot in normal polarity."""
+
+    loaded: LoadedRobot
+
+    @property
+    def profile(self) -> Profile:
+        """What stands in its profile."""
+        return self.loaded.profile
+
+    @cached_property
+    def slots(self) -> tuple[tuple[Slot, Path], ...]:
+        """Every slot in the order of the wire, and where it stands."""
+        return tuple(
+            (slot, ("boards", number, "slots", place))
+            for number, board in enumerate(self.profile.boards)
+            for place, slot in enumerate(board.slots)
+        )
+
+    @cached_property
+    def written(self) -> tuple[Written, ...]:
+        """Everything that states write."""
+        found = []
+        robot = self.loaded.normal
+        for region, states in enumerate(robot.actuation):
+            for state, stages in states.items():
+                at_state: Path = ("actuation", robot.regions[region], state)
+                for number, stage in enumerate(stages):
+                    path = (*at_state, number) if len(stages) > 1 else at_state
+                    for write in stage:
+                        name = robot.slots[write.slot].name
+                        found.append(Written(region, state, number, write, (*path, name)))
+        return tuple(found)
+
+    def motor(self, slot: int) -> Motor:
+        """The motor behind a slot."""
+        return self.profile.motors[self.profile.slots[slot].motor]
+
+    def moves(self, command: int) -> Iterator[tuple[int, int]]:
+        """Configurations that the command moves, each with the one that it leads to."""
+        for before, row in enumerate(self.loaded.table.following):
+            if row[command] != before:
+                yield before, row[command]
+
+    def writes(self, configuration: int, slot: int) -> list[Written]:
+        """What the states of a configuration write to a slot, one for each stage."""
+        states = self.loaded.table.configurations[configuration]
+        return [each for each in self._by_slot.get(slot, ()) if states[each.region] == each.state]
+
+    @cached_property
+    def _by_slot(self) -> dict[int, list[Written]]:
+        found: dict[int, list[Written]] = {}
+        for each in self.written:
+            found.setdefault(each.write.slot, []).append(each)
+        return found
+
+    def configurations(self, regions: Set[str]) -> list[tuple[str, ...]]:
+        """One reached configuration for each different combination of these regions' states."""
+        table = self.loaded.table
+        places = [number for number, name in enumerate(table.regions) if name in regions]
+        found = {tuple(row[place] for place in places): row for row in table.configurations}
+        return list(found.values())
+
+    def at(
+        self,
+        path: Path,
+        code: str,
+        severity: Severity,
+        message: str,
+        *,
+        key: bool = False,
+        offset: int | None = None,
+    ) -> Finding:
+        """A finding at a value, or a key, of the profile."""
+        document = self.loaded.documents[0]
+        place = document.place_of(path, key=key, offset=offset)
+        return at(document, place, code, severity, message)
