@@ -222,9 +222,8 @@ def test_a_rule_for_each_number_is_told_once(tmp_path: Path) -> None:
 
 
 def test_a_long_condition_is_told_at_its_first_line(tmp_path: Path) -> None:
-    swap = ("diameter_front > 130 mm and BendingState in (FrontClampedRearRelaxed, DoubleClamped)",
-    swap = ("diameter_front > 130 mm and BendingState in (FrontClampedRearRelaxed, DoubleClamped)",
-            "diameter_front > 140 mm and BendingState in (FrontClampedRearRelaxed, DoubleClamped)")
+    rest = "mm and BendingState in (FrontClampedRearRelaxed, DoubleClamped)"
+    swap = (f"diameter_front > 130 {rest}", f"diameter_front > 140 {rest}")
 
     found = told(check_robot(changed(PIRATE, tmp_path, "profile.yaml", swap)).findings)
 
