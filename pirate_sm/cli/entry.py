@@ -14,6 +14,7 @@ from typing import Annotated
 import typer
 
 from pirate_sm import __version__
+from pirate_sm.cli.checking import check, explain
 from pirate_sm.cli.connecting import calibrate, doctor
 
 
@@ -329,6 +330,8 @@ def bay(
     raise typer.Exit(guarded(work, debug))
 
 
+commands.command("check")(check)
+commands.command("explain")(explain)
 commands.command("doctor")(doctor)
 commands.command("calibrate")(calibrate)
 

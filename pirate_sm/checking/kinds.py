@@ -1,0 +1,78 @@
+"""What a file is, told by what stands in it: also in a file that is too broken to be read."""
+
+from __future__ import annotations
+
+import re
+import stat
+from enum import StrEnum
+from pathlib import Path
+
+from pirate_sm.loading.source import LARGEST_FILE
+
+
+class Kind(StrEnum):
+    """What can be checked, or is at least known."""
+
+    ROBOT = "robot"
+    CHART = "chart"
+    PIPE = "pipe"
+    CALIBRATION = "calibration"
+    MISSION = "mission"
+    SCRIPT = "trace script"
+    UNREADABLE = "unreadable file"
+    OTHER = "other file"
+
+
+_TELLING = (
+    (Kind.MISSION, {"phases"}),
+    (Kind.MISSION, {"mission", "start"}),
+    (Kind.MISSION, {"mission", "robot"}),
+    (Kind.MISSION, {"mission", "ends"}),
+    (Kind.ROBOT, {"boards"}),
+    (Kind.ROBOT, {"body", "chart"}),
+    (Kind.ROBOT, {"robot", "chart"}),
+    (Kind.ROBOT, {"actuation"}),
+    (Kind.PIPE, {"segments"}),
+    (Kind.PIPE, {"pipe", "diameter"}),
+    (Kind.CALIBRATION, {"robot", "zeros"}),
+)
+"""Keys at the top of a file that together say what it is, the first that fits."""
+
+_CONTENT = re.compile(r"^([ ]*)([^\s#%].*)$", re.MULTILINE)
+_WORD = r"""["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:(?=\s|$)"""
+_IN_BRACES = re.compile(r"""[\s{,]["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:""")
+
+
+def kind_of(path: Path) -> Kind:
+    """What the file is."""
+    text = _beginning(path)
+    return Kind.UNREADABLE if text is None else kind_of_text(text)
+
+
+def kind_of_text(text: str) -> Kind:
+    """What a file with this text is."""
+    first = next((each for each in _CONTENT.finditer(text) if each[2] != "---"), None)
+    if first is None:
+        return Kind.OTHER
+    if first[2].startswith(("-", "[")):
+        return Kind.SCRIPT if re.search(r"\btrigger[\"']?[ \t]*:", text) else Kind.OTHER
+    if first[2].startswith("{"):
+        keys = set(_IN_BRACES.findall(text))
+    else:
+        keys = set(re.findall(f"^{first[1]}{_WORD}", text, re.MULTILINE))
+    if "states" in keys and re.search(r"\bparallel\b", text):
+        return Kind.CHART
+    return next((kind for kind, needed in _TELLING if needed <= keys), Kind.OTHER)
+
+
+def _beginning(path: Path) -> str | None:
+    """As much of the file as any of ours has, or None when it cannot be read."""
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):
+            return None
+        with path.open("rb") as stream:
+            content = stream.read(LARGEST_FILE)
+    except (OSError, ValueError):
+        return None
+    wide = content.startswith((b"\xff\xfe", b"\xfe\xff"))
+    return content.decode("utf-16" if wide else "utf-8-sig", errors="replace")

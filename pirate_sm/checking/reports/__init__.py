@@ -1,0 +1,1 @@
+"""What a check has found, written for people and for programs."""

@@ -1,0 +1,55 @@
+"""A report for programs, described by ``docs/schemas/check.schema.json``."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from pirate_sm import __version__
+from pirate_sm.checking import catalogue
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.project import Report
+from pirate_sm.checking.reports.marking import end_column, excerpt
+from pirate_sm.loading.problems import Place
+
+FORMAT = 1
+
+
+def json_report(report: Report) -> str:
+    """The whole report as one JSON object, in ASCII."""
+    counts = {
+        each.word: sum(found.severity is each for found in report.open)
+        for each in sorted(Severity, reverse=True)
+    }
+    whole = {
+        "format": FORMAT,
+        "version": __version__,
+        "files": [{"file": each.name, "kind": each.kind.value} for each in report.files],
+        "findings": [_finding(each) for each in report.findings],
+        "summary": {**counts, "allowed": len(report.allowed)},
+    }
+    return json.dumps(whole, indent=1)
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    entry = catalogue.entry_of(finding.code)
+    return {
+        "code": finding.code,
+        "severity": finding.severity.word,
+        **_place(finding.place),
+        "end_column": end_column(finding) if finding.place.line else 0,
+        "title": entry.title,
+        "message": finding.message,
+        "why": entry.why,
+        "mend": finding.mend or entry.mend,
+        "suggestion": finding.suggestion,
+        "excerpt": excerpt(finding),
+        "related": [{**_place(place), "message": what} for place, what in finding.related],
+        "story": list(finding.story),
+        "example": finding.example,
+        "allowed": finding.allowed,
+    }
+
+
+def _place(place: Place) -> dict[str, Any]:
+    return {"file": place.file, "line": place.line, "column": place.column}

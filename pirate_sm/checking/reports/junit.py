@@ -1,0 +1,85 @@
+"""A report as JUnit XML: a suite for each file, a case for each finding, one for a clean file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from pirate_sm.checking import catalogue
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.project import Report
+from pirate_sm.checking.reports.marking import excerpt
+
+_ILLEGAL = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def junit_report(report: Report, fail_on: Severity) -> str:
+    """Suites that fail where the check fails.
+
+    Args:
+        report: What was found.
+        fail_on: Findings of less than this severity are cases that pass and say so.
+    """
+    by_file: dict[str, list[Finding]] = {file.name: [] for file in report.files}
+    for finding in report.findings:
+        by_file.setdefault(finding.place.file, []).append(finding)
+    suites = [_suite(file, found, fail_on) for file, found in by_file.items()]
+    root = Element("testsuites", {"name": "pirate check", **_sums(suites)})
+    root.extend(suites)
+    indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode")
+
+
+def _suite(file: str, findings: Iterable[Finding], fail_on: Severity) -> Element:
+    suite = Element("testsuite", name=_legal(file))
+    for finding in findings:
+        _case(suite, finding, fail_on)
+    if not len(suite):
+        SubElement(suite, "testcase", name="no findings", classname=_legal(file), time="0")
+    suite.attrib |= {
+        "tests": str(len(suite)),
+        "failures": str(sum(case.find("failure") is not None for case in suite)),
+        "errors": "0",
+        "skipped": str(sum(case.find("skipped") is not None for case in suite)),
+        "time": "0",
+    }
+    return suite
+
+
+def _case(suite: Element, finding: Finding, fail_on: Severity) -> None:
+    place = finding.place
+    where = f":{place.line}:{place.column}" if place.line else ""
+    name = f"{finding.code}{where} {finding.message}"
+    case = SubElement(
+        suite, "testcase", name=_legal(name), classname=_legal(place.file), time="0"
+    )  # fmt: skip
+    if finding.allowed:
+        SubElement(case, "skipped", message=_legal(f"allowed: {finding.allowed}"))
+    elif finding.severity >= fail_on:
+        failure = SubElement(
+            case, "failure", type=finding.code, message=_legal(finding.message)
+        )  # fmt: skip
+        failure.text = _legal(_body(finding))
+    else:
+        SubElement(case, "system-out").text = _legal(f"{finding.severity.word}\n{_body(finding)}")
+
+
+def _body(finding: Finding) -> str:
+    entry = catalogue.entry_of(finding.code)
+    lines = [f"{finding.place}: {finding.message}", excerpt(finding)]
+    lines += [f"{number}. {each}" for number, each in enumerate(finding.story, start=1)]
+    lines += [f"did you mean '{finding.suggestion}'?" if finding.suggestion else ""]
+    lines += [entry.why, finding.mend or entry.mend]
+    return "\n".join(line for line in lines if line)
+
+
+def _sums(suites: Iterable[Element]) -> dict[str, str]:
+    each = list(suites)
+    keys = ("tests", "failures", "errors")
+    return {key: str(sum(int(suite.attrib[key]) for suite in each)) for key in keys}
+
+
+def _legal(text: str) -> str:
+    """The text with what XML cannot hold written out."""
+    return _ILLEGAL.sub(lambda match: f"\\x{ord(match[0]):02x}", text)

@@ -1,0 +1,48 @@
+"""The part of a source line that a finding is about."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from pirate_sm.checking.findings import Finding
+
+_WIDTH = 100
+_LONGEST = 1000  # characters of a line that a file for programs holds
+_TOKEN = re.compile(r""" "(?:[^"\\]|\\.)*" | '(?:[^']|'')*' | \$?\w[\w.%-]* """, re.VERBOSE)
+
+
+class Marked(NamedTuple):
+    """A line of text and the line under it that marks a part of it."""
+
+    line: str
+    under: str
+
+
+def end_column(finding: Finding) -> int:
+    """The column after the word, name or quoted text at the finding's place, from 1."""
+    start = max(finding.place.column, 1)
+    match = _TOKEN.match(finding.excerpt, start - 1)
+    return match.end() + 1 if match else start + 1
+
+
+def marked(finding: Finding) -> Marked | None:
+    """The finding's line, cut to a width that a terminal shows; None where there is none."""
+    if not finding.excerpt.strip() or not finding.place.line:
+        return None
+    line = "".join(char if char.isprintable() else " " for char in finding.excerpt.rstrip())
+    start, end = max(finding.place.column, 1) - 1, end_column(finding) - 1
+    first = len(line) - len(line.lstrip(" "))
+    if len(line) - first > _WIDTH:
+        first = max(first, min(start - _WIDTH // 3, len(line) - _WIDTH))
+        line = line[: first + _WIDTH]
+    shown = line[first:]
+    if first and line[:first].strip():
+        shown = "…" + shown[1:]
+    length = max(1, min(end, first + _WIDTH) - start)
+    return Marked(shown, " " * (start - first) + "^" * length)
+
+
+def excerpt(finding: Finding) -> str:
+    """The finding's line as a file for programs holds it: lines of a hostile file are long."""
+    return finding.excerpt.rstrip()[:_LONGEST]

@@ -1,0 +1,142 @@
+"""A report in SARIF 2.1.0, which code hosts and editors read (OASIS, 2023).
+
+The log names no ``$schema``: it is optional, and its version says all that a reader needs.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from pirate_sm import __version__
+from pirate_sm.checking import catalogue
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.project import Report
+from pirate_sm.checking.reports.marking import end_column, excerpt
+from pirate_sm.loading.problems import Place
+
+_ROOT = "%SRCROOT%"
+_LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.POSSIBLE: "note"}
+
+
+def sarif_report(report: Report) -> str:
+    """One run with its rules, results and the files that were looked at, in ASCII."""
+    codes = list(dict.fromkeys(finding.code for finding in report.findings))
+    seen: Counter[str] = Counter()
+    run = {
+        "tool": {
+            "driver": {
+                "name": "pirate check",
+                "version": __version__,
+                "semanticVersion": __version__,
+                "rules": [_rule(code) for code in codes],
+            }
+        },
+        "columnKind": "unicodeCodePoints",
+        "originalUriBaseIds": {_ROOT: {"description": _message("The folder of the check.")}},
+        "artifacts": [
+            {
+                "location": _artifact(file.name),
+                "roles": ["analysisTarget"],
+                "description": _message(file.kind.value),
+            }
+            for file in report.files
+        ],
+        "results": [_result(each, codes.index(each.code), seen) for each in report.findings],
+    }
+    return json.dumps({"version": "2.1.0", "runs": [run]}, indent=1)
+
+
+def _rule(code: str) -> dict[str, Any]:
+    entry = catalogue.entry_of(code)
+    examples = f"Wrong:\n\n```yaml\n{entry.wrong.rstrip()}\n```\n\nRight:\n\n```yaml\n"
+    return {
+        "id": code,
+        "shortDescription": _message(entry.title),
+        "fullDescription": _message(f"{entry.title}. {entry.why}"),
+        "help": {
+            "text": f"{entry.why}\n{entry.mend}",
+            "markdown": f"{entry.why}\n\n{entry.mend}\n\n{examples}{entry.right.rstrip()}\n```\n",
+        },
+        "defaultConfiguration": {"level": entry.severity},
+        "properties": {"tags": [code.partition(".")[0]]},
+    }
+
+
+def _result(finding: Finding, rule: int, seen: Counter[str]) -> dict[str, Any]:
+    entry = catalogue.entry_of(finding.code)
+    meant = f" Did you mean '{finding.suggestion}'?" if finding.suggestion else ""
+    text = f"{finding.message}.{meant} {finding.mend or entry.mend}"
+    result: dict[str, Any] = {
+        "ruleId": finding.code,
+        "ruleIndex": rule,
+        "level": _LEVELS[finding.severity],
+        "message": _message(text),
+        "locations": [{"physicalLocation": _location(finding)}],
+        "partialFingerprints": {"finding/v1": _fingerprint(finding, seen)},
+        "suppressions": _suppressions(finding),
+    }
+    if finding.related:
+        result["relatedLocations"] = [
+            {"id": number, "message": _message(what), "physicalLocation": _physical(place)}
+            for number, (place, what) in enumerate(finding.related)
+        ]
+    if finding.story:
+        result["codeFlows"] = [_flow(finding)]
+    return result
+
+
+def _flow(finding: Finding) -> dict[str, Any]:
+    """The story; each of its sentences is shown at the place of the finding."""
+    place = _location(finding)
+    steps = [
+        {"location": {"message": _message(each), "physicalLocation": place}}
+        for each in finding.story
+    ]
+    return {"message": _message("How it comes about"), "threadFlows": [{"locations": steps}]}
+
+
+def _suppressions(finding: Finding) -> list[dict[str, str]]:
+    if not finding.allowed:
+        return []
+    return [{"kind": "inSource", "status": "accepted", "justification": finding.allowed}]
+
+
+def _fingerprint(finding: Finding, seen: Counter[str]) -> str:
+    """The same for a finding whose line has moved; a number tells equal ones apart."""
+    said = (finding.code, finding.place.file, finding.excerpt.strip(), finding.message)
+    digest = sha256("\0".join(said).encode("utf-8", "backslashreplace")).hexdigest()[:32]
+    seen[digest] += 1
+    return f"{digest}:{seen[digest]}"
+
+
+def _location(finding: Finding) -> dict[str, Any]:
+    location = _physical(finding.place)
+    if finding.place.line:
+        location["region"]["endColumn"] = end_column(finding)
+        if finding.excerpt:
+            location["region"]["snippet"] = {"text": excerpt(finding)}
+    return location
+
+
+def _physical(place: Place) -> dict[str, Any]:
+    location: dict[str, Any] = {"artifactLocation": _artifact(place.file)}
+    if place.line:
+        location["region"] = {"startLine": place.line, "startColumn": max(place.column, 1)}
+    return location
+
+
+def _artifact(name: str) -> dict[str, str]:
+    path = Path(name)
+    if path.is_absolute():
+        return {"uri": path.as_uri()}
+    posix = path.as_posix().encode("utf-8", "surrogateescape")
+    return {"uri": quote(posix), "uriBaseId": _ROOT}
+
+
+def _message(text: str) -> dict[str, str]:
+    return {"text": text}

@@ -1,0 +1,140 @@
+"""A report for people at a terminal."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from textwrap import wrap
+
+from pirate_sm.checking import catalogue
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.project import Report
+from pirate_sm.checking.reports.marking import marked
+
+_WIDTH = 100
+
+Paint = Callable[[str, str], str]
+"""Text as a terminal may show it, in the colour of a role."""
+
+
+def text_report(report: Report, paint: Paint) -> str:
+    """The findings by place, those that are allowed, and how many of what there are.
+
+    Args:
+        report: What was found.
+        paint: Makes text safe to show, and coloured where that is wanted. The roles are the
+            severities, ``place``, ``mark``, ``label`` and ``""``.
+    """
+    lines: list[str] = []
+    for finding in report.open:
+        lines += [*_finding(finding, paint), ""]
+    if report.allowed:
+        lines.append(paint("label", "allowed:"))
+        for each in report.allowed:
+            lines.append(f"  {paint('place', str(each.place))} {paint('', each.code)}")
+            lines.append(f"    {paint('', f'{each.message}; because {each.allowed}')}")
+        lines.append("")
+    lines.append(paint("", summary(report)))
+    return "\n".join(lines)
+
+
+def _finding(finding: Finding, paint: Paint) -> Iterator[str]:
+    entry = catalogue.entry_of(finding.code)
+    severity = finding.severity.word
+    head = f"{paint('place', str(finding.place))}: {paint(severity, severity)}"
+    yield f"{head} {paint('label', f'[{finding.code}]')} {paint('', finding.message)}"
+    source = marked(finding)
+    if source is not None:
+        margin = " " * len(str(finding.place.line))
+        yield paint("label", f"  {finding.place.line} | ") + paint("", source.line)
+        yield paint("label", f"  {margin} | ") + paint("mark", source.under)
+    for place, what in finding.related:
+        yield f"  {paint('place', str(place))}: {paint('', what)}"
+    if finding.story:
+        yield paint("label", "  how it comes about:")
+        width = len(str(len(finding.story)))
+        for number, sentence in enumerate(finding.story, start=1):
+            yield from _wrapped(f"    {number:>{width}}. ", sentence, paint)
+    said = ("why", entry.why), ("mend", _mend(finding, entry.mend)), ("example", finding.example)
+    for label, text in said:
+        if text:
+            yield from _wrapped(f"  {label + ':':6}", text, paint)
+
+
+def _wrapped(label: str, text: str, paint: Paint) -> Iterator[str]:
+    """The text beside a label, in lines that a terminal shows whole."""
+    lines = wrap(text, _WIDTH - len(label), break_long_words=False, break_on_hyphens=False)
+    for number, line in enumerate(lines):
+        margin = " " * len(label) if number else paint("label", label)
+        yield f"{margin}{paint('', line)}"
+
+
+def _mend(finding: Finding, usual: str) -> str:
+    """How this finding is mended: what was meant, what was expected, else what usually helps."""
+    if not finding.suggestion:
+        return finding.mend or usual
+    names = finding.mend.startswith("expected ")  # of which the suggestion is the nearest
+    return f"did you mean '{finding.suggestion}'? {'' if names else finding.mend}".rstrip()
+
+
+def summary(report: Report) -> str:
+    """What was looked at and how many findings there are, in one line."""
+    kinds = Counter(file.kind.value for file in report.files)
+    looked = ", ".join(count(number, kind) for kind, number in kinds.items())
+    return f"{looked or 'nothing'} checked: {_counted(report)}"
+
+
+def _counted(report: Report) -> str:
+    by_severity = Counter(each.severity for each in report.open)
+    parts = [_some(by_severity[each], each) for each in sorted(Severity, reverse=True)]
+    if report.allowed:
+        parts.append(f"{len(report.allowed)} allowed")
+    return ", ".join(part for part in parts if part) or "no findings"
+
+
+def _some(number: int, severity: Severity) -> str:
+    if not number:
+        return ""
+    return f"{number} possible" if severity is Severity.POSSIBLE else count(number, severity.word)
+
+
+def count(number: int, thing: str) -> str:
+    """A number of things: `1 robot`, `2 robots`."""
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+
+
+def explained(code: str) -> str:
+    """What the catalogue says of a code."""
+    entry = catalogue.entries()[code]
+    return "\n".join(
+        [
+            f"{code} ({entry.severity}): {entry.title}",
+            "",
+            f"Why it matters: {entry.why}",
+            f"How to mend it: {entry.mend}",
+            f"On its line it can be allowed: # pirate: allow {code}: <reason>"
+            if code in catalogue.allowable()
+            else "It cannot be allowed.",
+            "",
+            "Wrong:",
+            *_indented(entry.wrong),
+            "",
+            "Right:",
+            *_indented(entry.right),
+        ]
+    )
+
+
+def listed() -> str:
+    """Every code with its title, by group."""
+    width = max(map(len, catalogue.entries()))
+    lines = []
+    for group in catalogue.groups():
+        lines += [group.group, f"  {group.about}", ""]
+        lines += [f"  {code:{width}}  {entry.title}" for code, entry in group.codes.items()]
+        lines.append("")
+    return "\n".join(lines).rstrip("\n")
+
+
+def _indented(text: str) -> Iterable[str]:
+    return (f"  {line}" for line in text.splitlines())
