@@ -24,12 +24,14 @@ _REPEAT_BUDGET = 5
 """Times as long is tried to confirm again what had been confirmed before."""
 
 _BAD = 0.25
-"""Where more than this share of writings is not echoed, not even the first is waited for."""
+"""Where more than this share is lost, the echo of not even the first writing is waited for."""
 
 _HURRY = 0.6
 """Copies of one array follow each other after this share of the time between two arrays."""
 
 _LOSS_GAIN = 1 / 16
+_NOISE_BYTES = 2000
+"""Over so many received bytes the share of damaged ones is taken: half a second of a busy line."""
 
 _REMEMBERED = 64
 _ROUNDING = 1e-6
@@ -120,7 +122,8 @@ class SetpointLink:
         self._flight: _Flight | None = None
         self._latest: _Order | None = None
         self._sent_s = -inf
-        self._loss = 0.0
+        self._loss = self._noise = 0.0
+        self._losses = 1
         self._recent: dict[int, tuple[Integers, float]] = {}
         self._results: list[SubmitResult | FaultReport] = []
         self.applied: Integers | None = None
@@ -201,13 +204,18 @@ class SetpointLink:
         allow, still one at a time in there.
         """
         flight = self._flight
-        if (
-            flight is not None
-            and not flight.told
-            and (self._loss > _BAD or len(flight.numbers) > 1)
-        ):
+        if flight is not None and not flight.told and (self._bad or len(flight.numbers) > 1):
             return _HURRY * self._spacing_s
         return min(self._longest_s, self._mean_s + _SPREADS * self._spread_s + _MARGIN_S)
+
+    @property
+    def _bad(self) -> bool:
+        """Whether so much is lost that no single writing can be relied upon.
+
+        Echoes that do not come tell it, and so do the bytes of all that comes, long before the
+        first array is written.
+        """
+        return max(self._loss, self._noise) > _BAD
 
     def expire(self, now: float, able: bool = True) -> None:
         """Whatever has been awaited for long enough is given up or will be written again.
@@ -293,7 +301,14 @@ class SetpointLink:
 
     def _lose(self, share: float) -> None:
         """Of the last writings this share was not echoed."""
-        self._loss += _LOSS_GAIN * (share - self._loss)
+        self._losses += 1
+        self._loss += max(_LOSS_GAIN, 1 / self._losses) * (share - self._loss)
+
+    def listened(self, received: int, damaged: int) -> None:
+        """So many bytes have come lately, so many have turned out to belong to no frame."""
+        if received:
+            part = min(1.0, received / _NOISE_BYTES)
+            self._noise += part * (damaged / received - self._noise)
 
     def unreadable(self, now: float) -> None:
         """An echo has come that nobody can read."""

@@ -1,0 +1,147 @@
+"""When an array is written again, on a good line and on a bad one."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from itertools import pairwise
+
+import pytest
+
+from pirate_sm.backends.pico.link import SetpointLink, WireSlot
+
+SPACING_S = 0.05
+HURRY_S = 0.6 * SPACING_S
+ROUND_TRIP_S = 0.08
+TICK_S = 0.002
+
+
+def pack(number: int, counts: Sequence[int]) -> bytes:
+    return struct.pack("<Ih", number, *counts)
+
+
+class Line:
+    """The link with a device at its other end that echoes what is said to arrive."""
+
+    def __init__(self) -> None:
+        self.link = SetpointLink(
+            [WireSlot("motor", 0.001, 1.0)], pack, echo_within_s=0.15, spacing_s=SPACING_S
+        )
+        self.now_s = 0.0
+        self.written: list[tuple[float, int, tuple[int, ...]]] = []
+        self.echoes: list[tuple[float, int, tuple[int, ...]]] = []
+        self.fates: dict[int, str] = {}
+
+    def run(self, until_s: float, arriving: bool = True) -> None:
+        """Time has passed."""
+        while self.now_s < until_s:
+            self.now_s += TICK_S
+            while self.echoes and self.echoes[0][0] <= self.now_s:
+                _, number, counts = self.echoes.pop(0)
+                self.link.echoed(number, counts, self.now_s)
+            self.link.expire(self.now_s)
+            payload = self.link.next_payload(self.now_s)
+            if payload:
+                number, *counts = struct.unpack("<Ih", payload)
+                self.written.append((self.now_s, number, tuple(counts)))
+                if arriving:
+                    self.echoes.append((self.now_s + ROUND_TRIP_S, number, tuple(counts)))
+            for result in self.link.take():
+                self.fates[result.setpoint_id] = result.status
+
+    def hear(self, share: float) -> None:
+        """Much has come, of which this share was damaged."""
+        for _ in range(100):
+            self.link.listened(100, round(100 * share))
+
+
+@pytest.fixture
+def line() -> Line:
+    return Line()
+
+
+def test_where_nothing_is_lost_nothing_is_written_twice(line: Line) -> None:
+    for number in range(1, 20):
+        line.link.submit(number, (number / 1000,), line.now_s)
+        line.run(line.now_s + 0.2)
+
+    assert len(line.written) == 19
+    assert set(line.fates.values()) == {"accepted"}
+
+
+def test_an_array_that_is_lost_once_is_awaited_once(line: Line) -> None:
+    line.link.submit(1, (0.5,), line.now_s)
+    line.run(0.05, arriving=False)
+    line.run(0.5)
+
+    first_s, second_s = (at_s for at_s, *_ in line.written[:2])
+    assert second_s - first_s > ROUND_TRIP_S
+    assert line.fates == {1: "accepted"}
+
+
+@pytest.mark.parametrize(("damaged", "hurries"), [(0.1, False), (0.4, True)])
+def test_bytes_that_come_damaged_tell_of_a_bad_line_before_anything_is_written(
+    line: Line, damaged: float, hurries: bool
+) -> None:
+    line.hear(damaged)
+    line.link.submit(1, (0.5,), line.now_s)
+    line.run(0.079)
+
+    times_s = [at_s for at_s, *_ in line.written]
+    assert len(times_s) == (3 if hurries else 1)
+    if hurries:
+        gaps = [late - early for early, late in pairwise(times_s)]
+        assert min(gaps) >= HURRY_S - TICK_S
+
+
+def test_a_line_that_has_become_good_is_waited_for_again(line: Line) -> None:
+    line.hear(0.5)
+    line.hear(0.0)
+    line.link.submit(1, (0.5,), line.now_s)
+    line.run(0.079)
+
+    assert len(line.written) == 1
+
+
+def test_where_the_first_arrays_were_lost_the_next_ones_do_not_wait(line: Line) -> None:
+    for number in (1, 2):
+        line.link.submit(number, (number / 10,), line.now_s)
+        line.run(line.now_s + 0.5, arriving=False)
+        line.run(line.now_s + 0.5)
+    line.written.clear()
+    line.link.submit(3, (0.3,), line.now_s)
+    line.run(line.now_s + 0.079)
+
+    assert len(line.written) == 3
+
+
+def test_the_last_copy_is_confirmed_too_for_it_may_be_the_damaged_one(line: Line) -> None:
+    line.hear(0.5)
+    line.link.submit(1, (0.5,), line.now_s)
+    line.run(1.0)
+
+    assert line.fates == {1: "accepted"}
+    assert line.link.idle
+    assert not line.echoes
+
+
+def test_an_array_applied_damaged_is_written_again_at_once(line: Line) -> None:
+    line.link.submit(1, (0.5,), line.now_s)
+    line.run(0.01)
+    _, number, _ = line.written[-1]
+    line.echoes[:] = [(line.now_s + 0.04, number, (77,))]
+    line.run(0.06)
+
+    assert [counts for *_, counts in line.written] == [(500,), (500,)]
+
+
+def test_nothing_older_is_written_after_something_newer(line: Line) -> None:
+    line.hear(0.5)
+    line.link.submit(1, (0.1,), line.now_s)
+    line.run(0.04, arriving=False)
+    line.link.submit(2, (0.2,), line.now_s)
+    line.run(0.5)
+
+    written = [counts[0] for *_, counts in line.written]
+    assert written == sorted(written)
+    assert line.fates == {1: "unknown", 2: "accepted"}
