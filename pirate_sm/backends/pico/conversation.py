@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Iterator, Sequence
-from math import inf, nan
+from math import inf, isnan, nan
 from typing import NamedTuple, TypeAlias
 
 from pirate_sm.backends.pico.framing import Decoder, Frame, encode
@@ -226,6 +226,8 @@ class Conversation:
             yield Message(at, payload)
         elif topic in {PUBLISHER, SUBSCRIBER}:
             yield from self._meet(read_topic(topic, payload))
+            if self._known and isnan(self._time_asked_s):
+                self._time_asked_s = self._time_s = now  # it did ask, and that was lost
         elif topic == TIME:
             self._time_asked_s = self._time_s = now
             self._time_copies = 0
