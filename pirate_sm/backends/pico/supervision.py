@@ -23,10 +23,12 @@ UNASKED = "motion.unasked"
 _HELD_BACK = 2
 _SPIKES = 5
 _SPIKES_WITHIN_S = 10.0
-_REFERENCE_FOR_S = 0.5
+_REFERENCE_FOR_S = 1.0
 _STUCK_AFTER_S = 1.5
 _UNLOADED = 0.4
 _SETTLED_AFTER_S = 1.5
+_SEEN_TWICE = 2
+"""A motion is seen by two readings: a single one may be damage that the line's sum let through."""
 
 
 class Watched(NamedTuple):
@@ -69,7 +71,8 @@ class _Channel:
         good: The last value believed; ``held`` those since that were not.
         running: Direction of a trend that is faster than its motor; 0 without.
         same: What it showed while driven without load, since ``same_s``.
-        rest: Where it came to rest.
+        rest: Where it came to rest, once ``proven`` by a second reading; ``away``: how many
+            readings in a row were far from there.
     """
 
     good: float = nan
@@ -83,6 +86,8 @@ class _Channel:
     same_s: float = inf
     stuck: bool = False
     rest: float = nan
+    proven: bool = False
+    away: int = 0
     unasked: bool = False
 
 
@@ -223,8 +228,14 @@ class Supervision:
         if not still or any(self._setpoints[slot] for slot in self._wheels):
             channel.rest = nan
         elif isnan(channel.rest):
-            channel.rest = channel.good
-        elif abs(channel.good - channel.rest) > watched.moved and not channel.unasked:
+            channel.rest, channel.proven, channel.away = channel.good, False, 0
+        elif abs(channel.good - channel.rest) <= watched.moved:
+            channel.proven, channel.away = True, 0
+        elif not channel.proven:
+            channel.rest, channel.proven = channel.good, True
+        elif channel.away + 1 < _SEEN_TWICE:
+            channel.away += 1
+        elif not channel.unasked:
             channel.unasked = True
             message = f"{watched.name} moves though nothing was asked of its motor"
             faults.append(FaultReport(UNASKED, message))

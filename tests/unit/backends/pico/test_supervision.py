@@ -130,6 +130,23 @@ def test_a_joint_that_moves_without_being_asked(bench: Bench) -> None:
     assert bench.codes == ["motion.unasked"]
 
 
+@pytest.mark.parametrize("damaged", [16, 17, 18, 19, 25])  # at rest after 1.5 s
+def test_one_reading_that_the_line_has_damaged_is_no_motion(bench: Bench, damaged: int) -> None:
+    bench.supervision.actuated((0.0, 0.0), bench.now_s)
+    for turn in range(30):
+        bench.say(0, wheel=250 if turn == damaged else 0)
+
+    assert bench.codes == []
+
+
+def test_a_wheel_that_slides_all_the_time_moves_without_being_asked(bench: Bench) -> None:
+    bench.supervision.actuated((0.0, 0.0), bench.now_s)
+    for turn in range(30):
+        bench.say(0, wheel=turn * 150)
+
+    assert bench.codes == ["motion.unasked"]
+
+
 def test_nothing_is_unasked_while_a_wheel_is_driven(bench: Bench) -> None:
     bench.supervision.actuated((0.0, 1.0), bench.now_s)
     for turn in range(40):
