@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import isnan
 
 from pirate_sm.detectors.reckoning import Reckoned, Reckoner, chain_of
+from pirate_sm.detectors.rolling import Rolling
 from pirate_sm.detectors.route import Route
 from pirate_sm.detectors.words import Detector, words_of
 from pirate_sm.engine.robot import RobotSpec
@@ -61,6 +62,7 @@ class Odometry:
         self._robot = robot
         self._joints = [joint for joint in chain.joints if joint >= 0]
         self._reckoner = Reckoner(chain, route, robot.odometry)
+        self._rolling = Rolling(robot)
         words = words_of(profile)
         errors = (0.0,) * len(words)
         self._detector = Detector(words, errors, route.crossings_m, profile.detector.valid_for)
@@ -71,7 +73,8 @@ class Odometry:
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """The wheels have been followed to where they are now."""
-        numbers = state.sensing.numbers
+        numbers, odometer = list(state.sensing.numbers), self._robot.odometry
+        numbers[odometer] += self._rolling.look(state, now_s)
         held = confirmed_parts(self._robot, state.robot)
         if self.reckoned is not None:
             self.reckoned = self._reckoner.look(self.reckoned, numbers, held)

@@ -122,10 +122,12 @@ def _roll_on(
 
     Odometry is the mean over the driven wheels that can be measured of what their rims rolled;
     each wheel's share is added when its board reports, for all the time since it last did. One
-    whose board has been silent for so long that it is a fault has no share: the others stand in.
+    whose board has been silent for so long that it is a fault has no share from then on: the
+    others stand in, and of its own way only the part before that counts.
     """
     limit_s = now - robot.link.silent_after_s
-    silent = sensing.heard_s[board.position] <= limit_s
+    silence_s = now - sensing.heard_s[board.position]
+    own = min(1.0, robot.link.silent_after_s / silence_s) if silence_s > 0 else 1.0
     angles, shares = list(sensing.angles), list(sensing.shares)
     for wheel in board.wheels:
         angles[wheel.place] = numbers[wheel.angle]
@@ -137,8 +139,8 @@ def _roll_on(
         share = 1 / sharing if sharing and driven[wheel.slot] else 0.0
         old, shares[wheel.place] = shares[wheel.place], share
         turned = angles[wheel.place] - sensing.angles[wheel.place]
-        if robot.odometry >= 0 and not silent and not isnan(turned):
-            numbers[robot.odometry] += turned * wheel.metres_per_rad * (old or share)
+        if robot.odometry >= 0 and not isnan(turned):
+            numbers[robot.odometry] += turned * wheel.metres_per_rad * (old or share) * own
     if robot.speed >= 0:
         numbers[robot.speed] = _speed(robot, numbers, driven)
     return tuple(shares), tuple(angles)

@@ -175,9 +175,7 @@ def test_what_is_rolled_while_boards_cannot_be_heard_is_not_lost(drive, deaf_s):
     driver.run(ends_s + 0.3, **turning)
 
     rolled_m = driver.engine.signals(driver.state)["odometry"] - began_m
-    # The others stand in from when the silence is a fault, 1 s; till then a share is missing.
-    missing_m = 2 / 6 * 1.0 * 0.024 if deaf_s > 1.0 else 0.0
-    assert rolled_m == pytest.approx((deaf_s + 0.3) * 0.024 - missing_m, abs=0.001)
+    assert rolled_m == pytest.approx((deaf_s + 0.3) * 0.024, abs=0.001)
 
 
 def test_a_signal_not_heard_for_too_long_is_unknown(drive):
