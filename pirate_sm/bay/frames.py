@@ -94,6 +94,9 @@ class Reception:
         for byte, at_s in arrivals:
             if self._at is not _At.SYNC and at_s > self._deadline_s:
                 self._give_up()
+            if self._at is _At.PAYLOAD:  # most bytes are
+                self._pay(byte)
+                continue
             if self._at is _At.SYNC:
                 self._deadline_s = at_s + _PATIENCE_S
             frame = self._take(byte)
@@ -112,16 +115,18 @@ class Reception:
             case _At.REVISION:
                 self._at = _At.LENGTH_LOW if byte == _REVISION else _At.SYNC
                 self._sum = 0
-            case _At.PAYLOAD:
-                self._sum += byte
-                self._payload.append(byte)
-                if len(self._payload) == self._length:
-                    self._at = _At.CHECK
             case _At.CHECK:
                 return self._end(byte)
             case _:
                 self._head(byte)
         return None
+
+    def _pay(self, byte: int) -> None:
+        """One byte of the payload has been taken."""
+        self._sum += byte
+        self._payload.append(byte)
+        if len(self._payload) == self._length:
+            self._at = _At.CHECK
 
     def _head(self, byte: int) -> None:
         """One byte of length or topic has been taken."""

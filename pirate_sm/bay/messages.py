@@ -109,11 +109,10 @@ def _inner(name: str) -> str:
 
 def _held(values: Sequence[float], dtype: np.dtype[Any]) -> np.ndarray[Any, Any]:
     """The numbers as elements of this type can hold them."""
-    numbers = np.asarray(values, dtype=np.float64)
-    if dtype.kind in "iu":
-        low, high = _limits(dtype)
-        numbers = np.clip(np.rint(numbers), low, high)
-    return numbers.astype(dtype)
+    if dtype.kind not in "iu":
+        return np.array(values, dtype=dtype)
+    low, high = _limits(dtype)
+    return np.array([min(max(round(value), low), high) for value in values], dtype=dtype)
 
 
 @cache

@@ -73,6 +73,8 @@ class VirtualBay:
         self._lapses = Occasions(switches.unconfigured_at_s, 0.0, chances[4])
         self._hang_s = switches.hang_at_s
         self._cycles = 0
+        self._world_s = self._cycle_s
+        self._expect_trouble()
         self._booted_s = math.inf
         self.records: list[Record] = []
         self.last_array: Array | None = None
@@ -102,7 +104,8 @@ class VirtualBay:
     @property
     def due_s(self) -> float:
         """No frame is whole at the host before this time if nothing is received."""
-        return min(self._line.due_s, self._next_s())
+        due = self._line.due_s  # of the frame on its way, before which no other can come
+        return due if due < math.inf else self._next_s()
 
     def open(self, now_s: float) -> None:
         """Somebody has opened the port, which resets the controller; the boot loader runs."""
@@ -133,30 +136,33 @@ class VirtualBay:
 
     def _next_s(self) -> float:
         firmware = self._firmware.due_s if self._firmware is not None else self._booted_s
-        occasions = min(self._resets.due_s, self._motions.due_s, self._lapses.due_s)
-        return min(firmware, occasions, self._hang_s, self._world_s)
+        return min(firmware, self._trouble_s, self._world_s)
 
-    @property
-    def _world_s(self) -> float:
-        return (self._cycles + 1) * self._cycle_s
+    def _expect_trouble(self) -> None:
+        """It is clear when something goes wrong next."""
+        occasions = self._resets, self._motions, self._lapses
+        self._trouble_s = min(self._hang_s, *(each.due_s for each in occasions))
 
     def _run(self, now_s: float) -> None:
         while True:
-            due = self._next_s()
+            firmware = self._firmware
+            own_s = firmware.due_s if firmware is not None else self._booted_s
+            due = min(own_s, self._trouble_s, self._world_s)
             if due > now_s:
                 return
             if due == self._world_s:
                 self._move(due)
-            elif self._firmware is not None and due == self._firmware.due_s:
-                self._firmware.step()
-            elif due == self._booted_s:
-                self._start(due)
-            else:
+            elif due < own_s:
                 self._go_wrong(due)
+            elif firmware is not None:
+                firmware.step()
+            else:
+                self._start(due)
 
     def _move(self, now_s: float) -> None:
         """The robot has moved for a cycle."""
         self._cycles += 1
+        self._world_s = (self._cycles + 1) * self._cycle_s
         turn = self._turns[self._firmware.turn if self._firmware is not None else 0]
         if self._robot.step(now_s, turn):
             self._reset(now_s, "a defect of the firmware")
@@ -180,6 +186,7 @@ class VirtualBay:
             if self._firmware is not None:
                 self._firmware.stall(until)
             self._tell(Record(now_s, "hung", detail=f"until {until:g} s"))
+        self._expect_trouble()
 
     def _reset(self, now_s: float, why: str) -> None:
         """The controller has started again; motors go on as they were until it is set up."""
