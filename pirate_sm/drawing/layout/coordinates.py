@@ -1,0 +1,164 @@
+"""How far to the right each vertex stands: near its neighbours, long links straight."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+ROUNDS = 40
+STRAIGHTENINGS = 12
+SNAP = 14.0
+"""What is nearly straight, by so many pixels, becomes straight."""
+NO_PULL = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Vertex:
+    """Is something on a rank; it stands at its anchor, which need not be its middle."""
+
+    left: float
+    right: float
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """Joins two vertices on ranks that follow each other.
+
+    Attributes:
+        upper_port: How far right of the upper anchor it begins.
+        lower_port: How far right of the lower anchor it ends.
+    """
+
+    upper: int
+    lower: int
+    upper_port: float
+    lower_port: float
+    weight: float
+
+
+def abscissae(
+    layers: Sequence[Sequence[int]],
+    vertices: Sequence[Vertex],
+    segments: Sequence[Segment],
+    chains: Sequence[Sequence[int]],
+    gap: float,
+) -> list[float]:
+    """The x of each vertex's anchor; neighbours on a rank are ``gap`` apart at least.
+
+    Args:
+        layers: The vertices of each rank from left to right.
+        vertices: How much room each needs.
+        segments: What joins them.
+        chains: Vertices, one below the other, that had better be on one vertical.
+        gap: In pixels.
+    """
+    pulls: list[list[tuple[int, float, float]]] = [[] for _ in vertices]
+    for each in segments:
+        shift = each.upper_port - each.lower_port
+        pulls[each.lower].append((each.upper, shift, each.weight))
+        pulls[each.upper].append((each.lower, -shift, each.weight))
+    x = [0.0] * len(vertices)
+    for layer in layers:
+        _settle(layer, vertices, [(0.0, 1.0)] * len(layer), gap, x)
+    for number in range(ROUNDS):
+        for layer in layers if number % 2 == 0 else reversed(layers):
+            wishes = [_wish(vertex, pulls[vertex], x) for vertex in layer]
+            _settle(layer, vertices, wishes, gap, x)
+    _straighten(layers, vertices, chains, gap, x)
+    _snap(layers, vertices, pulls, gap, x)
+    return x
+
+
+def _wish(
+    vertex: int, pulls: Sequence[tuple[int, float, float]], x: Sequence[float]
+) -> tuple[float, float]:
+    """Where the vertex would stand if it were alone, and how much it matters."""
+    weight = sum(pull for _, _, pull in pulls)
+    if not weight:
+        return x[vertex], NO_PULL
+    return sum((x[other] + shift) * pull for other, shift, pull in pulls) / weight, weight
+
+
+def _settle(
+    layer: Sequence[int],
+    vertices: Sequence[Vertex],
+    wishes: Sequence[tuple[float, float]],
+    gap: float,
+    x: list[float],
+) -> None:
+    """The layer stands as near to its wishes as its order and the gaps allow (least squares).
+
+    Taking from each wish the room that is needed left of it makes this the isotonic regression,
+    which pooling adjacent violators solves.
+    """
+    room = [0.0]
+    for one, other in pairwise(layer):
+        room.append(room[-1] + vertices[one].right + vertices[other].left + gap)
+    blocks: list[tuple[float, float, int]] = []
+    for (wish, weight), needed in zip(wishes, room, strict=True):
+        value, heavy, size = wish - needed, weight, 1
+        while blocks and blocks[-1][0] > value:
+            before, more, members = blocks.pop()
+            value = (before * more + value * heavy) / (more + heavy)
+            heavy, size = heavy + more, size + members
+        blocks.append((value, heavy, size))
+    values = [value for value, _, size in blocks for _ in range(size)]
+    for vertex, value, needed in zip(layer, values, room, strict=True):
+        x[vertex] = value + needed
+
+
+def _straighten(
+    layers: Sequence[Sequence[int]],
+    vertices: Sequence[Vertex],
+    chains: Sequence[Sequence[int]],
+    gap: float,
+    x: list[float],
+) -> None:
+    """Each chain stands on one vertical, or as near to one as its neighbours let it."""
+    place = {vertex: (layer, p) for layer in layers for p, vertex in enumerate(layer)}
+    for _ in range(STRAIGHTENINGS):
+        for chain in sorted(chains, key=len, reverse=True):
+            free = [_free(*place[vertex], vertices, gap, x) for vertex in chain]
+            least, most = max(low for low, _ in free), min(high for _, high in free)
+            wanted = sum(x[vertex] for vertex in chain) / len(chain)
+            if least <= most:
+                wanted = min(max(wanted, least), most)
+            for vertex, (low, high) in zip(chain, free, strict=True):
+                x[vertex] = min(max(wanted, low), high)
+
+
+def _snap(
+    layers: Sequence[Sequence[int]],
+    vertices: Sequence[Vertex],
+    pulls: Sequence[Sequence[tuple[int, float, float]]],
+    gap: float,
+    x: list[float],
+) -> None:
+    """Each vertex stands straight below what it hangs on most, where little is missing for it."""
+    seen: set[int] = set()
+    for layer in layers:
+        for place, vertex in enumerate(layer):
+            hung = [pull for pull in pulls[vertex] if pull[0] in seen]
+            if hung:
+                other, shift, _ = max(hung, key=lambda pull: pull[2])
+                wanted = x[other] + shift
+                low, high = _free(layer, place, vertices, gap, x)
+                if abs(wanted - x[vertex]) <= SNAP and low <= wanted <= high:
+                    x[vertex] = wanted
+        seen.update(layer)
+
+
+def _free(
+    layer: Sequence[int], place: int, vertices: Sequence[Vertex], gap: float, x: Sequence[float]
+) -> tuple[float, float]:
+    """Between which x the vertex can stand while its neighbours stay."""
+    vertex = layer[place]
+    low, high = float("-inf"), float("inf")
+    if place:
+        left = layer[place - 1]
+        low = x[left] + vertices[left].right + gap + vertices[vertex].left
+    if place + 1 < len(layer):
+        right = layer[place + 1]
+        high = x[right] - vertices[right].left - gap - vertices[vertex].right
+    return low, max(low, high)

@@ -1,0 +1,216 @@
+"""From boxes and links to a layout: the stages one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+from pirate_sm.drawing.layout.coordinates import Segment, Vertex, abscissae
+from pirate_sm.drawing.layout.order import Layers, ordered
+from pirate_sm.drawing.layout.plan import NOTHING, Layout, Link, Point, Route, Size
+from pirate_sm.drawing.layout.ranks import ranks, turned
+
+GAP = 22.0
+"""Between neighbours on a rank."""
+RANK_GAP = 26.0
+"""The least between two ranks; it grows with how far the links between them swing."""
+LARGEST_RANK_GAP = 80.0
+SLOPE = 0.16
+PORT_GAP = 64.0
+"""The most between two links on one side of a box."""
+LABEL_GAP = 6.0
+"""Between a link and its label."""
+LOOP = 30.0
+"""How far a link to its own box reaches out."""
+LEAST_STRAIGHT = 12.0
+"""A shorter piece at the end of a link would be all arrow head: it swings all the way."""
+INNER_WEIGHT = 4
+"""How much more it matters that a long link is straight than how it begins and ends."""
+
+
+@dataclass
+class _Plan:
+    """Grows from stage to stage.
+
+    Attributes:
+        sizes: Of each vertex; those after the boxes are corners and labels of links.
+        chains: For each link its vertices from top to bottom.
+        labels: The vertex of each link's label.
+    """
+
+    boxes: Sequence[Size]
+    links: Sequence[Link]
+    upwards: tuple[bool, ...]
+    rank: list[int]
+    sizes: list[Size] = field(default_factory=list)
+    vertices: list[Vertex] = field(default_factory=list)
+    chains: list[list[int]] = field(default_factory=list)
+    labels: dict[int, int] = field(default_factory=dict)
+    layers: Layers = field(default_factory=list)
+
+
+def layered(boxes: Sequence[Size], links: Sequence[Link]) -> Layout:
+    """Everything has its place; no label lies on a box, another label or a foreign link.
+
+    Args:
+        boxes: In reading order: where a circle must be cut, it is before its first box.
+        links: Between boxes, by their numbers.
+    """
+    plan = _Plan(boxes, links, turned(len(boxes), links), [])
+    plan.rank = _ranks(plan)
+    _add_vertices(plan)
+    segments = [(upper, lower) for chain in plan.chains for upper, lower in pairwise(chain)]
+    plan.layers = ordered(plan.layers, segments)
+    joints = _joints(plan)
+    inner = [chain[1:-1] for chain in plan.chains if len(chain) > 2]
+    x = abscissae(plan.layers, plan.vertices, [*joints.values()], inner, GAP)
+    edge = min((x[v] - plan.vertices[v].left for v in range(len(x))), default=0.0)
+    return _placed(plan, [each - edge for each in x], joints)
+
+
+def _is_loop(link: Link) -> bool:
+    return link.source == link.target
+
+
+def _ranks(plan: _Plan) -> list[int]:
+    pairs = []
+    for link, upwards in zip(plan.links, plan.upwards, strict=True):
+        if not _is_loop(link):
+            upper, lower = (link.target, link.source) if upwards else (link.source, link.target)
+            pairs.append((upper, lower, 1 if link.label == NOTHING else 2, link.weight))
+    return ranks(len(plan.boxes), pairs)
+
+
+def _add_vertices(plan: _Plan) -> None:
+    plan.layers = [[] for _ in range(max(plan.rank, default=-1) + 1)]
+    beside = [0.0] * len(plan.boxes)
+    for link in plan.links:
+        if _is_loop(link):
+            reach = LOOP + LABEL_GAP + link.label.width
+            beside[link.source] = max(beside[link.source], reach)
+    for box, size in enumerate(plan.boxes):
+        half = size.width / 2
+        _add(plan, plan.rank[box], size, Vertex(half, half + beside[box]))
+    for number, (link, upwards) in enumerate(zip(plan.links, plan.upwards, strict=True)):
+        plan.chains.append([] if _is_loop(link) else _chain(plan, number, link, upwards))
+
+
+def _add(plan: _Plan, rank: int, size: Size, vertex: Vertex) -> int:
+    plan.sizes.append(size)
+    plan.vertices.append(vertex)
+    plan.layers[rank].append(len(plan.sizes) - 1)
+    return len(plan.sizes) - 1
+
+
+def _chain(plan: _Plan, number: int, link: Link, upwards: bool) -> list[int]:
+    """The link's vertices from top to bottom; its label stands on the rank next to its source."""
+    upper, lower = (link.target, link.source) if upwards else (link.source, link.target)
+    ways = range(plan.rank[upper] + 1, plan.rank[lower])
+    chain = [upper]
+    for rank in ways:
+        has_label = rank == (ways[-1] if upwards else ways[0]) and link.label != NOTHING
+        if has_label:
+            size, right = link.label, LABEL_GAP + link.label.width
+            plan.labels[number] = len(plan.sizes)
+        else:
+            size, right = NOTHING, 0.0
+        chain.append(_add(plan, rank, size, Vertex(0.0, right)))
+    return [*chain, lower]
+
+
+def _joints(plan: _Plan) -> dict[tuple[int, int], Segment]:
+    """Each piece of each link, with the ports where it meets the boxes, by link and piece."""
+    place = {vertex: p for layer in plan.layers for p, vertex in enumerate(layer)}
+    below: dict[int, list[tuple[int, int]]] = {}
+    above: dict[int, list[tuple[int, int]]] = {}
+    for number, chain in enumerate(plan.chains):
+        if chain:
+            below.setdefault(chain[0], []).append((place[chain[1]], number))
+            above.setdefault(chain[-1], []).append((place[chain[-2]], number))
+    begins = _ports(plan, below)
+    ends = _ports(plan, above)
+    joints: dict[tuple[int, int], Segment] = {}
+    for number, chain in enumerate(plan.chains):
+        last = len(chain) - 2
+        for piece in range(last + 1):
+            joints[number, piece] = Segment(
+                chain[piece], chain[piece + 1],
+                begins[number] if piece == 0 else 0.0,
+                ends[number] if piece == last else 0.0,
+                plan.links[number].weight * (INNER_WEIGHT if 0 < piece < last else 1),
+            )  # fmt: skip
+    return joints
+
+
+def _ports(plan: _Plan, sides: dict[int, list[tuple[int, int]]]) -> dict[int, float]:
+    """For each link how far right of the box's middle it meets this side of the box."""
+    ports: dict[int, float] = {}
+    for box, meeting in sides.items():
+        gap = min(PORT_GAP, plan.boxes[box].width / (len(meeting) + 1))
+        for turn, (_, number) in enumerate(sorted(meeting)):
+            ports[number] = (turn - (len(meeting) - 1) / 2) * gap
+    return ports
+
+
+def _placed(plan: _Plan, x: list[float], joints: dict[tuple[int, int], Segment]) -> Layout:
+    tops, bottoms = _bands(plan, x, joints)
+    rank = {vertex: r for r, layer in enumerate(plan.layers) for vertex in layer}
+    middle = [(tops[rank[v]] + bottoms[rank[v]]) / 2 for v in range(len(plan.sizes))]
+    corners = tuple(
+        (x[box] - size.width / 2, middle[box] - size.height / 2)
+        for box, size in enumerate(plan.boxes)
+    )
+    routes = []
+    for number, link in enumerate(plan.links):
+        if _is_loop(link):
+            routes.append(_loop(plan, link, x[link.source], middle[link.source]))
+            continue
+        chain = plan.chains[number]
+        first, last = joints[number, 0], joints[number, len(chain) - 2]
+        points: list[Point] = []
+        for vertex in chain:
+            at, half = x[vertex], plan.sizes[vertex].height / 2
+            top, bottom = tops[rank[vertex]], bottoms[rank[vertex]]
+            if vertex == chain[0]:
+                at, top = at + first.upper_port, middle[vertex] + half
+            elif vertex == chain[-1]:
+                at, bottom = at + last.lower_port, middle[vertex] - half
+            if bottom - top > LEAST_STRAIGHT:
+                points += [(at, top), (at, bottom)]
+            else:
+                points.append((at, top if vertex == chain[0] else bottom))
+        label = plan.labels.get(number)
+        at_label = (0.0, 0.0)
+        if label is not None:
+            at_label = (x[label] + LABEL_GAP, middle[label] - plan.sizes[label].height / 2)
+        way = reversed(points) if plan.upwards[number] else points
+        routes.append(Route(tuple(way), at_label))
+    width = max((x[v] + plan.vertices[v].right for v in range(len(x))), default=0.0)
+    return Layout(Size(width, bottoms[-1] if bottoms else 0.0), corners, tuple(routes))
+
+
+def _bands(
+    plan: _Plan, x: list[float], joints: dict[tuple[int, int], Segment]
+) -> tuple[list[float], list[float]]:
+    """Where each rank begins and where it ends."""
+    rank = {vertex: r for r, layer in enumerate(plan.layers) for vertex in layer}
+    swing = [0.0] * len(plan.layers)
+    for each in joints.values():
+        far = abs(x[each.upper] + each.upper_port - x[each.lower] - each.lower_port)
+        swing[rank[each.upper]] = max(swing[rank[each.upper]], far)
+    tops: list[float] = []
+    bottoms: list[float] = []
+    y = 0.0
+    for layer, far in zip(plan.layers, swing, strict=True):
+        tops.append(y)
+        bottoms.append(y + max((plan.sizes[vertex].height for vertex in layer), default=0.0))
+        y = bottoms[-1] + min(LARGEST_RANK_GAP, max(RANK_GAP, far * SLOPE))
+    return tops, bottoms
+
+
+def _loop(plan: _Plan, link: Link, x: float, y: float) -> Route:
+    size = plan.boxes[link.source]
+    side, half = x + size.width / 2, min(12.0, size.height / 4)
+    label = (side + LOOP + LABEL_GAP, y - link.label.height / 2)
+    return Route(((side, y - half), (side + LOOP, y), (side, y + half)), label, loop=True)

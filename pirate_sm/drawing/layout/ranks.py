@@ -1,0 +1,83 @@
+"""On which rank each box stands: links lead downwards, those that close a circle upwards."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pirate_sm.drawing.layout.plan import Link
+
+
+def turned(count: int, links: Sequence[Link]) -> tuple[bool, ...]:
+    """For each link, whether it leads upwards.
+
+    Those do that lead to an earlier box from which their source can be reached; without them
+    nothing goes in a circle.
+    """
+    reached = _reached(count, links)
+    return tuple(
+        link.target < link.source and link.source in reached[link.target] for link in links
+    )
+
+
+def _reached(count: int, links: Sequence[Link]) -> list[set[int]]:
+    following: list[list[int]] = [[] for _ in range(count)]
+    for link in links:
+        following[link.source].append(link.target)
+    reached: list[set[int]] = []
+    for box in range(count):
+        found: set[int] = set()
+        waiting = [box]
+        while waiting:
+            for target in following[waiting.pop()]:
+                if target not in found:
+                    found.add(target)
+                    waiting.append(target)
+        reached.append(found)
+    return reached
+
+
+def ranks(count: int, pairs: Sequence[tuple[int, int, int, int]]) -> list[int]:
+    """The rank of each box; the first is 0.
+
+    Args:
+        count: How many boxes there are.
+        pairs: Upper box, lower box, least difference of their ranks, weight. No circle.
+    """
+    order = _sorted(count, pairs)
+    above: list[list[tuple[int, int, int]]] = [[] for _ in range(count)]
+    below: list[list[tuple[int, int, int]]] = [[] for _ in range(count)]
+    for upper, lower, length, weight in pairs:
+        above[lower].append((upper, length, weight))
+        below[upper].append((lower, length, weight))
+    rank = [0] * count
+    for _ in range(2):
+        for box in order:
+            lowest = (rank[upper] + length for upper, length, _ in above[box])
+            rank[box] = max(lowest, default=rank[box])
+        for box in order:
+            # Nothing leads here: it may stand just above the first box that others reach too.
+            shared = [rank[low] - length for low, length, _ in below[box] if len(above[low]) > 1]
+            if not above[box] and shared:
+                rank[box] = min(shared)
+    for box in reversed(order):
+        # As low as it can, where more hangs below than above.
+        if sum(w for *_, w in below[box]) > sum(w for *_, w in above[box]):
+            rank[box] = min(rank[lower] - length for lower, length, _ in below[box])
+    first = min(rank, default=0)
+    return [each - first for each in rank]
+
+
+def _sorted(count: int, pairs: Sequence[tuple[int, int, int, int]]) -> list[int]:
+    """The boxes, each after all above it, otherwise in their own order."""
+    missing = [0] * count
+    below: list[list[int]] = [[] for _ in range(count)]
+    for upper, lower, *_ in pairs:
+        missing[lower] += 1
+        below[upper].append(lower)
+    order = [box for box in range(count) if not missing[box]]
+    for box in order:
+        for lower in below[box]:
+            missing[lower] -= 1
+            if not missing[lower]:
+                order.append(lower)
+    return order

@@ -1,0 +1,1 @@
+"""A graph as one SVG: no script, no font and no picture from elsewhere."""

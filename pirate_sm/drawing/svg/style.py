@@ -1,0 +1,87 @@
+"""What a drawing looks like by day and by night.
+
+No difference is told by colour alone: kinds of edges differ in their dashes, ends in their signs,
+what was visited has numbers and thicker lines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+FONT = 'ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, "Liberation Mono", monospace'
+
+DAY = {
+    "paper": "#ffffff", "ink": "#1f2328", "soft": "#59636e", "line": "#6e7781",
+    "box": "#f6f8fa", "good": "#1a7f37", "good_box": "#e6f7ea", "bad": "#c2202c",
+    "bad_box": "#fdeeed", "late": "#8a5a00", "fault": "#7a44d0", "path": "#0860ca",
+    "path_box": "#ddf0ff",
+}  # fmt: skip
+NIGHT = {
+    "paper": "#0d1117", "ink": "#e6edf3", "soft": "#9aa4af", "line": "#8b949e",
+    "box": "#1a2029", "good": "#3fb950", "good_box": "#12261a", "bad": "#ff6a61",
+    "bad_box": "#2f1618", "late": "#d9a334", "fault": "#bf97ff", "path": "#5caeff",
+    "path_box": "#10294a",
+}  # fmt: skip
+
+_SHAPES = f"""
+.drawing text {{ font-family: {FONT} }}
+.drawing .title {{ font-size: 13px; font-weight: bold }}
+.drawing .text {{ font-size: 12px }}
+.drawing .label {{ font-size: 11px }}
+.drawing path {{ fill: none; stroke-linecap: round; stroke-linejoin: round }}
+.drawing .line {{ stroke-width: 1.3 }}
+.drawing .within .line {{ stroke-dasharray: 7 4 }}
+.drawing .failure .line {{ stroke-dasharray: 1 4; stroke-width: 1.8 }}
+.drawing .fault .line {{ stroke-dasharray: 9 4 1 4 }}
+.drawing .taken .line {{ stroke-width: 3.2 }}
+.drawing .taken .chosen {{ font-weight: bold }}
+.drawing .box {{ stroke-width: 1.2 }}
+.drawing .sign {{ stroke-width: 2 }}
+.drawing .anywhere .box, .drawing .frame {{ stroke-dasharray: 4 3 }}
+.drawing .visited .box {{ stroke-width: 2.8 }}
+.drawing .ring {{ stroke-width: 1.6; fill: none }}
+.drawing .number {{ font-size: 11px; font-weight: bold }}
+"""
+
+_COLOURS = """
+.drawing .paper {{ fill: {paper} }}
+.drawing text {{ fill: {ink} }}
+.drawing .soft {{ fill: {soft} }}
+.drawing .frame {{ fill: none; stroke: {line} }}
+.drawing .box {{ fill: {box}; stroke: {line} }}
+.drawing .initial .box {{ fill: {ink}; stroke: {ink} }}
+.drawing .anywhere .box {{ fill: {paper} }}
+.drawing .succeed .box {{ fill: {good_box}; stroke: {good} }}
+.drawing .succeed .sign {{ stroke: {good} }}
+.drawing .fail .box {{ fill: {bad_box}; stroke: {bad} }}
+.drawing .fail .sign {{ stroke: {bad} }}
+.drawing .visited .box {{ stroke: {path} }}
+.drawing .phase.visited .box, .drawing .state.visited .box {{ fill: {path_box} }}
+.drawing .ring {{ stroke: {path} }}
+.drawing .badge {{ fill: {path} }}
+.drawing .number {{ fill: {paper} }}
+.drawing .line {{ stroke: {line} }}
+.drawing .head {{ fill: {line} }}
+.drawing .within .line {{ stroke: {late} }}
+.drawing .within .head {{ fill: {late} }}
+.drawing .failure .line {{ stroke: {bad} }}
+.drawing .failure .head {{ fill: {bad} }}
+.drawing .fault .line {{ stroke: {fault} }}
+.drawing .fault .head {{ fill: {fault} }}
+.drawing .taken .line {{ stroke: {path} }}
+.drawing .taken .head {{ fill: {path} }}
+"""
+
+
+def stylesheet() -> str:
+    """The style of every drawing, in the colours that the reader's system asks for.
+
+    Every rule is about things inside ``.drawing``, so that it may stand in a larger page.
+    """
+    night = f"@media (prefers-color-scheme: dark) {{{colours(NIGHT)}}}\n"
+    return f"{_SHAPES}{colours(DAY)}{night}"
+
+
+def colours(palette: Mapping[str, str]) -> str:
+    """The rules that give the drawing the colours of the palette."""
+    return _COLOURS.format(**palette)
