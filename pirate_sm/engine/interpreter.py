@@ -43,6 +43,8 @@ from pirate_sm.model.effects import (
 MOST_INSTRUCTIONS = 50_000
 """More in one moment means that phases go round without ever waiting."""
 
+ROUND_AND_ROUND = "the phases go round without ever waiting"
+
 SAFE_STOP_LIMIT_S = 2.0
 """How long the fate of the safe array is awaited before the run ends without knowing it."""
 
@@ -75,8 +77,7 @@ def advance(setting: Setting, state: EngineState, now: float, effects: list[Effe
         if after is state:
             return state
         state = after
-    message = "the phases go round without ever waiting"
-    return end(setting, state, "failed", message, "", now, effects)
+    return end(setting, state, "failed", ROUND_AND_ROUND, "", now, effects)
 
 
 def spoken(setting: Setting, state: EngineState) -> MissionState:
@@ -219,7 +220,7 @@ def _do(
         return fail(setting, state, cause, it.failed, now, effects)
     forbidden = rules.forbids(setting.robot, setting.program, state, it.command)
     if forbidden:
-        message = f"{name} ({it.place}) is not sent, it would break {forbidden}"
+        message = f"{name} ({it.place}) would break {forbidden}"
         effects.append(Fault(rules.CODE, message, "stop"))
         return end(setting, state, "fault", f"{rules.CODE}: {message}", "", now, effects)
     robot = machine.begin(
@@ -269,7 +270,9 @@ def _require(
     ]
     if not wrong:
         return _go(state, it.next)
-    cause = f"{it.what} ({it.place}) cannot begin: {'; '.join(wrong)}"
+    reason = "; ".join(wrong)
+    effects.append(CommandStatus(it.what, "refused", f"impossible: {reason}", it.place))
+    cause = f"{it.what} ({it.place}) cannot begin: {reason}"
     return fail(setting, state, cause, it.failed, now, effects)
 
 

@@ -29,7 +29,7 @@ class Do(NamedTuple):
         timeout_s: In place of the robot's own; None for that.
         retries: How often the same command is sent again after a failure.
         skip_unneeded: Whether an unneeded command counts as done.
-        failed: Where a failure leads.
+        failed: Where a failure leads; ``expected``: its step says so itself.
         place: Where it stands, ``file:line:col``.
     """
 
@@ -40,6 +40,7 @@ class Do(NamedTuple):
     next: int
     failed: int
     place: str
+    expected: bool = False
 
 
 class Branch(NamedTuple):
@@ -68,6 +69,7 @@ class TriggerSpec(NamedTuple):
         condition: Must have been true for ``held_s``.
         after_s: Seconds since the wait was armed.
         answer: The operator's word.
+        place: Where it stands, ``file:line:col``.
     """
 
     name: str
@@ -78,6 +80,7 @@ class TriggerSpec(NamedTuple):
     held_s: float = 0.0
     after_s: float | None = None
     answer: str = ""
+    place: str = ""
 
 
 class Wait(NamedTuple):

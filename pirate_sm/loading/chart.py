@@ -111,7 +111,25 @@ def _denials(guard: ast.expr, active: set[str]) -> list[str]:
     parts = (
         guard.values if isinstance(guard, ast.BoolOp) and isinstance(guard.op, ast.And) else [guard]
     )
-    return [f"guard {ast.unparse(part)}" for part in parts if not _holds(part, active)]
+    return [f"guard {_said(part)}" for part in parts if not _holds(part, active)]
+
+
+def _said(node: ast.expr) -> str:
+    """A part of a guard as a mission would write it: ``Region == state``, ``Region in (…)``."""
+    if isinstance(node, ast.Call) and isinstance(node.args[0], ast.Constant):
+        return " == ".join(str(node.args[0].value).split(".", 1))
+    if isinstance(node, ast.UnaryOp) and isinstance(node.operand, ast.Call):
+        return _said(node.operand).replace(" == ", " != ")
+    if isinstance(node, ast.BoolOp):
+        word = " and " if isinstance(node.op, ast.And) else " or "
+        parts = [_said(part) for part in node.values]
+        regions = {part.partition(" == ")[0] for part in parts}
+        if word == " or " and len(regions) == 1 and all(" == " in part for part in parts):
+            return f"{regions.pop()} in ({', '.join(part.partition(' == ')[2] for part in parts)})"
+        return word.join(
+            f"({part})" if " and " in part or " or " in part else part for part in parts
+        )
+    return ast.unparse(node)
 
 
 def _holds(node: ast.expr, active: set[str]) -> bool:

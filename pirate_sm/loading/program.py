@@ -190,7 +190,8 @@ class _PhaseWriter:
     def _trigger(self, trigger: model.Trigger, name: str, path: Path) -> out.TriggerSpec:
         scope = self.scope
         go = scope.target(trigger.go, (*path, "go"))
-        spec = out.TriggerSpec(name, "", go, trigger.go)  # type: ignore[arg-type]
+        place = scope.place(path)
+        spec = out.TriggerSpec(name, "", go, trigger.go, place=place)  # type: ignore[arg-type]
         if isinstance(trigger, model.ConditionTrigger):
             held = scope.duration(trigger.held, (*path, "held"))
             condition = scope.condition(trigger.when, (*path, "when"))
@@ -250,6 +251,7 @@ class _PhaseWriter:
             next=after,
             failed=self._failure(step, path, after),
             place=scope.place(path),
+            expected=step.on_failure is not None,
         )
 
     def _failure(self, step: model.Step, path: Path, after: Label) -> Label | int:

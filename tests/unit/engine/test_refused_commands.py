@@ -89,14 +89,14 @@ def test_only_reset_reaches_the_state_that_operation_must_never_enter():
     ("states", "name", "reason"),
     [
         (FRONT_CLAMPED, "ClampFront", "unneeded"),
-        (FRONT_CLAMPED, "RelaxFront", "impossible: guard In('BendingState.DoubleClamped') or"),
+        (FRONT_CLAMPED, "RelaxFront", "impossible: guard BendingState in (DoubleClamped,"),
         ({}, "DriveForward", "impossible: no state machine knows it here"),
         (
             DRIVING_FORWARD,
             "RelaxRear",
-            "impossible: guard not In('FrontWheelsState.DrivingForward'), guard not In(",
+            "impossible: guard FrontWheelsState != DrivingForward, guard ",
         ),
-        (BOTH_CLAMPED, "AlignLeft", "impossible: guard not In('BendingState.DoubleClamped')"),
+        (BOTH_CLAMPED, "AlignLeft", "impossible: guard BendingState != DoubleClamped"),
         ({}, "AlignOther", "impossible: there is no such command"),
         ({}, "clampfront", "impossible: there is no such command"),
     ],

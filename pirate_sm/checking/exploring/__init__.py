@@ -1,0 +1,1 @@
+"""Everything that can happen to a mission: the production engine, walked through every choice."""

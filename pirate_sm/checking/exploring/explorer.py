@@ -1,0 +1,225 @@
+"""Breadth-first over everything that can happen to a mission, on the production engine.
+
+Two states of the engine are one here when the mission and the robot can only go on alike: times
+and numbers of arrays do not count, and of a wait only which of its conditions have begun to hold.
+What is found first is therefore reached by the fewest events.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from math import inf, isnan
+from typing import Any, NamedTuple
+
+from pirate_sm.checking.exploring.conditions import Answer, Conditions
+from pirate_sm.checking.exploring.moves import Move, Moves
+from pirate_sm.checking.exploring.oracle import Moment, Oracle
+from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.program import Program
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import Effect, Setpoints, StateChange, WakeAt
+from pirate_sm.model.events import Tick
+
+MOST_NODES = 50_000
+
+START = Move("start", Tick(), 0.0)
+
+_QUIET = (Setpoints, StateChange, WakeAt)
+
+
+class Node(NamedTuple):
+    """A state of the engine, reached for the first time.
+
+    Attributes:
+        step: Index of the step that led here.
+        sure: Whether it is reached without what the check cannot decide.
+    """
+
+    state: EngineState
+    now: float
+    step: int
+    sure: bool
+
+    @property
+    def over(self) -> bool:
+        """Whether the run is ending here."""
+        return self.state.mission.ended or self.state.mission.ending is not None
+
+
+class Step(NamedTuple):
+    """Something happened.
+
+    Attributes:
+        source: Index of the node before, -1 before the start.
+        target: Index of the node after it.
+        effects: What followed, without setpoints.
+        moment: What sensors must have shown.
+    """
+
+    source: int
+    target: int
+    move: Move
+    effects: tuple[Effect, ...]
+    moment: Moment
+    sure: bool
+
+
+@dataclass
+class Exploration:
+    """All that can happen.
+
+    Attributes:
+        complete: False when there was too much of it.
+    """
+
+    program: Program
+    robot: RobotSpec
+    nodes: list[Node] = field(default_factory=list)
+    steps: list[Step] = field(default_factory=list)
+    complete: bool = True
+
+    def path(self, step: int) -> list[Step]:
+        """The shortest course of events that ends with this step, from the start on."""
+        found = []
+        while step >= 0:
+            found.append(self.steps[step])
+            source = self.steps[step].source
+            step = self.nodes[source].step if source >= 0 else -1
+        return found[::-1]
+
+
+def explore(
+    robot: RobotSpec, program: Program, conditions: Conditions, most: int = MOST_NODES
+) -> Exploration:
+    """Everything that can happen to the mission has been tried once.
+
+    What is sure is explored first, so that nothing is called unsure that also comes about
+    without what cannot be decided.
+    """
+    oracle = Oracle(conditions)
+    asking = oracle.program(replace(program, time_limit_s=inf))
+    walk = _Walk(
+        Engine(robot, asking, nominal=True),
+        oracle,
+        Moves(robot, asking, conditions),
+        Exploration(program, robot),
+        most,
+    )
+    walk.begin()
+    walk.go_on()
+    return walk.found
+
+
+@dataclass
+class _Walk:
+    engine: Engine
+    oracle: Oracle
+    moves: Moves
+    found: Exploration
+    most: int
+    _known: dict[Any, int] = field(default_factory=dict)
+    _sure: deque[int] = field(default_factory=deque)
+    _unsure: deque[int] = field(default_factory=deque)
+    _held_back: list[tuple[int, Move, EngineState, tuple[Effect, ...], Moment]] = field(
+        default_factory=list
+    )
+
+    def begin(self) -> None:
+        for (state, effects), moment in self.oracle.every(self.engine.start):
+            self._arrive(-1, START, state, effects, moment)
+
+    def go_on(self) -> None:
+        while self.found.complete:
+            if self._sure:
+                self._leave(self._sure.popleft())
+            elif self._held_back:
+                held, self._held_back = self._held_back, []
+                for arrival in held:
+                    self._enter(*arrival, sure=False)
+            elif self._unsure:
+                self._leave(self._unsure.popleft())
+            else:
+                return
+
+    def _leave(self, index: int) -> None:
+        node = self.found.nodes[index]
+        if node.over:
+            return
+        for move in self.moves.of(node.state, node.now):
+            for (state, effects), moment in self._results(node.state, move):
+                self._arrive(index, move, state, effects, moment)
+
+    def _results(
+        self, state: EngineState, move: Move
+    ) -> Iterator[tuple[tuple[EngineState, tuple[Effect, ...]], Moment]]:
+        return self.oracle.every(lambda: self.engine.step(state, move.event, move.at_s))
+
+    def _arrive(
+        self,
+        source: int,
+        move: Move,
+        state: EngineState,
+        effects: tuple[Effect, ...],
+        moment: Moment,
+    ) -> None:
+        sure = moment.answer.sure and (source < 0 or self.found.nodes[source].sure)
+        if sure or (source >= 0 and not self.found.nodes[source].sure):
+            self._enter(source, move, state, effects, moment, sure=sure)
+        else:  # until all that is sure is known
+            self._held_back.append((source, move, state, effects, moment))
+
+    def _enter(
+        self,
+        source: int,
+        move: Move,
+        state: EngineState,
+        effects: tuple[Effect, ...],
+        moment: Moment,
+        *,
+        sure: bool,
+    ) -> None:
+        key = _key(state)
+        target = self._known.get(key)
+        told = tuple(effect for effect in effects if not isinstance(effect, _QUIET))
+        if target == source and not told:
+            return
+        if target is None:
+            target = len(self.found.nodes)
+            if target >= self.most:
+                self.found.complete = False
+                return
+            self._known[key] = target
+            self.found.nodes.append(Node(state, move.at_s, len(self.found.steps), sure))
+            (self._sure if sure else self._unsure).append(target)
+        self.found.steps.append(Step(source, target, move, told, moment, sure))
+
+
+def _key(state: EngineState) -> Any:
+    """What of a state decides how it can go on."""
+    mission, body = state.mission, state.robot
+    flight, motion = body.flight, body.motion
+    return (
+        mission.pc,
+        mission.begun,
+        mission.tries,
+        mission.handling,
+        mission.diverting,
+        mission.stopped,
+        mission.result.done if mission.result else None,
+        tuple(isnan(since) for since in mission.since),
+        mission.ending and (mission.ending.outcome, mission.ending.end),
+        mission.ended,
+        body.configuration,
+        body.marks,
+        body.values,
+        body.seeking,
+        flight and (flight.purpose, flight.values),
+        motion and (motion.command, motion.place, motion.stage, isnan(motion.accepted_s)),
+        state.rules,
+    )
+
+
+NO_SENSORS = Moment((), Answer(True))

@@ -1,0 +1,116 @@
+"""What can happen next: one engine event for each thing that robot, sensors or operator can do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import isinf
+from typing import Literal, NamedTuple, TypeAlias
+
+from pirate_sm.checking.exploring.conditions import Conditions
+from pirate_sm.engine import robot_state
+from pirate_sm.engine.program import HandlerSpec, Program, Question, Wait
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.events import (
+    Answer,
+    CommandFailed,
+    Event,
+    FaultReport,
+    SubmitResult,
+    Tick,
+)
+
+Kind: TypeAlias = Literal[
+    "start", "accepted", "rejected", "time", "failed", "sensors", "answer", "fault"
+]
+
+NOT_DONE = "not done in time"
+REFUSED = "the backend refused the setpoints"
+
+
+class Move(NamedTuple):
+    """One thing that happens.
+
+    Attributes:
+        kind: ``time`` lets the next deadline come, at which a command counts as done;
+            ``sensors`` lets them show something else.
+        event: What the engine is told.
+        at_s: When.
+        word: The operator's answer, or the fault's code.
+    """
+
+    kind: Kind
+    event: Event
+    at_s: float
+    word: str = ""
+
+
+class Moves:
+    """Knows what can happen in a state.
+
+    Args:
+        robot: Whose faults they are.
+        program: Where the mission is.
+        conditions: Knows whether a fault's rule can hold.
+    """
+
+    def __init__(self, robot: RobotSpec, program: Program, conditions: Conditions) -> None:
+        self._robot = robot
+        self._program = program
+        self._conditions = conditions
+
+    def of(self, state: EngineState, now: float) -> Iterator[Move]:
+        """Everything that can happen next, in the order in which stories are told."""
+        mission, body = state.mission, state.robot
+        if body.flight is not None:
+            number = body.flight.setpoint_id
+            yield Move("accepted", SubmitResult(number, "accepted"), now)
+            if body.flight.purpose == "gate":
+                yield Move("rejected", SubmitResult(number, "rejected", REFUSED), now)
+        elif body.motion is not None and mission.diverting is None:
+            yield Move("time", Tick(), state.wake_at_s)
+            yield Move("failed", CommandFailed(NOT_DONE), now)
+        if mission.diverting is not None:
+            return
+        if mission.begun:
+            yield from self._spoken(state, now)
+        if not mission.handling:
+            yield from self._faults(state, now)
+
+    def _spoken(self, state: EngineState, now: float) -> Iterator[Move]:
+        """What a wait or a question listens to."""
+        it = self._program.instructions[state.mission.pc]
+        if isinstance(it, Wait):
+            if any(trigger.condition is not None for trigger in it.triggers):
+                yield Move("sensors", Tick(), now)
+            for trigger in it.triggers:
+                if trigger.answer:
+                    yield Move("answer", Answer(trigger.answer), now, trigger.answer)
+        elif isinstance(it, Question):
+            for choice, _ in it.choices:
+                yield Move("answer", Answer(choice), now, choice)
+        else:
+            return
+        if not isinf(state.wake_at_s):
+            yield Move("time", Tick(), state.wake_at_s)
+
+    def _faults(self, state: EngineState, now: float) -> Iterator[Move]:
+        """One fault for each handler that is in force here and can be needed."""
+        states = robot_state.obeyed(self._robot, state.robot)
+        targets = set()
+        seen = set()
+        for handler in self._program.handlers[state.mission.pc]:
+            if handler.code in seen:  # an inner handler hides the outer ones
+                continue
+            seen.add(handler.code)
+            if handler.go is None or handler.go in targets or not self.can_be(handler, states):
+                continue
+            targets.add(handler.go)
+            yield Move("fault", FaultReport(handler.code, "so the check"), now, handler.code)
+
+    def can_be(self, handler: HandlerSpec, states: Sequence[str | None]) -> bool:
+        """Whether the fault can come up in these states; what no rule tells always can."""
+        own = [rule for rule in self._robot.faults if rule.code == handler.code]
+        return not own or any(
+            self._conditions.ask([(rule.when.tree, True)], states).possible for rule in own
+        )

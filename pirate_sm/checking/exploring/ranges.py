@@ -1,0 +1,47 @@
+"""What values a signal can have at all: the end stops of its joint, its wire, its geometry."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import inf, pi, sqrt
+from typing import NamedTuple
+
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.model import profile as model
+
+_COUNTS = 2**15
+"""The wire carries int16 values (PICO boards, thesis section 4-2)."""
+
+
+class Range(NamedTuple):
+    """The least and the largest value in SI."""
+
+    low: float = -inf
+    high: float = inf
+
+
+ANYTHING = Range()
+
+
+def ranges(profile: model.Profile, robot: RobotSpec) -> Mapping[str, Range]:
+    """The range of each numeric signal of the robot; one that is not in it can be anything."""
+    names = robot.vocabulary.numbers
+    found: dict[str, Range] = {}
+    for board in robot.boards.values():
+        for _, target, scale in board.channels:
+            found[names[target]] = Range(-_COUNTS * abs(scale), _COUNTS * abs(scale))
+        for source, _, scale, target in board.torques:
+            most = abs(scale) * found.get(names[source], ANYTHING).high
+            found[names[target]] = Range(-most, most)
+        for vector in board.vectors:
+            most = sqrt(sum(found.get(names[s], ANYTHING).high ** 2 for s in vector.sources))
+            found[names[vector.target]] = _VECTORS.get(vector.how, Range(0.0, most))
+        for _, length_m, wheels_m, target in board.diameters:  # eq. 3-2
+            found[names[target]] = Range(wheels_m, length_m + wheels_m)
+    for joint in profile.body.joints:
+        if joint.name in names:
+            found[joint.name] = Range(-joint.end_stop, joint.end_stop)
+    return found
+
+
+_VECTORS = {"roll": Range(-pi, pi), "pitch": Range(-pi / 2, pi / 2)}

@@ -1,0 +1,99 @@
+"""A course of events told in numbered sentences, one for each thing that happens."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from math import isnan
+
+from pirate_sm.checking.exploring.explorer import Exploration, Step
+from pirate_sm.expressions import NumberType, Vocabulary
+from pirate_sm.model.effects import (
+    CommandStatus,
+    Effect,
+    Ended,
+    Fault,
+    Log,
+    PhaseChange,
+    TriggerFired,
+)
+from pirate_sm.units import DIMENSIONLESS, format_quantity
+
+
+def story(found: Exploration, step: int) -> tuple[str, ...]:
+    """How this step of the exploration comes about."""
+    return tuple(_sentence(found, each) for each in found.path(step))
+
+
+def _sentence(found: Exploration, step: Step) -> str:
+    said = [_what(found, step), *_consequences(step.effects)]
+    shown = _shown(found.robot.vocabulary, step.moment.answer.numbers, step.moment.answer.words)
+    if shown and not any(isinstance(each, TriggerFired) for each in step.effects):
+        said[0] += f" (with {shown})"
+    return "; ".join(part for part in said if part)
+
+
+def _what(found: Exploration, step: Step) -> str:
+    """The event itself."""
+    state = found.nodes[step.source].state if step.source >= 0 else None
+    motion = state.robot.motion if state else None
+    name = found.robot.commands[motion.command].name if motion else ""
+    place = f" ({motion.place})" if motion and motion.place else ""
+    flight = state.robot.flight if state else None
+    match step.move.kind:
+        case "start":
+            return "the mission begins"
+        case "accepted":
+            if flight is not None and flight.purpose == "gate":
+                return f"{name}{place} is accepted"
+            stops = flight is not None and flight.purpose == "stop"
+            return "the wheels are stopped" if stops else "the setpoints are accepted"
+        case "rejected":
+            return f"the setpoints of {name}{place} are refused by the robot"
+        case "failed":
+            return f"{name}{place} is not done in time"
+        case "fault":
+            return f"the fault {step.move.word} comes up"
+        case "answer":
+            return f"the operator says '{step.move.word}'"
+        case "sensors":
+            return ""
+        case "time":
+            return f"{name} is done" if name else "time passes"
+
+
+def _consequences(effects: Iterable[Effect]) -> Iterable[str]:
+    for effect in effects:
+        match effect:
+            case TriggerFired():
+                yield f"{effect.phase}: {effect.reason}, so {effect.go}"
+            case PhaseChange():
+                yield f"{effect.phase} begins"
+            case CommandStatus(status="refused"):
+                yield f"{effect.name} ({effect.place}) is refused as {effect.reason}"
+            case CommandStatus(status="skipped"):
+                yield f"{effect.name} ({effect.place}) is skipped, {effect.reason}"
+            case Fault():
+                yield effect.message
+            case Ended():
+                yield f"the mission has ended: {effect.message}"
+            case Log(level="warning"):
+                continue
+            case _:
+                continue
+
+
+def _shown(
+    vocabulary: Vocabulary, numbers: Mapping[str, float], words: Mapping[str, str | None]
+) -> str:
+    """Signals that the course of events needs, in words."""
+    parts = [f"{name} = {_quantity(vocabulary, name, value)}" for name, value in numbers.items()]
+    parts += [f"{name} = {word or 'unknown'}" for name, word in words.items()]
+    return ", ".join(parts)
+
+
+def _quantity(vocabulary: Vocabulary, name: str, value: float) -> str:
+    kind = vocabulary.types[name]
+    if isnan(value):
+        return "unknown"
+    dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
+    return format_quantity(float(f"{value:.4g}"), dimension)

@@ -1,0 +1,129 @@
+"""Where a mission can get to: phases and ends never reached, loops without a way out, rules."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+
+from pirate_sm.checking.exploring.explorer import Exploration
+from pirate_sm.checking.exploring.ledger import Ledger
+from pirate_sm.checking.exploring.story import story
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.places import Places
+from pirate_sm.loading.mission import LoadedMission
+
+
+def flow_findings(
+    books: Sequence[Ledger], loaded: LoadedMission, places: Places
+) -> Iterator[Finding]:
+    """What is wrong with the ways through the mission."""
+    if not all(book.found.complete for book in books):
+        yield from _rules(books, places)
+        return
+    yield from _unreachable(books, loaded, places)
+    endless = list(_endless(books, loaded, places))
+    yield from endless
+    yield from _round_and_round(books, loaded, places)
+    reached = {end for book in books for end in book.ends}
+    succeeds = [name for name, end in loaded.mission.ends.items() if end.succeed is not None]
+    if not any(outcome == "succeeded" for outcome, _ in reached):
+        message = "no path leads to an end that succeeds"
+        if not succeeds:
+            message = "it has no end that succeeds"
+        yield places.finding(places.mission(), "mission.no_success", Severity.ERROR, message)
+    yield from _rules(books, places)
+
+
+def _unreachable(
+    books: Sequence[Ledger], loaded: LoadedMission, places: Places
+) -> Iterator[Finding]:
+    entered = {phase for book in books for phase in book.phases}
+    for name in loaded.mission.phases:
+        if name not in entered:
+            yield places.finding(
+                places.of(("phases", name), key=True), "phase.unreachable", Severity.WARNING,
+                f"nothing leads to the phase '{name}'",
+            )  # fmt: skip
+    ends = {end for book in books for _, end in book.ends}
+    for name in loaded.mission.ends:
+        if name not in ends:
+            yield places.finding(
+                places.of(("ends", name), key=True), "end.unreachable", Severity.WARNING,
+                f"nothing leads to the end '{name}'",
+            )  # fmt: skip
+
+
+def _endless(books: Sequence[Ledger], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
+    """Phases from which no end can be reached, but by a fault or from outside."""
+    found = books[-1].found
+    lost = _cannot_end(found)
+    if not lost:
+        return
+    first = min(lost)
+    phase = found.program.phase_of[found.nodes[first].state.mission.pc]
+    own = phase.split("/", 1)[0]
+    sure = any(found.nodes[node].sure for node in lost)
+    others = sorted(
+        {
+            found.program.phase_of[found.nodes[node].state.mission.pc].split("/", 1)[0]
+            for node in lost
+        }
+        - {own, ""}
+    )
+    also = f" (nor from {', '.join(others)})" if others else ""
+    yield places.finding(
+        places.of(("phases", own), key=True), "loop.endless",
+        Severity.ERROR if sure else Severity.POSSIBLE,
+        f"from the phase '{own}' no end can be reached{also}",
+        story=story(found, found.nodes[first].step),
+    )  # fmt: skip
+
+
+def _cannot_end(found: Exploration) -> set[int]:
+    """Nodes from which no node is reached in which the run is over."""
+    before: dict[int, list[int]] = defaultdict(list)
+    for step in found.steps:
+        before[step.target].append(step.source)
+    can = {index for index, node in enumerate(found.nodes) if node.over}
+    pending = list(can)
+    while pending:
+        for source in before[pending.pop()]:
+            if source >= 0 and source not in can:
+                can.add(source)
+                pending.append(source)
+    return set(range(len(found.nodes))) - can
+
+
+def _round_and_round(
+    books: Sequence[Ledger], loaded: LoadedMission, places: Places
+) -> Iterator[Finding]:
+    for book in books:
+        if not book.round_and_round:
+            continue
+        number = book.round_and_round[0]
+        step = book.found.steps[number]
+        state = book.found.nodes[step.target].state
+        phase = book.found.program.phase_of[state.mission.pc].split("/", 1)[0]
+        path = ("phases", phase) if phase in loaded.mission.phases else ("phases",)
+        yield places.finding(
+            places.of(path, key=True), "loop.instant",
+            Severity.ERROR if step.sure else Severity.POSSIBLE,
+            "the phases go round without ever waiting",
+        )  # fmt: skip
+        return
+
+
+def _rules(books: Sequence[Ledger], places: Places) -> Iterator[Finding]:
+    told: set[str] = set()
+    for book in books:
+        for message, number in book.broken.items():
+            if message in told:
+                continue
+            told.add(message)
+            state = book.found.nodes[book.found.steps[number].target].state.mission
+            at = getattr(book.found.program.instructions[state.pc], "place", "")
+            yield places.finding(
+                places.read(at) if at else places.mission(), "rule.violated",
+                Severity.ERROR if book.sure(number) else Severity.POSSIBLE, message,
+                story=story(book.found, number),
+            )  # fmt: skip
