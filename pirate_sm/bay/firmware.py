@@ -28,7 +28,7 @@ class Record(NamedTuple):
     Attributes:
         at_s: When.
         event: ``received`` (an array came whole), ``applied`` (it is in force), ``echoed`` (its
-            echo has been handed to the line), ``reset``, ``booted``, ``hung``, ``resumed``,
+            echo has been handed to the line), ``reset``, ``booted``, ``hung``,
             ``unconfigured``, ``spontaneous``, ``fault`` (the host did something that it must
             not), ``opened``, ``closed``.
         setpoint_id: Of the array, where there is one.
@@ -144,7 +144,11 @@ class Firmware:
         """The board whose turn it is has been read."""
         turn = self._turns[self._turn]
         self._turn = (self._turn + 1) % len(self._turns)
-        counts = self._robot.read(now_s, turn) if self._switches.sensors_started else None
+        counts = (
+            self._robot.read(now_s, turn)
+            if self._switches.speaks(turn.board.board, now_s)
+            else None
+        )
         self._state = (
             None if counts is None else self._wire.state(turn.board.board, turn.channel, counts)
         )
@@ -164,7 +168,7 @@ class Firmware:
             self._say(now_s, state)
 
     def _say_echo(self, now_s: float, array: Array) -> None:
-        if self._talk.configured:
+        if self._talk.configured and now_s < self._switches.no_echo_at_s:
             self._say(now_s, self._wire.echo(array))
             self._tell(Record(now_s, "echoed", array.setpoint_id, array.counts))
 

@@ -43,6 +43,8 @@ class Switches:
         wrong_md5: Topics that are announced with the md5 of another definition.
         unconfigured_at_s: When the firmware forgets that it was configured: it obeys setpoints
             but neither echoes nor publishes until it is asked for its topics.
+        no_echo_at_s: From then on it obeys and publishes, and echoes nothing.
+        silent_boards: These boards say nothing from ``silent_boards_at_s`` on.
         spontaneous_at_s: When a motor that nobody asked moves.
         spontaneous_every_s: Mean time between further such motions, 0 for none.
         motors_started: Whether the actuators were started on the panel ([Play], thesis App. D);
@@ -69,12 +71,20 @@ class Switches:
     stale_for_s: float = 0.1
     wrong_md5: tuple[Topic, ...] = ()
     unconfigured_at_s: tuple[float, ...] = ()
+    no_echo_at_s: float = math.inf
+    silent_boards: tuple[int, ...] = ()
+    silent_boards_at_s: float = 0.0
     spontaneous_at_s: tuple[float, ...] = ()
     spontaneous_every_s: float = 0.0
     motors_started: bool = True
     sensors_started: bool = True
     old_client: bool = False
     defects: tuple[str, ...] = ()
+
+    def speaks(self, board: int, now_s: float) -> bool:
+        """Whether the board has anything to say."""
+        mute = board in self.silent_boards and now_s >= self.silent_boards_at_s
+        return self.sensors_started and not mute
 
     def __post_init__(self) -> None:
         most = 0.5 if self.never_two else 1.0

@@ -63,7 +63,12 @@ def _incomplete(port: str, conversation: Conversation) -> str:
 
 def no_sensors(advice: str) -> str:
     """Why nothing is measured; ``advice`` is the robot's own, or empty."""
-    return f"{NO_SENSORS}: {advice or 'are the sensors switched on, are the boards powered?'}"
+    return f"{NO_SENSORS}: {sensors_off(advice)}"
+
+
+def sensors_off(advice: str) -> str:
+    """What a person can do when no board reports; ``advice`` is the robot's own, or empty."""
+    return advice or "are the sensors switched on, are the boards powered?"
 
 
 def mute(modules: Mapping[int, str], silent: Iterable[int]) -> str:

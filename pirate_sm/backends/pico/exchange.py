@@ -11,6 +11,7 @@ from pirate_sm.backends.pico.conversation import (
     Message,
     Refused,
 )
+from pirate_sm.backends.pico.diagnosis import sensors_off
 from pirate_sm.backends.pico.framing import OVERHEAD_BYTES
 from pirate_sm.backends.pico.link import SetpointLink
 from pirate_sm.backends.pico.measurements import Measurements
@@ -92,7 +93,8 @@ class Exchange:
         )
         self._measurements = Measurements(plan.channels)
         self._supervision = Supervision(plan.watched, plan.wheels)
-        self._recovery = Recovery(BRIEF * plan.silent_after_s, plan.away_s)
+        advice = sensors_off(plan.serial.advice.no_sensors)
+        self._recovery = Recovery(BRIEF * plan.silent_after_s, plan.away_s, advice)
         self._events: list[Event] = []
         self._held: tuple[int, ...] | None = None
         self._safe_from: tuple[int, ...] | None = None
@@ -298,8 +300,8 @@ class Exchange:
         fault = self._recovery.verdict(outage, now, bool(self.safe_frame()))
         if fault is None:
             return
-        self.outage, self._given_up = None, not outage.back
-        self.aside = outage.back
+        recovered = outage.back and not outage.dumb
+        self.outage, self._given_up, self.aside = None, not recovered, recovered
         self._events += [fault, *outage.frames.values(), *outage.faults]
 
     def _setpoints(self, now: float) -> bytes:
@@ -338,8 +340,8 @@ class Exchange:
     def _echo(self, number: int, counts: tuple[int, ...], now: float) -> None:
         if number != SAFE_WIRE_ID or counts != self._safe_counts:
             self.link.echoed(number, counts, now)
-        elif self.outage is not None and self.outage.back:
-            self.outage.safe_s = min(self.outage.safe_s, now)
+        elif self.outage is not None:
+            self.outage.confirm(now)
 
     def _measure(self, payload: bytes, now: float) -> None:
         frame = self._measurements.take(self._plan.messages.state.unpack(payload))

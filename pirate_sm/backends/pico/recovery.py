@@ -20,6 +20,7 @@ NO_ECHO = "link.no_echo"
 BRIEF = 0.75
 """Share of ``silent_after``: shorter silences that end by themselves are none."""
 
+_UNCONFIRMED = "does not confirm the safe setpoints"
 _BOARDS_WITHIN_S = 1.0
 _SAFE_AGAIN_S = 0.1
 _IN_ALL = 3
@@ -36,9 +37,11 @@ class Outage:
         sign_s: The last sign of life.
         gone: Why the port went away; empty where it did not.
         anew: Whether the controller had to be asked anew.
-        back_s: Since when it speaks again; infinite before.
+        answered_s: When it first spoke again; infinite before.
+        back_s: Since when it speaks again; infinite before, and while it is silent once more.
         silence_s: How long it did not.
-        safe_s: When the safe array was confirmed; infinite before.
+        safe_s: When the safe array was confirmed since; infinite before.
+        stopped: Whether it has been confirmed at all.
         wrote_s: When the safe array was last written.
         missing: Boards that have reported before and not since.
         frames: What boards have reported since, the last of each.
@@ -50,9 +53,11 @@ class Outage:
     sign_s: float
     gone: str = ""
     anew: bool = False
+    answered_s: float = inf
     back_s: float = inf
     silence_s: float = 0.0
     safe_s: float = inf
+    stopped: bool = False
     wrote_s: float = -inf
     missing: set[int] = field(default_factory=set)
     frames: dict[int, SensorFrame] = field(default_factory=dict)
@@ -72,9 +77,20 @@ class Outage:
     def return_(self, now: float, boards: Set[int], safe_needed: bool) -> None:
         """The controller speaks again; what it does and where it is remains to be seen."""
         self.back_s = now
+        self.answered_s = min(self.answered_s, now)
         self.silence_s = self.silence_s or now - self.heard_s
         self.safe_s = inf if safe_needed else now
         self.missing = set(boards)
+
+    def confirm(self, now: float) -> None:
+        """The safe array is in force."""
+        if self.back:
+            self.safe_s, self.stopped = min(self.safe_s, now), True
+
+    @property
+    def dumb(self) -> bool:
+        """Whether it answers but nothing comes from any board."""
+        return bool(self.missing) and not self.frames
 
     def report(self, frame: SensorFrame) -> None:
         """A board has said where the robot is."""
@@ -88,9 +104,11 @@ class Recovery:
     Args:
         brief_s: A silence that ends by itself before is none.
         within_s: After the last sign of life the link must be back within so long.
+        advice: What a person can do when no board reports.
     """
 
-    def __init__(self, brief_s: float, within_s: float) -> None:
+    def __init__(self, brief_s: float, within_s: float, advice: str) -> None:
+        self._advice = advice
         self._brief_s = brief_s
         self._within_s = within_s
 
@@ -105,9 +123,11 @@ class Recovery:
     def due_s(self, outage: Outage) -> float:
         """When there is something to do or to decide, if nothing is heard before."""
         if not outage.back:
-            return self._patience_s(outage)
+            return min(self._patience_s(outage), outage.answered_s + self._within_s)
         if outage.safe_s == inf:
             return min(outage.wrote_s + _SAFE_AGAIN_S, outage.back_s + self._within_s)
+        if outage.dumb:
+            return outage.answered_s + self._within_s
         return outage.safe_s + _BOARDS_WITHIN_S if outage.missing else -inf
 
     def verdict(self, outage: Outage, now: float, stopped: bool) -> FaultReport | None:
@@ -118,14 +138,13 @@ class Recovery:
             now: The time.
             stopped: Whether there was a safe array to be confirmed.
         """
+        if outage.dumb and now >= outage.answered_s + self._within_s:
+            return self._dumb(outage)
         if not outage.back:
             return self._given_up(outage, now) if now >= self._patience_s(outage) else None
         if outage.safe_s == inf:
-            if now < outage.back_s + self._within_s:
-                return None
-            message = f"the robot's controller is back after {outage.silence_s:.1f} s of silence"
-            return FaultReport(NO_ECHO, f"{message} and does not confirm the safe setpoints")
-        if outage.missing and now < outage.safe_s + _BOARDS_WITHIN_S:
+            return self._unconfirmed(outage) if now >= outage.back_s + self._within_s else None
+        if outage.dumb or (outage.missing and now < outage.safe_s + _BOARDS_WITHIN_S):
             return None
         return self._recovered(outage, stopped)
 
@@ -139,6 +158,16 @@ class Recovery:
             return FaultReport(LOST, f"{message} {away_s:.1f} s later")
         message = f"the robot's controller has said nothing for {away_s:.1f} s"
         return FaultReport(SILENT, f"{message}, however often it was asked")
+
+    def _dumb(self, outage: Outage) -> FaultReport:
+        what = "the robot's controller answers but none of its boards reports any more"
+        if outage.stopped:
+            return FaultReport(SILENT, f"{what}: {self._advice}")
+        return FaultReport(NO_ECHO, f"{what}, and it {_UNCONFIRMED}: {self._advice}")
+
+    def _unconfirmed(self, outage: Outage) -> FaultReport:
+        back = f"the robot's controller is back after {outage.silence_s:.1f} s of silence"
+        return FaultReport(NO_ECHO, f"{back} and {_UNCONFIRMED}")
 
     def _recovered(self, outage: Outage, stopped: bool) -> FaultReport:
         state = (

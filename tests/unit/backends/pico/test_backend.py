@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import nan
+from math import isnan, nan
 from pathlib import Path
 
 import pytest
@@ -167,6 +167,18 @@ def test_one_silent_board_is_a_fault_that_a_mission_may_handle(
     told = backend.open()
 
     assert [e.code for e in told if isinstance(e, FaultReport)] == ["sensor.silent"]
+
+
+def test_a_channel_that_says_nothing_is_passed_on_as_that(
+    backend: SerialBackend, device: Device
+) -> None:
+    backend.open()
+    device.boards[24][3] = nan
+    told = run(backend, 1.0)
+
+    last = [e for _, e in told if isinstance(e, SensorFrame) and e.board == 24][-1]
+    assert isnan(last.values[3])
+    assert not isnan(last.values[2])
 
 
 def test_a_robot_that_is_not_where_it_is_believed_to_be(plan: Plan, device: Device) -> None:

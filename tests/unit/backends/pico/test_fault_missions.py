@@ -1,0 +1,321 @@
+"""Every fault of the link and of sensors, in missions against the emulated bay in virtual time.
+
+Each is switched on in the bay; what is looked at is the end that a person reads, and where the
+bay's motors are then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pirate_sm.backends.pico.assembly import read_plan
+from pirate_sm.backends.pico.backend import SerialBackend
+from pirate_sm.backends.pico.virtual_port import VirtualPort
+from pirate_sm.bay.switches import Switches
+from pirate_sm.bay.texts import message_texts
+from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.engine.engine import Engine
+from pirate_sm.errors import BackendError
+from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.model.effects import Effect, Fault
+from pirate_sm.model.simulation import Defect
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.runtime.outcome import Result
+
+SAFE = "it holds what it held and its wheels are stopped, as it has confirmed"
+
+DRIVING = """
+format: 1
+mission: driving
+robot: pirate_ii
+pipe: {diameter: 120 mm, segments: [{straight: 3 m}], start: {at: 500 mm}}
+on_fault: [{fault: [HANDLED], then: continue}]
+start: drive
+phases:
+  drive:
+    do: [ClampFront, COMMANDS]
+    wait: [{when: odometry >= FAR, go: there}]
+    within: {time: LONGEST, go: late}
+ends:
+  there: {succeed: There}
+  late: {fail: Too late}
+"""
+
+
+@dataclass
+class Course:
+    """One mission and what came of it."""
+
+    result: Result
+    faults: list[Fault]
+    bay: VirtualBay
+    loaded: LoadedMission
+    port: VirtualPort
+
+    @property
+    def message(self) -> str:
+        return self.result.ended.message
+
+    @property
+    def codes(self) -> list[str]:
+        return [fault.code for fault in self.faults]
+
+    @property
+    def is_safe(self) -> bool:
+        """Wheels stand still and both parts hold on, by the bay's own motors."""
+        array, slots = self.bay.last_applied, self.loaded.loaded_robot.profile.slots
+        assert array is not None
+        driven = [slot.name for slot, count in zip(slots, array.counts, strict=True) if count]
+        wheels = [slot.name for slot in slots if slot.wheel is not None]
+        joints = [slot.name for slot in slots if slot.joint is not None]
+        return set(joints) <= set(driven) and not set(driven) & set(wheels)
+
+
+class Watching:
+    """Keeps the faults."""
+
+    def __init__(self) -> None:
+        self.faults: list[Fault] = []
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        self.faults += [effect for effect in effects if isinstance(effect, Fault)]
+
+
+class ActingPort(VirtualPort):
+    """A port whose cable is pulled and put in again at given times."""
+
+    def __init__(self, bay: VirtualBay, silence_s: float, pulled: tuple[float, float]) -> None:
+        super().__init__(bay, silence_s)
+        self._pulled = pulled
+
+    def now(self) -> float:
+        now = super().now()
+        out, back = self._pulled
+        self.plugged = not out <= now < back
+        return now
+
+
+Go = Callable[..., Course]
+
+
+@pytest.fixture
+def go(tmp_path: Path) -> Go:
+    def run(
+        *,
+        commands: str = "ClampRear, DriveForward",
+        handled: str = "robot.stuck, clamp.lost",
+        far: str = "0.6 m",
+        longest: str = "40 s",
+        extra: Defect | None = None,
+        pulled: tuple[float, float] = (1e9, 1e9),
+        seed: int = 3,
+        **switches: Any,
+    ) -> Course:
+        file = tmp_path / "driving.yaml"
+        text = DRIVING.replace("HANDLED", handled).replace("FAR", far).replace("LONGEST", longest)
+        file.write_text(text.replace("COMMANDS", commands))
+        loaded = load_mission(file)
+        robot = loaded.loaded_robot
+        profile = robot.profile
+        if extra is not None:
+            defects = {**profile.simulation.defects, "extra": extra}
+            simulation = profile.simulation.model_copy(update={"defects": defects})
+            profile = profile.model_copy(update={"simulation": simulation})
+            switches["defects"] = (*switches.get("defects", ()), "extra")
+        texts = message_texts(robot.folder, profile)
+        assert loaded.pipe is not None
+        bay = VirtualBay(profile, loaded.pipe, texts, Switches(**switches), seed)
+        plan = read_plan(robot.folder, robot.profile, loaded.robot)
+        port = ActingPort(bay, plan.serial.heartbeat_within, pulled)
+        watching = Watching()
+        engine = Engine(loaded.robot, loaded.program, nominal=False)
+        result = MissionRun(engine, SerialBackend(plan, port), observers=[watching]).execute()
+        return Course(result, watching.faults, bay, loaded, port)
+
+    return run
+
+
+def test_nothing_wrong_is_no_fault(go: Go) -> None:
+    course = go()
+
+    assert (course.message, course.codes) == ("There", [])
+    assert course.is_safe
+
+
+def test_a_reset_ends_a_mission_that_does_not_handle_it_in_the_safe_state(go: Go) -> None:
+    course = go(reset_at_s=(8.0,))
+
+    assert course.result.ended.outcome == "fault"
+    assert course.message.startswith("firmware.reset: the robot's controller said nothing for 1.")
+    assert course.message.endswith(f" s, it was reset or hung: {SAFE}")
+    assert course.is_safe
+
+
+def test_a_mission_that_handles_a_reset_goes_on_where_it_was(go: Go) -> None:
+    course = go(reset_at_s=(8.0,), handled="firmware.reset")
+
+    assert (course.message, course.codes) == ("There", ["firmware.reset"])
+    assert course.is_safe
+
+
+def test_a_reset_on_a_lossy_line_is_told_as_one_too(go: Go) -> None:
+    course = go(reset_at_s=(9.0,), loss_in=0.2, loss_out=0.2, corruption=0.01)
+
+    assert course.message.startswith("firmware.reset: ")
+    assert course.is_safe
+
+
+def test_a_reset_while_the_mission_ends_is_waited_for(go: Go) -> None:
+    whole = go()
+    stopped_s = max(r.at_s for r in whole.bay.records if r.event == "received")
+    course = go(reset_at_s=(stopped_s - 0.001,))
+
+    assert course.message == "There"
+    assert course.is_safe
+
+
+def test_firmware_that_hangs_and_goes_on_is_told_as_a_reset(go: Go) -> None:
+    course = go(hang_at_s=8.0, hang_for_s=3.0)
+
+    assert course.message.startswith("firmware.reset: the robot's controller said nothing for 3.")
+    assert course.is_safe
+
+
+def test_firmware_that_obeys_and_says_nothing_is_asked_anew(go: Go) -> None:
+    course = go(unconfigured_at_s=(8.0,))
+
+    assert course.message.startswith("firmware.reset: the robot's controller said nothing for 0.")
+    assert course.is_safe
+
+
+def test_firmware_that_hangs_for_ever_is_a_silent_link_and_the_stop_unconfirmed(go: Go) -> None:
+    course = go(hang_at_s=8.0, handled="firmware.reset")
+
+    assert course.message == (
+        "link.silent: the robot's controller has said nothing for 8.0 s, however often it was "
+        "asked (the safe setpoints were not confirmed)"
+    )
+    assert course.result.exit_code == 3
+
+
+def test_a_robot_unplugged_and_back_is_told_with_how_long_it_was_away(go: Go) -> None:
+    course = go(pulled=(8.0, 11.0))
+
+    assert course.message.startswith("link.interrupted: the link was away for ")
+    assert course.message.endswith(f"(the cable is out) and is back: {SAFE}")
+    assert course.is_safe
+
+
+def test_a_mission_that_handles_the_cable_goes_on(go: Go) -> None:
+    course = go(pulled=(8.0, 11.0), handled="link.interrupted")
+
+    assert (course.message, course.codes) == ("There", ["link.interrupted"])
+    assert course.is_safe
+
+
+def test_a_robot_that_stays_unplugged_is_a_lost_link(go: Go) -> None:
+    course = go(pulled=(8.0, 1e9), handled="link.interrupted")
+
+    assert course.message == (
+        "link.lost: the link to the robot is lost: the cable is out, and was not back 8.0 s later "
+        "(the safe setpoints were not confirmed)"
+    )
+
+
+def test_no_echo_within_its_budget(go: Go) -> None:
+    course = go(no_echo_at_s=4.0)
+
+    assert course.message.startswith("link.no_echo: setpoints were not confirmed after 5 repeats")
+    assert course.message.endswith("(the safe setpoints were not confirmed)")
+
+
+def test_one_silent_board(go: Go) -> None:
+    course = go(silent_boards=(25,), silent_boards_at_s=8.0)
+
+    assert course.message == ("sensor.silent: board 25 (rotation) has not reported for 1 s")
+    assert course.is_safe
+
+
+def test_wheels_that_are_dead_and_show_zero(go: Go) -> None:
+    course = go(defects=("wheels_3_4_dead",))
+
+    assert course.message == "wheel.dead: wheel 3 is driven and does not turn"
+    assert course.is_safe
+
+
+def test_boards_that_all_fall_silent_while_the_controller_answers(go: Go) -> None:
+    course = go(defects=("bay_silent",), far="2 m")
+
+    assert course.message.startswith(
+        "link.no_echo: the robot's controller answers but none of its boards reports any more, "
+        "and it does not confirm the safe setpoints: push [Set] on the MIDI panel"
+    )
+
+
+def test_another_definition_of_a_message(go: Go) -> None:
+    course = go(wrong_md5=("state",))
+
+    assert isinstance(course.result.error, BackendError)
+    assert "the firmware's pirate_msgs/State is another one than ours: its md5 is" in course.message
+    assert course.bay.last_array is None
+
+
+def test_a_sensor_that_is_stuck(go: Go) -> None:
+    extra = Defect(kind="sensor_stuck", description="", raw={"gamma_1": 0})
+    course = go(extra=extra)
+
+    assert course.message == (
+        "sensor.stuck: gamma_1 has shown the same for 1.5 s while its motor is driven and bears "
+        "no load: the sensor is stuck, or the motor gets no current"
+    )
+
+
+def test_a_sensor_that_spikes_is_hidden_and_told_when_it_does_so_all_the_time(go: Go) -> None:
+    extra = Defect(
+        kind="sensor_spike", description="", raw={"gamma_3": -1707}, after=6.0, every=0.8,
+        lasting=0.1,
+    )  # fmt: skip
+    course = go(extra=extra)
+
+    assert course.message.startswith("sensor.spiking: gamma_3 has spiked 5 times in ")
+    assert course.is_safe
+
+
+def test_a_sensor_out_of_its_range(go: Go) -> None:
+    extra = Defect(kind="sensor_stuck", description="", raw={"gamma_3": 3000}, after=8.0)
+    course = go(extra=extra)
+
+    assert course.message.startswith("sensor.range: gamma_3 reports 3000 counts, outside -18")
+    assert course.is_safe
+
+
+def test_motion_that_nobody_asked_for(go: Go) -> None:
+    course = go(commands="ToggleLighting", spontaneous_at_s=(12.0,), seed=7)
+
+    assert course.message.endswith(" moves though nothing was asked of its motor")
+    assert course.message.startswith("motion.unasked: ")
+
+
+def test_a_motor_held_too_long_too_hot(go: Go) -> None:
+    extra = Defect(kind="sensor_stuck", description="", raw={"bend_current_1": 300}, after=4.0)
+    course = go(commands="ClampRear, ToggleLighting", extra=extra)
+
+    assert course.message == (
+        "motor.hot: the motor of bend joint 1 has been near its stall current for too long"
+    )
+    assert course.is_safe
+
+
+def test_boards_that_all_fall_silent_while_arrays_are_confirmed(go: Go) -> None:
+    course = go(silent_boards=tuple(range(20, 29)), silent_boards_at_s=8.0)
+
+    assert course.message.startswith(
+        "link.silent: the robot's controller answers but none of its boards reports any more: "
+        "push [Set] on the MIDI panel"
+    )
+    assert course.is_safe
