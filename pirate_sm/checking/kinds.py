@@ -51,7 +51,7 @@ def kind_of(path: Path) -> Kind:
 
 def kind_of_text(text: str) -> Kind:
     """What a file with this text is."""
-    first = next((each for each in _CONTENT.finditer(text) if each[2] != "---"), None)
+    first = next((each for each in _CONTENT.finditer(text) if each[2].rstrip() != "---"), None)
     if first is None:
         return Kind.OTHER
     if first[2].startswith(("-", "[")):

@@ -16,7 +16,9 @@ from pirate_sm.model.base import Frozen
 from pirate_sm.spelling import nearest
 
 _HERE = Path(__file__).parent
-_FILES = ("missions", "geometry", "names", "charts", "robots", "pipes", "form", "project")
+_FILES = (
+    "missions", "geometry", "names", "charts", "robots", "robot_sense", "pipes", "form", "project",
+)  # fmt: skip
 
 
 class Entry(Frozen):
