@@ -1,0 +1,183 @@
+"""What a mission does while nothing goes wrong: its commands, and the states they lead through.
+
+Every command is done, every trigger and every answer is possible; failures, faults and waits that
+run out are left aside. What is found here is what the mission is for, so geometry is held
+against it; what else can happen is :mod:`pirate_sm.checking.exploring`'s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from math import copysign
+from typing import NamedTuple
+
+from pirate_sm.engine import program as steps
+from pirate_sm.engine.program import Program
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.model.profile import Profile
+
+MOST_SITUATIONS = 100_000
+"""A mission with more is not followed to its end, and nothing is concluded from it."""
+
+
+class Bend(NamedTuple):
+    """A part that is bent while another one holds.
+
+    Attributes:
+        part: Index of the part.
+        side: 1 towards the side that is A in normal polarity, -1 away from it.
+    """
+
+    part: int
+    side: int
+
+
+class Situation(NamedTuple):
+    """Where a mission is.
+
+    Attributes:
+        at: Index of the next instruction.
+        configuration: Index into the chart's table.
+        bent: Parts that have been bent so far, in the order of the first time.
+        place: Of the step that led to the configuration; empty at the start.
+    """
+
+    at: int
+    configuration: int
+    bent: tuple[int, ...]
+    place: str = ""
+
+
+@dataclass(frozen=True)
+class Course:
+    """What a mission does while nothing goes wrong.
+
+    Attributes:
+        situations: Everything that can come, the nearest first.
+        bends: Bends with the places of their steps, "" for one that the mission starts in.
+    """
+
+    situations: tuple[Situation, ...]
+    bends: tuple[tuple[Bend, str], ...]
+
+
+class Bends:
+    """Which configurations of a robot, in one polarity, bend a part.
+
+    A bend seeks angles, all to one side, at joints of a part that is not held, while another part
+    is. A negative angle turns the body on both sides of the joint to side A.
+    """
+
+    def __init__(self, robot: RobotSpec, profile: Profile) -> None:
+        self._robot = robot
+        parts = {joint.name: robot.parts.index(joint.part) for joint in profile.body.joints}
+        self._parts = {
+            slot: parts[each.joint] for slot, each in enumerate(profile.slots) if each.joint
+        }
+        self._found: dict[int, Bend | None] = {}
+
+    def of(self, configuration: int) -> Bend | None:
+        """The bend of a configuration; None without one."""
+        if configuration not in self._found:
+            self._found[configuration] = self._look(configuration)
+        return self._found[configuration]
+
+    def _look(self, configuration: int) -> Bend | None:
+        held = self._robot.held[configuration]
+        sought = {
+            Bend(self._parts[write.slot], -int(copysign(1, write.value)))
+            for region, state in enumerate(self._robot.table.configurations[configuration])
+            for stage in self._robot.actuation[region][state]
+            for write in stage
+            if write.how == "seek" and write.value and self._parts.get(write.slot) not in held
+        }
+        return sought.pop() if held and len(sought) == 1 else None
+
+
+@dataclass(frozen=True)
+class _Follower:
+    """Takes a mission from one situation to the next.
+
+    Attributes:
+        made: Bends with the places of their steps, each once.
+    """
+
+    robot: RobotSpec
+    program: Program
+    bends: Bends
+    made: dict[tuple[Bend, str], None] = field(default_factory=dict)
+
+    def after(self, now: Situation) -> Iterator[Situation]:
+        """The situations that can come next."""
+        if not 0 <= now.at < len(self.program.instructions):
+            return
+        step = self.program.instructions[now.at]
+        if isinstance(step, steps.Do):
+            yield from self._command(step, now)
+        else:
+            for target in self._targets(step, now.configuration):
+                yield now._replace(at=target)
+
+    def _command(self, step: steps.Do, now: Situation) -> Iterator[Situation]:
+        after = self.robot.table.follow(now.configuration, step.command)
+        if after == now.configuration:
+            if step.skip_unneeded and self.robot.unneeded[after][step.command]:
+                yield now._replace(at=step.next)
+            return
+        bend = self.bends.of(after)
+        if bend is not None and bend != self.bends.of(now.configuration):
+            self.made.setdefault((bend, step.place))
+        yield Situation(step.next, after, self.bent(after, now.bent), step.place)
+
+    def bent(self, configuration: int, before: tuple[int, ...]) -> tuple[int, ...]:
+        """The parts that have been bent, with that of the configuration."""
+        bend = self.bends.of(configuration)
+        return before if bend is None or bend.part in before else (*before, bend.part)
+
+    def _targets(self, step: steps.Instruction, configuration: int) -> tuple[int, ...]:
+        match step:
+            case steps.Enter() | steps.Say():
+                return (step.next,)
+            case steps.Require(states=states):
+                current = self.robot.table.configurations[configuration]
+                fits = all(current[region] == state for region, state in states)
+                return (step.next,) if fits else ()
+            case steps.Branch():
+                return self._branch(step, configuration)
+            case steps.Wait(triggers=triggers):
+                return tuple(trigger.go for trigger in triggers)
+            case steps.Question(choices=choices):
+                return tuple(target for _, target in choices)
+            case _:
+                return ()
+
+    def _branch(self, step: steps.Branch, configuration: int) -> tuple[int, ...]:
+        """Both ways, unless the states alone decide."""
+        known = step.condition.names <= set(self.robot.regions)
+        if not known:
+            return (step.if_true, step.if_false)
+        states = self.robot.table.configurations[configuration]
+        numbers = (0.0,) * len(self.robot.vocabulary.numbers)
+        true = step.condition.evaluate(numbers, states) is True
+        return (step.if_true,) if true else (step.if_false,)
+
+
+def course_of(robot: RobotSpec, program: Program, profile: Profile) -> Course | None:
+    """What the mission does while nothing goes wrong; None when that is too much to look at."""
+    bends = Bends(robot, profile)
+    follower = _Follower(robot, program, bends)
+    configuration = program.start_configuration
+    first = Situation(program.start, configuration, follower.bent(configuration, ()))
+    found = {first[:3]: first}
+    order = [first]
+    for now in order:
+        for after in follower.after(now):
+            if after[:3] not in found:
+                found[after[:3]] = after
+                order.append(after)
+                if len(order) > MOST_SITUATIONS:
+                    return None
+    begun = bends.of(configuration)
+    made = [(begun, "")] if begun is not None else []
+    return Course(tuple(order), (*made, *follower.made))
