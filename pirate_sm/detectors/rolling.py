@@ -1,10 +1,11 @@
 """What the wheels must have rolled since their boards last reported.
 
 Where frames get lost the odometer lags: a wheel that drives and was last heard 0.3 s ago is 3 cm
-farther. What it has rolled meanwhile is taken to be its last known speed times the age of that
-frame, but never more than can be vouched for: no longer than until its board counts as silent, not
-beyond the moment at which it was told to stop, and no faster than the wheel that was heard last,
-which shows when the robot as a whole has become slower or stands.
+farther. What it rolls meanwhile is added up from its last known speed, but never more than can be
+vouched for: not once its board counts as silent, which is when the odometer has the others stand
+in; not from the moment on at which it was told to stop; and no faster than the wheel that was
+heard last, which shows when the robot as a whole has become slower or stands. What has been added
+stays until the wheel is heard and the odometer knows better: else places would leap back.
 """
 
 from __future__ import annotations
@@ -23,8 +24,11 @@ class Rolling:
     """
 
     def __init__(self, robot: RobotSpec) -> None:
+        count = len(robot.wheels)
         self._robot = robot
-        self._driven_s = [-inf] * len(robot.wheels)
+        self._now_s = -inf
+        self._heard_s = [-inf] * count
+        self._rolled_m = [0.0] * count
 
     def look(self, state: EngineState, now_s: float) -> float:
         """How far the odometer must be behind, m; negative when driving backward.
@@ -36,25 +40,33 @@ class Rolling:
         """
         robot, sensing = self._robot, state.sensing
         in_force, newest = state.robot.values, state.robot.latest
-        freshest_s, freshest = -inf, 0.0
-        rolling: list[tuple[float, float, float]] = []
+        robots = self._freshest(state)
         for wheel, position in zip(robot.wheels, robot.wheel_boards, strict=True):
+            place, heard_s = wheel.place, sensing.heard_s[position]
+            if heard_s != self._heard_s[place]:
+                self._heard_s[place], self._rolled_m[place] = heard_s, 0.0
             if in_force[wheel.slot] and newest[wheel.slot]:
-                self._driven_s[wheel.place] = now_s
-            share, heard_s = sensing.shares[wheel.place], sensing.heard_s[position]
-            if not share or now_s - heard_s > robot.link.silent_after_s:
-                continue
+                speed = _slower(sensing.numbers[wheel.speed] * wheel.metres_per_rad, robots)
+                until_s = min(now_s, heard_s + robot.link.silent_after_s)
+                lasting_s = max(0.0, until_s - max(self._now_s, heard_s))
+                self._rolled_m[place] += sensing.shares[place] * speed * lasting_s
+        self._now_s = now_s
+        return sum(self._rolled_m)
+
+    def _freshest(self, state: EngineState) -> float:
+        """Speed of the driven wheel that was heard last, m/s; 0 where none is known."""
+        robot, sensing = self._robot, state.sensing
+        heard_s, freshest = -inf, 0.0
+        for wheel, position in zip(robot.wheels, robot.wheel_boards, strict=True):
             speed = sensing.numbers[wheel.speed] * wheel.metres_per_rad
-            if not isnan(speed) and heard_s > freshest_s:
-                freshest_s, freshest = heard_s, speed
-            rolling.append((share, speed, self._driven_s[wheel.place] - heard_s))
-        return sum(
-            share * _slower(speed, freshest) * max(age, 0.0) for share, speed, age in rolling
-        )
+            known = sensing.shares[wheel.place] and not isnan(speed)
+            if known and sensing.heard_s[position] > heard_s:
+                heard_s, freshest = sensing.heard_s[position], speed
+        return freshest
 
 
 def _slower(own: float, robots: float) -> float:
-    """The slower of two speeds, 0 where they differ in sign; the robot's where its own is unknown."""
+    """The slower of two speeds; 0 where they differ in sign, the other where one is unknown."""
     if isnan(own):
         return robots
     return min(own, robots, key=abs) if own * robots > 0.0 else 0.0

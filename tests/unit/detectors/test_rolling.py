@@ -99,5 +99,14 @@ def test_a_wheel_whose_speed_is_forgotten_goes_as_fast_as_the_robot(world: World
     assert world.look(HEARD_S + 0.6) == pytest.approx(0.06 / 6)
 
 
-def test_nothing_is_said_of_a_board_that_counts_as_silent(world: World) -> None:
-    assert world.look(HEARD_S + 1.01) == 0.0
+def test_once_a_board_counts_as_silent_its_wheels_go_no_farther(world: World) -> None:
+    world.look(HEARD_S + 0.9)
+
+    assert world.look(HEARD_S + 5.0) == pytest.approx(SPEED * 1.0)
+
+
+def test_what_was_rolled_is_not_taken_back_when_others_are_heard_to_stand(world: World) -> None:
+    world.look(HEARD_S + 0.3)
+    world.heard_s[1:], world.speeds[1:] = [HEARD_S + 0.4] * 5, [0.0] * 5
+
+    assert world.look(HEARD_S + 0.5) == pytest.approx(0.03 / 6)
