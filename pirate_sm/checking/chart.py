@@ -140,7 +140,8 @@ class _Chart:
             finding = finding or self._never(transition)
             if self._is_reached(transition):
                 self.silent.append(transition)
-        finding = finding or self._rivalry(transition, earlier)
+        rivalry = self._rivalry(transition, earlier)
+        finding = finding or rivalry
         if finding is not None:
             self.found[transition.path] = finding
 

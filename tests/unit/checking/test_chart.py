@@ -274,3 +274,54 @@ def test_an_offset_counts_characters_over_lines() -> None:
         "In('Ä.x')",
         "In('B.x')",
     ]
+
+
+# --- against the library -----------------------------------------------------------------------
+
+MOVES = st.tuples(
+    st.sampled_from(["go", "on"]),
+    st.sampled_from(["one", "two"]),
+    st.sampled_from(
+        ["", "In('P.one')", "In('Q.two')", "not In('Q.one')", "In('P.two') or In('Q.two')"]
+    ),
+)
+
+
+@given(st.lists(st.lists(MOVES, max_size=3), min_size=4, max_size=4))
+def test_what_is_never_taken_the_library_never_takes(moves: list) -> None:
+    text = small(
+        *(
+            ", ".join(
+                f"{{event: {event}, target: {region}.{target}"
+                + (f', cond: "{cond}"}}' if cond else "}")
+                for event, target, cond in listed
+            )
+            for region, listed in zip("PPQQ", moves, strict=True)
+        )
+    )
+    document = parse_document(text, "chart.yaml")
+    outline = outline_chart(document, Problems(document))
+    assert outline is not None
+    if not outline.transitions:
+        return  # the library refuses a chart in which nothing happens
+    table = compile_chart(document, outline, Problems(document))
+
+    silent = {each.path for each in examine(document, outline, table).silent}
+
+    taken = set()
+    for states, row in zip(table.configurations, table.following, strict=True):
+        active = dict(zip(table.regions, states, strict=True))
+        inside = {f"{region}.{state}" for region, state in active.items()}
+        for command, event in enumerate(table.commands):
+            expected = dict(active)
+            for region in table.regions:
+                for each in outline.transitions:
+                    if (each.region, each.event) != (region, event) or each.source not in inside:
+                        continue
+                    if not each.guard or eval(each.guard, {"In": inside.__contains__}):
+                        taken.add(each.path)
+                        expected[region] = each.target.partition(".")[2]
+                        break
+            assert table.configurations[row[command]] == tuple(expected.values())
+    reached = {f"{r}.{s}" for row in table.configurations for r, s in zip("PQ", row, strict=True)}
+    assert silent == {each.path for each in outline.transitions if each.source in reached} - taken
