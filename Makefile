@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test check format golden bench seeds soak defects clean
+.PHONY: help demo test check format golden schemas bench seeds soak defects clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -18,6 +18,7 @@ help:
 	@echo "make defects every known defect of the robot, in several missions"
 	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
 	@echo "make golden  the golden traces anew, after a change that is meant"
+	@echo "make schemas the JSON Schemas anew, after a change of models or of a robot"
 	@echo "make format  every Python file in the one style"
 	@echo "make clean   the tree without environments and caches"
 
@@ -39,6 +40,12 @@ format: $(VENV)/.ready-dev
 
 golden: $(VENV)/.ready-dev
 	GOLDEN=write $(BIN)/python -m pytest --quiet tests/golden
+
+schemas: $(VENV)/.ready-dev
+	for kind in mission pipe profile chart; do \
+	    $(BIN)/pirate schema $$kind > schemas/$$kind.schema.json || exit; done
+	for robot in hardware_profiles/*/; do \
+	    $(BIN)/pirate schema mission --robot $$robot > $${robot}mission.schema.json || exit; done
 
 bench: $(VENV)/.ready-bench
 	$(BIN)/python -m benchmarks.bench

@@ -38,6 +38,15 @@ class Things(str, Enum):  # noqa: UP042
     PIPES = "pipes"
 
 
+class Files(str, Enum):  # noqa: UP042
+    """What there are JSON Schemas of."""
+
+    MISSION = "mission"
+    PIPE = "pipe"
+    PROFILE = "profile"
+    CHART = "chart"
+
+
 def _app(*, completion: bool) -> typer.Typer:
     # Plain help starts in half the time of the coloured one; our own errors are shown by us.
     return typer.Typer(
@@ -212,6 +221,26 @@ def list_(
         from pirate_sm.cli.listing import show
 
         return show(what.value if what else None, robot)
+
+    raise typer.Exit(guarded(work, debug))
+
+
+@commands.command("schema")
+def schema(
+    files: Annotated[Files, typer.Argument(help="Of which files.")],
+    robot: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Missions for this robot: its commands, its states."),
+    ] = None,
+    debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
+) -> None:
+    """Print the JSON Schema with which an editor completes and explains files."""
+    from pirate_sm.cli.guard import guarded
+
+    def work() -> int:
+        from pirate_sm.cli.schema import print_schema
+
+        return print_schema(files.value, robot)
 
     raise typer.Exit(guarded(work, debug))
 

@@ -12,9 +12,13 @@ from pirate_sm.engine.robot_state import at_rest_in, refusal
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.schemas.writing import MODELINE, mission_schema_text, schema_text
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 _ROBOT_FILES = ("profile.yaml", "chart.yaml", "first_mission.yaml")
+
+_SCHEMA = "mission.schema.json"
+"""What editors read a robot's missions with, in the robot's folder."""
 
 _FOLD = 0.8
 """Share of a link's length by which a part reaches out in a pipe that suits it."""
@@ -22,6 +26,8 @@ _FOLD = 0.8
 
 def write_mission(name: str, robot: str | None) -> int:
     """The file ``name.yaml`` in the working directory is a mission that runs.
+
+    What editors complete it with stands beside it, unless the robot has it in its folder.
 
     Args:
         name: The mission's name.
@@ -35,22 +41,31 @@ def write_mission(name: str, robot: str | None) -> int:
     folder = library.find_robot(robot, Path.cwd()) if robot else library.robots()[0]
     loaded = load_robot(folder)
     shipped = folder in library.robots()
+    own = folder / _SCHEMA
+    beside = Path(f"{loaded.profile.robot}.{_SCHEMA}")
+    schema = beside if shipped or not own.exists() else Path(os.path.relpath(own))
     text = _fill(
         "mission.yaml",
         name=name,
+        modeline=f"{MODELINE}{schema}",
         robot=folder.name if shipped else os.path.relpath(folder),
         diameter=f"{_diameter_m(loaded) * 1e3:.0f} mm",
         command=_first_command(loaded),
         commands=", ".join(command.name for command in loaded.normal.commands),
     )
     path = Path(f"{name}.yaml")
-    _write({path: text})
+    texts = {path: text}
+    if not schema.exists():
+        texts[schema] = mission_schema_text(loaded)
+    _write(texts)
     print(f"{path} is a mission for {loaded.profile.robot}; run it with: pirate-run {path}")
     return 0
 
 
 def write_robot(name: str) -> int:
     """The folder ``name`` in the working directory is a small robot with a mission that runs.
+
+    What editors complete its files with stands beside them.
 
     Raises:
         UsageError: The name is none, or is taken.
@@ -59,7 +74,13 @@ def write_robot(name: str) -> int:
     folder = Path(name)
     if folder.exists():
         raise UsageError(f"'{folder}' is there already, nothing was written")
-    _write({folder / file: _fill(f"robot/{file}", name=name) for file in _ROBOT_FILES})
+    texts = {
+        folder / file: _fill(f"robot/{file}", name=name, modeline=_modeline(file))
+        for file in _ROBOT_FILES
+    }
+    texts |= {folder / f"{kind}.schema.json": schema_text(kind) for kind in ("profile", "chart")}
+    _write(texts)
+    _write({folder / _SCHEMA: mission_schema_text(load_robot(folder))})
     mission = folder / _ROBOT_FILES[-1]
     print(f"{folder}/ is a robot with a mission; run it with: pirate-run {mission}")
     return 0
@@ -70,6 +91,11 @@ def _check(name: str) -> None:
         raise UsageError(
             f"'{name}' cannot be a name: expected a letter, then letters, digits and underscores"
         )
+
+
+def _modeline(file: str) -> str:
+    """The first line of a file in a robot's folder, where the schemas stand beside it."""
+    return f"{MODELINE}{file.partition('.')[0].removeprefix('first_')}.schema.json"
 
 
 def _fill(template: str, **values: str) -> str:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pirate_sm.loading.source import Document
 
 _EVENT = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
-_RESERVED = ("detector", "segment")
+RESERVED = ("detector", "segment")
 """Words that conditions know besides the regions."""
 
 _TOP_KEYS = ("name", "description", "states")
@@ -92,6 +92,9 @@ def _regions(data: Any, problems: Problems) -> tuple[str, Mapping[str, Any]] | N
         problems.add("chart.shape", (), message)
         return None
     _refuse_unknown(data, _TOP_KEYS, (), problems)
+    for key in ("name", "description"):
+        if not isinstance(data.get(key, ""), str):
+            problems.add("chart.shape", (key,), f"`{key}` must be text")
     name, body = next(iter(top.items()))
     regions = body.get("states") if isinstance(body, dict) else None
     if not isinstance(regions, dict) or not regions or body.get("parallel") is not True:
@@ -131,6 +134,8 @@ def _outline(top: str, regions: Mapping[str, Any], problems: Problems) -> ChartO
                 problems.add("chart.state", path, message)
                 continue
             _refuse_unknown(body or {}, _STATE_KEYS, path, problems)
+            if not isinstance((body or {}).get("initial", False), bool):
+                problems.add("chart.state", (*path, "initial"), "`initial` is true or false")
             if (body or {}).get("initial") is True:
                 first.append(state.removeprefix(f"{region}."))
             transitions += _transitions(region, state, body or {}, path, problems)
@@ -145,7 +150,7 @@ def _outline(top: str, regions: Mapping[str, Any], problems: Problems) -> ChartO
 
 def _check_words(region: str, states: Iterable[str], path: Path, problems: Problems) -> None:
     """Conditions must be able to name the region and its states."""
-    if region in _RESERVED:
+    if region in RESERVED:
         message = f"'{region}' means something else in conditions: choose another name"
         problems.add("chart.name", path, message, key=True)
         return
@@ -158,7 +163,9 @@ def _check_words(region: str, states: Iterable[str], path: Path, problems: Probl
 def _transitions(
     region: str, state: str, body: Mapping[str, Any], at: Path, problems: Problems
 ) -> Iterator[Transition]:
-    listed = body.get("transitions") or []
+    listed = body.get("transitions")
+    if listed is None:
+        return
     if not isinstance(listed, list):
         problems.add("chart.transition", (*at, "transitions"), "expected a list of transitions")
         return

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 from pydantic import BeforeValidator, PlainSerializer, WithJsonSchema
 
 from pirate_sm.model.base import Name
-from pirate_sm.model.patterns import quantity_pattern, ratio_pattern
+from pirate_sm.model.patterns import written, written_ratio
 from pirate_sm.units import ANGLE, DIMENSIONLESS, QuantityError, parse_quantity
 
 
@@ -62,13 +62,11 @@ SlotSetpoint = Annotated[
             "anyOf": [
                 {"const": KEEP, "description": "The last accepted value stays."},
                 {
-                    "type": "string",
-                    "pattern": ratio_pattern({}),
+                    **written_ratio({}),
                     "description": "A duty cycle such as '60 %', of the full voltage.",
                 },
                 {
-                    "type": "string",
-                    "pattern": quantity_pattern(ANGLE, {}),
+                    **written(ANGLE, {}),
                     "description": "An angle such as '-45 deg' to come to.",
                 },
             ],

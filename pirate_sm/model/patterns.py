@@ -11,9 +11,13 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any, Final
 
+from pirate_sm import units
 from pirate_sm.units import UNITS, Dimension
 
-PARAMETER_PATTERN: Final = r"^\$[A-Za-z_][A-Za-z0-9_]*$"
+Schema = dict[str, Any]
+
+QUANTITY: Final = "x-quantity"
+"""Key of a JSON Schema that is the same wherever it stands: its name, and a default's SI unit."""
 
 _DIGITS: Final = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
 _EXPONENT: Final = r"(?:[eE][+-]?[0-9]+)?"
@@ -22,6 +26,52 @@ _NOT_NEGATIVE: Final = rf"(?:\+?{_DIGITS}|-(?:0+(?:\.0*)?|\.0+)){_EXPONENT}"
 _POSITIVE: Final = rf"\+?(?=[0-9.]*[1-9]){_DIGITS}{_EXPONENT}"
 
 _TIMES: Final = r"\s*[*/·]\s*"
+
+
+def written(dimension: Dimension, bounds: Mapping[str, Any]) -> Schema:
+    """The JSON Schema of text that is a quantity of this dimension.
+
+    Args:
+        dimension: What it measures.
+        bounds: Limits in SI by pydantic's names for them: ``gt``, ``ge``, ``lt``, ``le``.
+    """
+    name = units.describe(dimension).partition(" ")[2].replace(" ", "_")
+    return _text(
+        name + _suffix(bounds),
+        quantity_pattern(dimension, bounds),
+        units.expectation(dimension),
+        units.format_quantity(1.0, dimension).partition(" ")[2],
+    )
+
+
+def written_ratio(bounds: Mapping[str, Any]) -> Schema:
+    """The JSON Schema of text that is a ratio."""
+    return _text(f"ratio{_suffix(bounds)}", ratio_pattern(bounds), "a ratio such as '60 %' or 0.6")
+
+
+def written_quantity() -> Schema:
+    """The JSON Schema of text that is a number, with a unit or without."""
+    return _text("quantity", any_quantity_pattern(), "a quantity such as '120 mm'")
+
+
+def written_parameter() -> Schema:
+    """The JSON Schema of text that stands for a mission's parameter."""
+    return _text("parameter", r"^\$[A-Za-z_][A-Za-z0-9_]*$", "a parameter such as '$give_up'")
+
+
+def _text(name: str, pattern: str, expected: str, unit: str = "") -> Schema:
+    return {
+        "type": "string",
+        "pattern": pattern,
+        "patternErrorMessage": f"expected {expected}",
+        QUANTITY: {"name": name, "unit": unit},
+    }
+
+
+def _suffix(bounds: Mapping[str, Any]) -> str:
+    if bounds.get("gt", -1) >= 0:
+        return "_above_0"
+    return "_from_0" if bounds.get("ge", -1) >= 0 else ""
 
 
 def number_pattern(bounds: Mapping[str, Any]) -> str:

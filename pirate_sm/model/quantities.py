@@ -120,12 +120,9 @@ class _Written:
         bounds = _bounds(handler(schema))
         expected = f"{units.expectation(self.dimension)}{_limits(bounds, self.dimension)}."
         return {
-            "type": "string",
-            "pattern": patterns.quantity_pattern(self.dimension, bounds),
-            "patternErrorMessage": f"expected {units.expectation(self.dimension)}",
+            **patterns.written(self.dimension, bounds),
             "description": expected[0].upper() + expected[1:],
             "examples": [units.example(self.dimension)],
-            SI_UNIT: units.format_quantity(1.0, self.dimension).partition(" ")[2],
         }
 
 
@@ -137,20 +134,12 @@ class _WrittenRatio:
     ) -> JsonSchemaValue:
         bounds = _bounds(handler(schema))
         limits = {_JSON_BOUNDS[name]: limit for name, limit in bounds.items()}
-        text = {
-            "type": "string",
-            "pattern": patterns.ratio_pattern(bounds),
-            "patternErrorMessage": "expected a ratio such as '60 %' or 0.6",
-        }
         return {
-            "anyOf": [{"type": "number", **limits}, text],
+            "anyOf": [{"type": "number", **limits}, patterns.written_ratio(bounds)],
             "description": f"A ratio such as 60 % or 0.6{_limits(bounds, units.DIMENSIONLESS)}.",
             "examples": ["60 %", 0.6],
         }
 
-
-SI_UNIT: Final = "x-si-unit"
-"""Key of a JSON Schema under which a default, an SI number, finds its unit."""
 
 _JSON_BOUNDS: Final = {
     "gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum",
@@ -179,11 +168,7 @@ _ANY_SCHEMA = WithJsonSchema(
     {
         "anyOf": [
             {"type": "number"},
-            {
-                "type": "string",
-                "pattern": patterns.any_quantity_pattern(),
-                "patternErrorMessage": "expected a quantity such as '120 mm'",
-            },
+            patterns.written_quantity(),
         ],
         "description": "A number, or a quantity such as '120 mm'.",
         "examples": ["120 mm", 0.6],
@@ -256,11 +241,7 @@ class Parameter:
     def __get_pydantic_json_schema__(
         cls, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        return {
-            "type": "string",
-            "pattern": patterns.PARAMETER_PATTERN,
-            "patternErrorMessage": "expected a parameter such as '$give_up'",
-        }
+        return patterns.written_parameter()
 
 
 def _or_parameter(
@@ -294,8 +275,9 @@ class _OrParameter:
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         value, parameter = handler(schema)["anyOf"]
-        about = f"{value['description'].removesuffix('.')}, or a parameter such as $give_up."
-        examples = [*value["examples"], "$give_up"]
+        said = value.pop("description").removesuffix(".")
+        about = f"{said}, or a parameter such as $give_up."
+        examples = [*value.pop("examples"), "$give_up"]
         return {"anyOf": [value, parameter], "description": about, "examples": examples}
 
 

@@ -1,9 +1,13 @@
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import pytest
+
+from pirate_sm.loading.source import read_document
 
 from .conftest import NEWT
 
@@ -57,6 +61,49 @@ def test_a_new_robot_runs_its_mission_and_takes_a_new_one(
     second = pirate_run("mine.yaml", "--backend", backend, "--quiet")
     assert (first.exit_code, second.exit_code) == (0, 0), first.output + second.output
     assert str(tmp_path) not in Path("mine.yaml").read_text("utf-8")
+
+
+def test_editors_find_the_schemas_of_what_is_new(
+    pirate: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    pirate("new", "robot", "crawler")
+    pirate("new", "mission", "mine", "--robot", "crawler")
+    pirate("new", "mission", "hello")
+    pirate("new", "mission", "again")
+
+    files = sorted(Path().rglob("*.yaml"))
+    assert len(files) == 6
+    for file in files:
+        schema = file.parent / _schema_named_in(file)
+        validator = jsonschema.Draft7Validator(json.loads(schema.read_text("utf-8")))
+        assert list(validator.iter_errors(read_document(file).data)) == []
+    assert _schema_named_in(Path("mine.yaml")) == "crawler/mission.schema.json"
+    assert _schema_named_in(Path("again.yaml")) == "pirate_ii.mission.schema.json"
+
+
+def _schema_named_in(file: Path) -> str:
+    first = file.read_text("utf-8").splitlines()[0]
+    assert first.startswith("# yaml-language-server: $schema=")
+    return first.partition("=")[2]
+
+
+def test_a_schema_is_printed(pirate: Any) -> None:
+    result = pirate("schema", "mission", "--robot", NEWT)
+
+    assert result.exit_code == 0
+    commands = json.loads(result.stdout)["definitions"]["CommandName"]["enum"]
+    assert "HoldNose" in commands
+    assert json.loads(pirate("schema", "chart").stdout)["properties"].keys() == {
+        "name", "description", "states",
+    }  # fmt: skip
+
+
+def test_only_missions_have_a_schema_for_each_robot(pirate: Any) -> None:
+    result = pirate("schema", "pipe", "--robot", NEWT)
+
+    assert result.exit_code == 2
+    assert "leave out --robot" in result.stderr
 
 
 def test_nothing_is_overwritten(

@@ -1,0 +1,44 @@
+"""What the models' validators demand of several keys together, in JSON Schema."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from pydantic import BaseModel
+
+from pirate_sm.model.mission import End, FaultHandler, Phase
+from pirate_sm.model.safety import SafetyRule
+
+Schema = dict[str, Any]
+
+
+def _given(key: str) -> Schema:
+    """The key is there; in our files `null` is as good as nothing."""
+    return {"required": [key], "properties": {key: {"not": {"type": "null"}}}}
+
+
+def _without(key: str) -> Schema:
+    return {"properties": {key: {"type": "null"}}}
+
+
+_WAITS: Final[Schema] = {"required": ["wait"], "properties": {"wait": {"minItems": 1}}}
+_WAIT_ENDS: Final[Schema] = {
+    "properties": {"wait": {"contains": {"type": "object", "required": ["after"]}}}
+}
+
+SHAPES: Final[Mapping[type[BaseModel], Schema]] = {
+    Phase: {
+        "if": _WAITS,
+        "then": {"allOf": [_without("go"), {"anyOf": [_given("within"), _WAIT_ENDS]}]},
+        "else": {"allOf": [_given("go"), _without("within")]},
+    },
+    End: {"oneOf": [_given("succeed"), _given("fail")]},
+    FaultHandler: {"oneOf": [_given("then"), _given("go")]},
+    SafetyRule: {
+        "oneOf": [_given("always"), _given("never"), _given("expect")],
+        "if": _given("expect"),
+        "then": {"allOf": [_given("within_steps"), _given("after")]},
+        "else": _without("within_steps"),
+    },
+}

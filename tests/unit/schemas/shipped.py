@@ -1,0 +1,55 @@
+"""The files that are shipped, each with the kind of schema that it must fit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+
+from pirate_sm.loading.source import read_document
+from pirate_sm.schemas.writing import KINDS
+
+ROOT = Path(__file__).resolve().parents[3]
+TEMPLATES = ROOT / "pirate_sm" / "cli" / "templates"
+
+MISSIONS = [
+    *sorted((ROOT / "sequences").glob("*.yaml")),
+    *sorted((ROOT / "docs" / "examples").glob("*.yaml")),
+]
+PIPES = sorted((ROOT / "sequences" / "pipes").glob("*.yaml"))
+ROBOTS = sorted(path.parent for path in (ROOT / "hardware_profiles").glob("*/profile.yaml"))
+NEWT = ROOT / "tests" / "robots" / "newt"
+
+SHIPPED = [
+    *(("mission", path) for path in MISSIONS),
+    *(("pipe", path) for path in PIPES),
+    *(("profile", robot / "profile.yaml") for robot in ROBOTS),
+    *(("chart", robot / "chart.yaml") for robot in ROBOTS),
+]
+
+OF_NEWT = [
+    ("mission", NEWT / "patrol.yaml"),
+    ("pipe", NEWT / "elbow.yaml"),
+    ("profile", NEWT / "profile.yaml"),
+    ("chart", NEWT / "chart.yaml"),
+]
+
+VALIDATORS = {kind: jsonschema.Draft7Validator(make()) for kind, make in KINDS.items()}
+
+
+def data_of(path: Path) -> Any:
+    return read_document(path).data
+
+
+def complaints(schema: jsonschema.Draft7Validator, data: Any) -> list[str]:
+    return [f"{error.json_path}: {error.message}" for error in schema.iter_errors(data)]
+
+
+def committed(path: Path) -> Any:
+    return json.loads(path.read_text("utf-8"))
+
+
+def named(case: Any) -> str:
+    return str(case.relative_to(ROOT)) if isinstance(case, Path) else str(case)
