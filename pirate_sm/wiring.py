@@ -13,6 +13,7 @@ from pirate_sm.engine.robot_state import at_rest_in
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.model.course import Happening
 from pirate_sm.runtime.companions import Companion, Firing, TriggerScript
 from pirate_sm.spelling import nearest, one_of
 
@@ -53,6 +54,7 @@ class Order:
             ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
         defects: Known defects that the simulated robot has.
         firings: What a trace fires instead of the first trigger of each wait.
+        course: What happens in a trace, everything and in order.
         detector: Who says the detector's words, ``odometry``, ``operator``, ``socket:ADDRESS`` or
             ``sim``; None for what is usual on the backend.
         start_at_m: Where odometry takes the first wheel to begin, in place of the pipe's own.
@@ -74,6 +76,7 @@ class Order:
     diameter_jitter_m: float = 0.0
     defects: tuple[str, ...] = ()
     firings: tuple[Firing, ...] = ()
+    course: tuple[Happening, ...] = ()
     detector: str | None = None
     start_at_m: float | None = None
     port: str | None = None
@@ -109,6 +112,7 @@ class Prepared:
         confirmation: What a person must agree to before anything moves; empty: nothing.
         follow: Must be given the run before it begins.
         detector: Who says the detector's words; ``operator`` still wants a keyboard.
+        attended: Whether a companion answers the mission's questions.
     """
 
     order: Order
@@ -121,6 +125,7 @@ class Prepared:
     confirmation: str = ""
     follow: Callable[[MissionRun], None] = lambda run: None
     detector: Kind = "none"
+    attended: bool = False
 
 
 def load(order: Order) -> LoadedMission:
@@ -172,7 +177,7 @@ def answers(loaded: LoadedMission) -> dict[str, tuple[str, ...]]:
 def _simulator(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
     if loaded.pipe is None:
         raise UsageError("the mission names no pipe to simulate: give one with --pipe NAME")
-    if order.firings:
+    if order.firings or order.course:
         raise UsageError("triggers can be fired in a trace only: use --backend trace")
     try:
         from pirate_sm.backends.simulator import kernel
@@ -234,7 +239,7 @@ def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
         raise UsageError("--backend serial needs a port: --port /dev/ttyACM0, or a pyserial URL")
     if order.defects:
         raise UsageError("a real robot has the defects that it has: --defect is for --backend sim")
-    if order.firings:
+    if order.firings or order.course:
         raise UsageError("triggers can be fired in a trace only: use --backend trace")
     from pirate_sm.backends.pico.assembly import read_plan, serial_backend
     from pirate_sm.backends.pico.starting import check_of
@@ -282,11 +287,33 @@ def _trace(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
         raise UsageError("--defect needs a robot that moves: use --backend sim")
     if order.detector is not None or order.start_at_m is not None:
         raise UsageError("--detector needs a robot that moves: use --backend sim")
+    if order.course:
+        return _course(order, loaded)
     _check_firings(order.firings, loaded)
     backend = TraceBackend()
     engine = Engine(loaded.robot, loaded.program, nominal=True)
     script = TriggerScript(order.firings)
     return Prepared(order, loaded, engine, backend, (script,), (IDEAL,))
+
+
+def _course(order: Order, loaded: LoadedMission) -> Prepared:
+    """A trace in which what happens is laid down."""
+    from pirate_sm.backends.trace import SCRIPTED, TraceBackend, Verdicts
+    from pirate_sm.loading.course import played
+    from pirate_sm.runtime.course import CoursePlayer
+
+    if order.firings:
+        raise UsageError("a course of events and --fire exclude each other")
+    events = played(order.course, loaded.robot)
+    known = [each.report for each in events if each.happening.happens == "start" and each.report]
+    verdicts = Verdicts(scripted=True)
+    player = CoursePlayer(
+        [each for each in events if each.happening.happens != "start"],
+        verdicts.decide, verdicts.release,
+    )  # fmt: skip
+    backend = TraceBackend(verdicts, known)
+    engine = Engine(loaded.robot, loaded.program, nominal=True)
+    return Prepared(order, loaded, engine, backend, (player,), (SCRIPTED,), attended=True)
 
 
 def _check_firings(firings: tuple[Firing, ...], loaded: LoadedMission) -> None:

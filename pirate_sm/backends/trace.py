@@ -6,12 +6,13 @@ through from its start to an end without a robot, a pipe or a simulator.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from math import inf
 
 from pirate_sm.backends.protocol import Completion
 from pirate_sm.errors import BackendError
-from pirate_sm.model.events import Event, SubmitResult
+from pirate_sm.model.events import Event, SubmitResult, SubmitStatus
 
 IDEAL = (
     "trace: nothing moves, no sensor speaks; every command succeeds after its nominal duration "
@@ -19,32 +20,72 @@ IDEAL = (
 )
 """What must be said before anybody takes a trace for a prediction."""
 
+SCRIPTED = (
+    "trace: nothing moves, no sensor speaks; what happens is laid down in the script, and then "
+    "all goes well"
+)
+"""The same, where a course of events is played."""
+
+
+class Verdicts:
+    """What a script has decided of arrays; where it has not, or is over, they are accepted.
+
+    Args:
+        scripted: Whether arrays wait for a decision.
+    """
+
+    def __init__(self, *, scripted: bool = False) -> None:
+        self._scripted = scripted
+        self._decided: deque[tuple[SubmitStatus, str]] = deque()
+
+    def decide(self, status: SubmitStatus, reason: str = "") -> None:
+        """The oldest array that waits has met its fate."""
+        self._decided.append((status, reason))
+
+    def release(self) -> None:
+        """Whatever is not decided is accepted from now on."""
+        self._scripted = False
+
+    def next(self) -> tuple[SubmitStatus, str] | None:
+        """The fate of the next array; None while it is to wait."""
+        if self._decided:
+            return self._decided.popleft()
+        return None if self._scripted else ("accepted", "")
+
 
 class TraceBackend:
-    """The ideal world."""
+    """The ideal world, unless a script says otherwise.
+
+    Args:
+        verdicts: Whether arrays are accepted; all are without it.
+        known: What is known at the start.
+    """
 
     name = "trace"
     completion: Completion = "nominal"
     real_time = False
 
-    def __init__(self) -> None:
+    def __init__(self, verdicts: Verdicts | None = None, known: Sequence[Event] = ()) -> None:
         self._now_s = 0.0
-        self._results: list[Event] = []
+        self._verdicts = verdicts or Verdicts()
+        self._known = tuple(known)
+        self._waiting: deque[int] = deque()
         self._closed = False
 
     def open(self) -> Sequence[Event]:
-        """It is ready; there is nothing to know."""
-        return ()
+        """It is ready."""
+        return self._known
 
     def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
-        """The array counts as accepted at this very moment.
+        """The array counts as accepted at this very moment, or waits for the script.
 
         Raises:
             BackendError: It has been closed.
         """
         if self._closed:
             raise BackendError("the trace is closed")
-        self._results.append(SubmitResult(setpoint_id, "accepted"))
+        if setpoint_id not in self._waiting:
+            self._waiting.append(setpoint_id)
 
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
         """Results are handed out without time passing; without any, it is ``until_s``.
@@ -52,13 +93,19 @@ class TraceBackend:
         Raises:
             BackendError: Nothing is left that could ever happen.
         """
-        if self._results:
-            results, self._results = tuple(self._results), []
+        results = self._decided()
+        if results:
             return self._now_s, results
         if until_s == inf:
             raise BackendError("the mission waits for ever: nothing is left that could happen")
         self._now_s = max(self._now_s, until_s)
         return self._now_s, ()
+
+    def _decided(self) -> tuple[Event, ...]:
+        found = []
+        while self._waiting and (verdict := self._verdicts.next()) is not None:
+            found.append(SubmitResult(self._waiting.popleft(), *verdict))
+        return tuple(found)
 
     def close(self) -> None:
         """It takes nothing more."""

@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
+from typing import TYPE_CHECKING
 
 from pirate_sm.loading.problems import Locator, Place, Problem
 from pirate_sm.loading.problems import Severity as LoadSeverity
+
+if TYPE_CHECKING:
+    from pirate_sm.checking.exploring.explorer import Exploration
 
 
 class Severity(IntEnum):
@@ -41,6 +45,7 @@ class Finding:
         related: Further places with what they have to do with it.
         story: How it comes about, one sentence for each event, the first one first.
         example: Name of the counterexample that plays the story; empty without one.
+        course: The exploration and the step of it in which it comes about; empty without one.
         allowed: Why it may stay, said in a comment on its line; empty: it may not.
     """
 
@@ -54,6 +59,7 @@ class Finding:
     related: tuple[tuple[Place, str], ...] = ()
     story: tuple[str, ...] = ()
     example: str = ""
+    course: tuple[tuple[Exploration, int], ...] = field(default=(), compare=False, repr=False)
     allowed: str = field(default="", compare=False)
 
     @property

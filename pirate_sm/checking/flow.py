@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 
 from pirate_sm.checking.exploring.explorer import Exploration
 from pirate_sm.checking.exploring.ledger import Ledger
-from pirate_sm.checking.exploring.story import story
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
 from pirate_sm.loading.mission import LoadedMission
@@ -75,7 +74,7 @@ def _endless(books: Sequence[Ledger], loaded: LoadedMission, places: Places) -> 
         places.of(("phases", own), key=True), "loop.endless",
         Severity.ERROR if sure else Severity.POSSIBLE,
         f"from the phase '{own}' no end can be reached{also}",
-        story=story(found, found.nodes[first].step),
+        happens=(found, found.nodes[first].step), playable=len(books) == 1,
     )  # fmt: skip
 
 
@@ -125,5 +124,5 @@ def _rules(books: Sequence[Ledger], places: Places) -> Iterator[Finding]:
             yield places.finding(
                 places.read(at) if at else places.mission(), "rule.violated",
                 Severity.ERROR if book.sure(number) else Severity.POSSIBLE, message,
-                story=story(book.found, number),
+                happens=(book.found, number), playable=book is books[0],
             )  # fmt: skip

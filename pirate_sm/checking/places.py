@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pirate_sm.checking.exploring.explorer import Exploration
+from pirate_sm.checking.exploring.story import story
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
@@ -40,11 +42,26 @@ class Places:
         *,
         mend: str = "",
         related: tuple[tuple[Place, str], ...] = (),
-        story: tuple[str, ...] = (),
+        happens: tuple[Exploration, int] | None = None,
+        playable: bool = True,
     ) -> Finding:
-        """A finding with the line that stands at its place."""
+        """A finding with the line that stands at its place.
+
+        Args:
+            place: Where.
+            code: Its code.
+            severity: How surely.
+            message: What is wrong.
+            mend: How to mend it.
+            related: Further places.
+            happens: The step of an exploration in which it comes about; becomes its story.
+            playable: Whether the mission as it stands can be led there.
+        """
         document = self._documents.get(place.file)
         excerpt = document.excerpt(place.line) if document else ""
+        told = story(*happens) if happens else ()
+        sure = playable and severity is not Severity.POSSIBLE
         return Finding(
-            code, severity, place, message, mend=mend, excerpt=excerpt, related=related, story=story
-        )
+            code, severity, place, message, mend=mend, excerpt=excerpt, related=related,
+            story=told, course=(happens,) if happens and sure else (),
+        )  # fmt: skip

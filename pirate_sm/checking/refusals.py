@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from pirate_sm.checking.exploring.ledger import Ledger, Visits
-from pirate_sm.checking.exploring.story import story
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
 from pirate_sm.engine.program import STOP, Do, Program, Require
@@ -38,7 +37,8 @@ def refusal_findings(
                 message += " (once the step before that cannot run has been mended)"
             yield places.finding(
                 places.read(place), code, severity, message, mend=mend,
-                story=story(book.found, step_number) if step_number >= 0 else (),
+                happens=(book.found, step_number) if step_number >= 0 else None,
+                playable=not assumed,
             )  # fmt: skip
 
 

@@ -30,6 +30,7 @@ from pirate_sm.wiring import Order, Prepared, answers, prepare
 
 if TYPE_CHECKING:
     from pirate_sm.detectors.keys import WordKeys
+    from pirate_sm.model.course import Happening
 
 ON_A_TERMINAL = 4.0
 """Mission seconds per second where a person is thought to watch."""
@@ -116,7 +117,9 @@ def _show(
         operator, words = _people(prepared, wishes, on_terminal, live, stack)
         output = _output(situation, wishes, live, factor, operator, words)
         pipe = watch_pipe(sys.stdout)
-        companions: list[Companion] = [*prepared.companions, operator or _nobody(wishes)]
+        companions: list[Companion] = [*prepared.companions]
+        if not prepared.attended:
+            companions.append(operator or _nobody(wishes))
         companions += [words] if words else []
         run = MissionRun(
             prepared.engine,
@@ -163,7 +166,7 @@ def _people(
     detects = prepared.detector == "operator"
     if detects and not (present and on_terminal):
         raise UsageError("--detector operator needs a terminal: nobody could see it and type")
-    if not present or (wishes.yes and not detects):
+    if not present or prepared.attended or (wishes.yes and not detects):
         return None, None
     from pirate_sm.detectors.keys import LETTERS, WordKeys
 
@@ -216,8 +219,10 @@ def read_order(wishes: Wishes) -> Order:
         UsageError: An option reads otherwise than it should.
     """
     firings = read_fire(wishes.fire)
+    course: tuple[Happening, ...] = ()
     if wishes.script is not None:
-        firings += read_script(Path(wishes.script))
+        listed, course = read_script(Path(wishes.script))
+        firings += listed
     return Order(
         mission=wishes.mission,
         backend=wishes.backend,
@@ -229,6 +234,7 @@ def read_order(wishes: Wishes) -> Order:
         seed=wishes.seed,
         defects=tuple(dict.fromkeys(wishes.defects)),
         firings=tuple(firings),
+        course=course,
         port=wishes.port,
         baud=wishes.baud,
         calibration=wishes.calibration,

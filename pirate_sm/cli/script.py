@@ -10,10 +10,12 @@ from typing import Annotated
 from pydantic import Field
 
 from pirate_sm.errors import UsageError
+from pirate_sm.loading.course import read_course
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.source import read_document
 from pirate_sm.loading.validate import try_validate
 from pirate_sm.model.base import Frozen, Name
+from pirate_sm.model.course import Happening
 from pirate_sm.model.quantities import Duration
 from pirate_sm.runtime.companions import FIRST_TRIGGER_AFTER_S, Firing
 
@@ -49,13 +51,15 @@ def _seconds(text: str, whole: str) -> float:
     return after_s
 
 
-def read_script(path: Path) -> list[Firing]:
-    """The firings that a file lists.
+def read_script(path: Path) -> tuple[list[Firing], tuple[Happening, ...]]:
+    """The firings that a file lists, or the whole course of events that it lays down.
 
     Raises:
         LoadError: Everything that is wrong with the file.
     """
     document = read_document(path)
+    if isinstance(document.data, dict):
+        return [], read_course(document)
     problems = Problems(document)
     firings = []
     if not isinstance(document.data, list):
@@ -66,4 +70,4 @@ def read_script(path: Path) -> list[Firing]:
         if entry is not None:
             firings.append(Firing(entry.trigger, entry.after, entry.phase))
     problems.raise_errors()
-    return firings
+    return firings, ()

@@ -53,25 +53,29 @@ class Engine:
         self._known_faults = robot.fault_codes()
 
     def start(
-        self, now_s: float = 0.0, seen: Sequence[events.SensorFrame] = ()
+        self, now_s: float = 0.0, seen: Sequence[events.SensorFrame | events.SignalReport] = ()
     ) -> tuple[EngineState, Effects]:
         """The mission has begun; its first effects are returned with the first state.
 
         Args:
             now_s: When.
-            seen: What the boards have reported before; an angle that the first array keeps must
-                be known by then, or it is taken to be 0.
+            seen: What the boards have reported before, or a script has told; an angle that the
+                first array keeps must be known by then, or it is taken to be 0.
         """
         robot = robot_state.at_rest_in(self.robot, self.program.start_configuration)
         sensing = nothing_known(self.robot, blind=self.nominal)
         sensing = sensing._replace(heard_s=(now_s,) * len(sensing.heard_s), checked_s=now_s)
         for frame in seen:
-            sensing = observe(self.robot, sensing, frame, robot.values, robot.values, now_s)
+            if isinstance(frame, events.SensorFrame):
+                sensing = observe(self.robot, sensing, frame, robot.values, robot.values, now_s)
         words = (*robot_state.states_of(self.robot, robot), None, None)
         mission = MissionState(self.program.start, offset_s=now_s)
         following, _ = rules.follow(self.program, self.robot, rules.unseen(self.program), robot, 0)
         state = EngineState(robot, sensing, mission, no_faults(self.robot), words, rules=following)
         effects: list[Effect] = [robot_state.state_change(self.robot, robot)]
+        for report in seen:
+            if isinstance(report, events.SignalReport):
+                state = scripted.told(self, state, report, now_s, effects)
         return self._settle(state, state, now_s, effects)
 
     def step(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from pirate_sm.errors import BackendError
 from pirate_sm.model.effects import Effect, Ended, Fault, Setpoints, WakeAt
-from pirate_sm.model.events import Abort, Event, SensorFrame, Tick
+from pirate_sm.model.events import Abort, Event, SensorFrame, SignalReport, Tick
 from pirate_sm.runtime.clock import Clock, WallClock
 from pirate_sm.runtime.companions import Onlooker
 from pirate_sm.runtime.observing import PULSE_S, Observer, Watcher
@@ -135,11 +135,11 @@ class MissionRun:
             events = self._backend.open()
         except Exception as error:
             raise _BackendRaisedError from error
-        seen = [event for event in events if isinstance(event, SensorFrame)]
+        seen = [event for event in events if isinstance(event, SensorFrame | SignalReport)]
         self.state, effects = self._engine.start(self.now_s, seen)
         self._perform(effects)
         for event in events:
-            if not isinstance(event, SensorFrame):
+            if not isinstance(event, SensorFrame | SignalReport):
                 self._give(event)
 
     def _go_on(self) -> None:

@@ -21,10 +21,11 @@ from pirate_sm.units import DIMENSIONLESS, format_quantity
 
 def story(found: Exploration, step: int) -> tuple[str, ...]:
     """How this step of the exploration comes about."""
-    return tuple(_sentence(found, each) for each in found.path(step))
+    return tuple(sentence(found, each) for each in found.path(step))
 
 
-def _sentence(found: Exploration, step: Step) -> str:
+def sentence(found: Exploration, step: Step) -> str:
+    """What happens in a step, and what follows."""
     said = [_what(found, step), *_consequences(step.effects)]
     shown = _shown(found.robot.vocabulary, step.moment.answer.numbers, step.moment.answer.words)
     if shown and not any(isinstance(each, TriggerFired) for each in step.effects):

@@ -1,0 +1,48 @@
+"""A course of events for a trace: everything that happens to a mission, in order.
+
+Such files are written by ``pirate check --counterexamples`` and can be written by hand.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from pirate_sm.model.base import FaultCode, Frozen, Name
+
+UNKNOWN = "unknown"
+
+
+class Happening(Frozen):
+    """One thing that happens.
+
+    Attributes:
+        happens: ``accepted`` and ``rejected``: to the setpoints that are under way; ``time``: the
+            next deadline comes, at which a command counts as done; ``not_done``: the command
+            under way fails; ``sensors``: they show something else; ``answer`` and ``fault``.
+        signals: What sensors and detector show from then on: quantities, words, ``unknown``.
+        what: For people: what this is in the mission.
+    """
+
+    happens: Literal[
+        "start", "accepted", "rejected", "time", "not_done", "sensors", "answer", "fault"
+    ]
+    signals: dict[Name, str | int | float] = {}
+    answer: str | None = None
+    fault: FaultCode | None = None
+    what: str = ""
+
+    @model_validator(mode="after")
+    def _complete(self) -> Happening:
+        for key in ("answer", "fault"):
+            if (getattr(self, key) is not None) != (self.happens == key):
+                raise ValueError(f"`{key}` says what happens where `happens: {key}`, only there")
+        return self
+
+
+class Course(Frozen):
+    """What happens to a mission, from its start on; then everything goes well."""
+
+    format: Literal[1]
+    course: Annotated[tuple[Happening, ...], Field(min_length=1)]

@@ -1,0 +1,123 @@
+"""Plays a course of events to a mission in a trace, one after the other and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import inf
+
+from pirate_sm.model.course import Happening
+from pirate_sm.model.effects import Ask, Effect, Ended, PhaseChange, TriggerFired, WaitArmed, WakeAt
+from pirate_sm.model.events import (
+    Answer,
+    CommandFailed,
+    Event,
+    FaultReport,
+    SignalReport,
+    SubmitStatus,
+)
+from pirate_sm.runtime.companions import FirstChoice, TriggerScript
+
+_BEFORE_S = 1e-6
+"""Sensors show something so long before the deadline at which it counts."""
+
+
+class CoursePlayer:
+    """A companion that makes everything happen; once it is through, all goes well.
+
+    Args:
+        course: What happens, without the start, and what sensors show then.
+        decide: Takes the fate of the array that is under way.
+        release: Is called when arrays need no decision any more.
+    """
+
+    listening = False
+
+    def __init__(
+        self,
+        course: Sequence[tuple[Happening, SignalReport | None]],
+        decide: Callable[[SubmitStatus, str], None],
+        release: Callable[[], None],
+    ) -> None:
+        self._left = list(course)[::-1]
+        self._decide = decide
+        self._release = release
+        self._wake_s = inf
+        self._deadline_s = inf
+        self._shown = False
+        self._open: dict[type[Effect], Effect] = {}
+        self._after = (TriggerScript(), FirstChoice("the course of events is over"))
+        self._over = False
+        self.due_s = 0.0
+        if not course:
+            self._finish(0.0)
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """It knows what the mission waits for."""
+        for effect in effects:
+            if isinstance(effect, WakeAt):
+                self._wake_s = effect.at_s
+            elif isinstance(effect, TriggerFired | PhaseChange | Ended):
+                self._open.pop(WaitArmed, None)
+            elif isinstance(effect, WaitArmed | Ask):
+                self._open[type(effect)] = effect
+        if now_s < self._deadline_s:  # else it has just come, and the next one is another matter
+            self._deadline_s = self._wake_s
+        if self._over:
+            for companion in self._after:
+                companion.react(effects, now_s)
+        self._plan(now_s)
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """The next thing has happened."""
+        if self._over:
+            return [
+                event for each in self._after if now_s >= each.due_s for event in each.speak(now_s)
+            ]
+        event, report = self._left[-1]
+        if report is not None and not self._shown and event.happens != "sensors":
+            self._shown = True
+            self._plan(now_s)
+            return (report,)
+        if event.happens == "time" and now_s < self._deadline_s:
+            self._plan(now_s)
+            return ()
+        self._left.pop()
+        self._shown = False
+        self._deadline_s = self._wake_s
+        said = self._said(event, report)
+        if not self._left:
+            self._finish(now_s)
+        self._plan(now_s)
+        return said
+
+    def _said(self, event: Happening, report: SignalReport | None) -> Sequence[Event]:
+        match event.happens:
+            case "accepted" | "rejected" as fate:
+                self._decide(fate, "" if fate == "accepted" else "so the course of events")
+            case "not_done":
+                return (CommandFailed("not done in time, so the course of events"),)
+            case "answer":
+                return (Answer(event.answer or ""),)
+            case "fault":
+                return (FaultReport(event.fault or "", "so the course of events"),)
+            case "sensors" if report is not None:
+                return (report,)
+        return ()
+
+    def _plan(self, now_s: float) -> None:
+        if self._over:
+            self.due_s = min(each.due_s for each in self._after)
+            return
+        event, report = self._left[-1]
+        self.due_s = now_s
+        if event.happens == "time":
+            shows = report is not None and not self._shown
+            before_s = _BEFORE_S if shows else 0.0
+            self.due_s = max(now_s, self._deadline_s - before_s)
+
+    def _finish(self, now_s: float) -> None:
+        """From now on arrays are accepted, first triggers fire, first answers are given."""
+        self._over = True
+        self._release()
+        for companion in self._after:
+            companion.react(tuple(self._open.values()), now_s)
