@@ -103,7 +103,7 @@ def _flow(finding: Finding) -> dict[str, Any]:
 def _suppressions(finding: Finding) -> list[dict[str, str]]:
     if not finding.allowed:
         return []
-    return [{"kind": "inSource", "status": "accepted", "justification": finding.allowed}]
+    return [{"kind": "inSource", "justification": finding.allowed}]
 
 
 def _fingerprint(finding: Finding, seen: Counter[str]) -> str:

@@ -58,7 +58,7 @@ def _finding(finding: Finding, paint: Paint) -> Iterator[str]:
     said = ("why", entry.why), ("mend", _mend(finding, entry.mend)), ("example", finding.example)
     for label, text in said:
         if text:
-            yield from _wrapped(f"  {label + ':':6}", text, paint)
+            yield from _wrapped(f"  {label + ': ':6}", text, paint)
 
 
 def _wrapped(label: str, text: str, paint: Paint) -> Iterator[str]:

@@ -1,0 +1,140 @@
+"""The reports for programs hold to their schemas."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import jsonschema
+import pytest
+import xmlschema
+
+from pirate_sm.checking import catalogue
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.project import Report
+from pirate_sm.checking.reports.json import json_report
+from pirate_sm.checking.reports.junit import junit_report
+from pirate_sm.checking.reports.sarif import sarif_report
+from pirate_sm.loading.problems import Place
+
+from ..robots import ROOT
+
+SCHEMAS = ROOT / "tests" / "schemas"
+OWN = json.loads((ROOT / "docs" / "schemas" / "check.schema.json").read_text("utf-8"))
+SARIF = json.loads((SCHEMAS / "sarif-2.1.0.json").read_text("utf-8"))
+JUNIT = xmlschema.XMLSchema(str(SCHEMAS / "junit-10.xsd"))
+
+
+@pytest.fixture
+def every_code() -> Report:
+    """A report with a finding of each code."""
+    return Report(
+        tuple(
+            Finding(code, Severity[entry.severity.upper()], Place("a.yaml", 1, 1), entry.title)
+            for code, entry in catalogue.entries().items()
+        ),
+        (),
+    )
+
+
+@pytest.fixture(params=["report", "clean", "hostile", "every_code"])
+def any_report(request: pytest.FixtureRequest) -> Report:
+    return request.getfixturevalue(request.param)
+
+
+def sarif(report: Report) -> Any:
+    return json.loads(sarif_report(report))
+
+
+def test_json_is_as_its_schema_says(any_report: Report) -> None:
+    text = json_report(any_report)
+
+    jsonschema.validate(json.loads(text), OWN)
+    assert text.isascii()
+
+
+def test_json_holds_everything(report: Report) -> None:
+    data = json.loads(json_report(report))
+
+    assert data["summary"] == {"error": 2, "warning": 1, "possible": 1, "allowed": 1}
+    first = data["findings"][0]
+    assert (first["line"], first["column"], first["end_column"]) == (12, 15, 24)
+    assert first["story"][0] == "the mission begins"
+    assert first["related"][0]["message"] == "called from here"
+    assert data["findings"][3]["allowed"] == "it ends, here"
+
+
+def test_sarif_is_as_its_schema_says(any_report: Report) -> None:
+    text = sarif_report(any_report)
+
+    jsonschema.validate(json.loads(text), SARIF)
+    assert text.isascii()
+
+
+def test_sarif_shows_the_place_the_story_and_what_is_allowed(report: Report) -> None:
+    (run,) = sarif(report)["runs"]
+    first, second, third, allowed, whole = run["results"]
+
+    place = first["locations"][0]["physicalLocation"]
+    assert place["artifactLocation"] == {
+        "uri": "missions/my%20mission.yaml", "uriBaseId": "%SRCROOT%"
+    }  # fmt: skip
+    region = place["region"]
+    assert (region["startLine"], region["startColumn"], region["endColumn"]) == (12, 15, 24)
+    (thread,) = first["codeFlows"][0]["threadFlows"]
+    assert [each["location"]["message"]["text"] for each in thread["locations"]] == [
+        "the mission begins", "RelaxRear is refused:\nwheels turn",
+    ]  # fmt: skip
+    assert [each["level"] for each in (first, second, third)] == ["error", "warning", "note"]
+    assert allowed["suppressions"] == [{"kind": "inSource", "justification": "it ends, here"}]
+    assert second["suppressions"] == []
+    location = whole["locations"][0]["physicalLocation"]
+    assert location == {"artifactLocation": {"uri": "file:///tmp/gone.yaml"}}
+
+
+def test_sarif_explains_the_rules_that_it_uses(report: Report) -> None:
+    (run,) = sarif(report)["runs"]
+    rules = run["tool"]["driver"]["rules"]
+
+    for result in run["results"]:
+        assert rules[result["ruleIndex"]]["id"] == result["ruleId"]
+    assert rules[0]["shortDescription"]["text"] == "A command is refused as impossible on some path"
+    assert "brake" not in rules[0]["help"]["text"]
+
+
+def test_sarif_knows_a_finding_again_on_another_line_and_tells_equal_ones_apart() -> None:
+    def prints(*lines: int) -> list[str]:
+        findings = [
+            Finding("chart.trap", Severity.WARNING, Place("a.yaml", line, 1), "m", excerpt="x")
+            for line in lines
+        ]
+        results = sarif(Report(tuple(findings), ()))["runs"][0]["results"]
+        return [each["partialFingerprints"]["finding/v1"] for each in results]
+
+    assert prints(3, 9) == prints(4, 11)
+    assert len(set(prints(3, 9))) == 2
+
+
+def test_junit_is_as_its_schema_says(any_report: Report) -> None:
+    JUNIT.validate(junit_report(any_report, Severity.WARNING))
+
+
+@pytest.mark.parametrize(("fail_on", "failures"), [(Severity.ERROR, "2"), (Severity.WARNING, "3")])
+def test_junit_fails_where_the_check_fails(
+    report: Report, fail_on: Severity, failures: str
+) -> None:
+    data = JUNIT.to_dict(junit_report(report, fail_on))
+
+    assert (data["@tests"], data["@failures"]) == ("6", failures)
+    suites = {each["@name"]: each for each in data["testsuite"]}
+    assert suites["clean.yaml"]["testcase"][0]["@name"] == "no findings"
+    assert suites["a.yaml"]["@skipped"] == "1"
+    assert suites["/tmp/gone.yaml"]["testcase"][0]["failure"][0]["@type"] == "file"
+
+
+def test_a_line_of_a_hostile_file_does_not_fill_the_report() -> None:
+    found = Finding("kind", Severity.ERROR, Place("a", 1, 1), "m", excerpt="x" * 1_000_000)
+    report = Report((found,), ())
+
+    for text in (json_report(report), sarif_report(report), junit_report(report, Severity.ERROR)):
+        assert len(text) < 10_000
