@@ -192,8 +192,13 @@ class SetpointLink:
         if flight is not None and not (flight.told and waiting is not None):
             return -inf if flight.again else flight.sent_s + self._patience_s
         if waiting is not None:
-            return self._sent_s + self._spacing_s
+            return self._sent_s + self._gap_s
         return inf
+
+    @property
+    def _gap_s(self) -> float:
+        """How long after the last writing a different array may be written."""
+        return _HURRY * self._spacing_s if self._bad else self._spacing_s
 
     @property
     def _patience_s(self) -> float:
@@ -253,7 +258,7 @@ class SetpointLink:
             # A repeat would come after something newer is wanted.
             self._end(flight, f"array {self._waiting.setpoint_id} came before its echo")
             flight = None
-        if flight is None and self._waiting is not None and now >= self._sent_s + self._spacing_s:
+        if flight is None and self._waiting is not None and now >= self._sent_s + self._gap_s:
             flight = self._flight = _Flight(self._waiting, now)
             self._waiting = None
         if flight is None or not flight.again:
