@@ -21,8 +21,9 @@ AFTER_A_WRITE_S = 0.03
 """Two frames at once would not fit into the ring of the receiver."""
 
 REPEAT_EVERY_S = 0.1
-REPEATS = 20
-"""With three of four echoes lost, one of so many safe frames is seen to arrive but for 1 in 300."""
+REPEATS = 50
+"""A controller that is being reset hears none of the first half. With three of four echoes lost,
+one of the others is seen to arrive but for 1 in 1,000."""
 
 
 class Kind(IntEnum):

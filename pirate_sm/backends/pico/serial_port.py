@@ -69,6 +69,7 @@ class SerialPort:
         try:
             self._port.write(data)
         except (serial.SerialException, OSError) as error:
+            self._let_go()  # a device that is plugged in again gets its old name only then
             raise PortLostError(f"{self.name} takes nothing any more: {error}") from None
 
     def read(self, until_s: float) -> bytes:
@@ -80,6 +81,7 @@ class SerialPort:
             return bytes(self._port.read(_MOST_BYTES))
         except (serial.SerialException, OSError, TypeError) as error:
             # pyserial raises a TypeError when its descriptor is taken away meanwhile.
+            self._let_go()
             raise PortLostError(f"{self.name} has gone: {error}") from None
 
     @property
