@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from pirate_sm.drawing.model import Edge, EdgeKind, Graph, Node, NodeKind
-from pirate_sm.drawing.text import INDENT, balanced, wrapped
+from pirate_sm.drawing.text import INDENT, balanced, printable, wrapped
 
 NODE_COLUMNS, LABEL_COLUMNS, NOTE_COLUMNS = 46, 28, 120
 
@@ -107,5 +107,5 @@ def _quoted(text: str) -> str:
 def _inside(text: str) -> str:
     """The text within quotes: a backslash would begin an escape, an ampersand an entity."""
     blanks = len(text) - len(text.lstrip(" "))
-    flat = "\N{NO-BREAK SPACE}" * blanks + " ".join(text.split())
+    flat = "\N{NO-BREAK SPACE}" * blanks + " ".join(printable(text).split())
     return flat.replace("\\", "\\\\").replace('"', '\\"').replace("&", "&amp;")

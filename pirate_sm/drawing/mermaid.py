@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 
 from pirate_sm.drawing.model import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.drawing.names import plain_names
-from pirate_sm.drawing.text import balanced, wrapped
+from pirate_sm.drawing.text import balanced, printable, wrapped
 
 LABEL_COLUMNS, NOTE_COLUMNS = 28, 100
 BLANK = "#nbsp;"
@@ -109,10 +109,10 @@ def _escaped(text: str, *, indent: bool = False) -> str:
     blanks = BLANK * (len(text) - len(bare)) if indent else ""
     return blanks + "".join(
         character if character.isalnum() or character in " _,.:()=✓✗“”≤…" else f"#{ord(character)};"
-        for character in " ".join(bare.split())
+        for character in " ".join(printable(bare).split())
     )
 
 
 def _yaml(text: str) -> str:
-    inside = " ".join(text.split()).replace("\\", "\\\\").replace('"', '\\"')
+    inside = " ".join(printable(text).split()).replace("\\", "\\\\").replace('"', '\\"')
     return f'"{inside}"'

@@ -19,6 +19,16 @@ def _cells_of(character: str) -> int:
     return 2 if unicodedata.east_asian_width(character) in "WF" else 1
 
 
+def printable(text: str) -> str:
+    """The text with a replacement for each character that is none, or that moves a cursor."""
+    return text if text.isprintable() else "".join(map(_printable, text))
+
+
+def _printable(character: str) -> str:
+    hidden = unicodedata.category(character) in {"Cc", "Cs", "Cn"} and character not in "\t\n\r"
+    return "\N{REPLACEMENT CHARACTER}" if hidden else character
+
+
 def wrapped(text: str, width: int, hang: int = 0) -> tuple[str, ...]:
     """The text in lines of at most ``width`` columns, broken at blanks wherever there are some.
 

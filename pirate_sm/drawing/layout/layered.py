@@ -13,7 +13,7 @@ from pirate_sm.drawing.layout.ranks import ranks, turned
 
 GAP = 22.0
 """Between neighbours on a rank."""
-RANK_GAP = 26.0
+RANK_GAP = 28.0
 """The least between two ranks; it grows with how far the links between them swing."""
 LARGEST_RANK_GAP = 80.0
 SLOPE = 0.16
@@ -23,8 +23,8 @@ LABEL_GAP = 6.0
 """Between a link and its label."""
 LOOP = 30.0
 """How far a link to its own box reaches out."""
-LEAST_STRAIGHT = 12.0
-"""A shorter piece at the end of a link would be all arrow head: it swings all the way."""
+LEAST_STRAIGHT = 10.0
+"""At the end of a link, for the arrow head."""
 INNER_WEIGHT = 4
 """How much more it matters that a long link is straight than how it begins and ends."""
 
@@ -166,28 +166,40 @@ def _placed(plan: _Plan, x: list[float], joints: dict[tuple[int, int], Segment])
         if _is_loop(link):
             routes.append(_loop(plan, link, x[link.source], middle[link.source]))
             continue
-        chain = plan.chains[number]
-        first, last = joints[number, 0], joints[number, len(chain) - 2]
-        points: list[Point] = []
-        for vertex in chain:
-            at, half = x[vertex], plan.sizes[vertex].height / 2
-            top, bottom = tops[rank[vertex]], bottoms[rank[vertex]]
-            if vertex == chain[0]:
-                at, top = at + first.upper_port, middle[vertex] + half
-            elif vertex == chain[-1]:
-                at, bottom = at + last.lower_port, middle[vertex] - half
-            if bottom - top > LEAST_STRAIGHT:
-                points += [(at, top), (at, bottom)]
-            else:
-                points.append((at, top if vertex == chain[0] else bottom))
+        spans = [(tops[rank[vertex]], bottoms[rank[vertex]]) for vertex in plan.chains[number]]
         label = plan.labels.get(number)
         at_label = (0.0, 0.0)
         if label is not None:
             at_label = (x[label] + LABEL_GAP, middle[label] - plan.sizes[label].height / 2)
-        way = reversed(points) if plan.upwards[number] else points
-        routes.append(Route(tuple(way), at_label))
+        points = _way(plan, number, x, middle, joints, spans)
+        routes.append(Route(tuple(reversed(points) if plan.upwards[number] else points), at_label))
     width = max((x[v] + plan.vertices[v].right for v in range(len(x))), default=0.0)
     return Layout(Size(width, bottoms[-1] if bottoms else 0.0), corners, tuple(routes))
+
+
+def _way(
+    plan: _Plan,
+    number: int,
+    x: list[float],
+    middle: list[float],
+    joints: dict[tuple[int, int], Segment],
+    spans: list[tuple[float, float]],
+) -> list[Point]:
+    """The link's points from top to bottom: it swings between the ranks only."""
+    upper, *ways, lower = plan.chains[number]
+    begin = x[upper] + joints[number, 0].upper_port
+    end = x[lower] + joints[number, len(ways)].lower_port
+    top = middle[upper] + plan.boxes[upper].height / 2
+    bottom = middle[lower] - plan.boxes[lower].height / 2
+    leave, arrive = spans[0][1], spans[-1][0]
+    if plan.upwards[number]:
+        leave = max(leave, top + LEAST_STRAIGHT)
+    else:
+        arrive = min(arrive, bottom - LEAST_STRAIGHT)
+    points = [(begin, top), (begin, leave)]
+    for vertex, span in zip(ways, spans[1:-1], strict=True):
+        points += [(x[vertex], y) for y in span]
+    return [*points, (end, arrive), (end, bottom)]
 
 
 def _bands(

@@ -25,7 +25,7 @@ from pirate_sm.drawing.svg.scene import (
     scene,
 )
 from pirate_sm.drawing.svg.style import stylesheet
-from pirate_sm.drawing.text import cells
+from pirate_sm.drawing.text import cells, printable
 
 HEAD = 8.0
 BASELINE = 0.75
@@ -176,7 +176,7 @@ def _way(route: Route) -> tuple[str, str]:
     points[-1] = (tip_x, tip_y - down * HEAD)
     path = [f"M{_point(points[0])}"]
     for (x, y), (to_x, to_y) in pairwise(points):
-        if abs(x - to_x) < 0.5:
+        if abs(x - to_x) < 0.05:
             path.append(f"L{_point((to_x, to_y))}")
             continue
         half = (y + to_y) / 2
@@ -206,16 +206,11 @@ def _tooltip(text: str) -> Iterator[str]:
 
 
 def _escaped(text: str) -> str:
-    return escape(_allowed(text))
+    return escape(printable(text))
 
 
 def _quoted(text: str) -> str:
-    return quoteattr(_allowed(text))
-
-
-def _allowed(text: str) -> str:
-    """The text with a replacement for what XML cannot contain at all."""
-    return "".join(c if c >= " " or c in "\t\n\r" else "\N{REPLACEMENT CHARACTER}" for c in text)
+    return quoteattr(printable(text))
 
 
 def _number(value: float) -> str:
