@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from pirate_sm.loading.problems import Path, Problems
-from pirate_sm.model.mission import ParameterDefinition, ParameterValue
+from pirate_sm.model.parameters import ParameterDefinition, ParameterValue
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import (
     ANGLE,

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.model import profile as model
+from pirate_sm.model.body import Body
 from pirate_sm.model.simulation import Defect
 from pirate_sm.spelling import nearest, one_of
 
@@ -45,7 +46,7 @@ def check_body(profile: model.Profile, problems: Problems) -> None:
         _check_defect(profile, defect, ("simulation", "defects", name), problems)
 
 
-def _check_chain(body: model.Body, problems: Problems) -> None:
+def _check_chain(body: Body, problems: Problems) -> None:
     needed = len(body.wheels) - 1
     if len(body.links) != needed:
         problems.add(
@@ -66,7 +67,7 @@ def _check_chain(body: model.Body, problems: Problems) -> None:
             _must_be(name, body.parts, "part", ("body", section, number, "part"), problems)
 
 
-def _check_joints(body: model.Body, problems: Problems) -> None:
+def _check_joints(body: Body, problems: Problems) -> None:
     names = [wheel.name for wheel in body.wheels]
     for number, joint in enumerate(body.joints):
         path: Path = ("body", "joints", number, "wheel")

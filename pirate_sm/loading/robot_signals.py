@@ -16,6 +16,7 @@ from pirate_sm.expressions import (
     compile_expression,
 )
 from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.model import derived as kinds
 from pirate_sm.model import profile as model
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE, CURRENT, DIMENSIONLESS, LENGTH, SPEED, TIME, TORQUE, Dimension
@@ -89,7 +90,7 @@ class Signals:
     def rate_of(self, name: str) -> int:
         """The index of the signal that is this one's rate; -1 without one."""
         for rate, derived in self.profile.derived.items():
-            if isinstance(derived, model.RateOf) and derived.rate_of == name:
+            if isinstance(derived, kinds.RateOf) and derived.rate_of == name:
                 return self.vocabulary.numbers.index(rate)
         return -1
 
@@ -131,17 +132,17 @@ class Signals:
         for name, derived in self.profile.derived.items():
             target = names.index(name)
             match derived:
-                case model.RateOf(rate_of=source) if source in told:
+                case kinds.RateOf(rate_of=source) if source in told:
                     rates.append((names.index(source), target))
-                case model.TorqueOf(torque_of=source, slot=slot, scale=scale) if source in told:
+                case kinds.TorqueOf(torque_of=source, slot=slot, scale=scale) if source in told:
                     factor = self.constant(scale, ("derived", name, "scale"))[0]
                     if slot in slots:
                         torques.append((names.index(source), slots.index(slot), factor, target))
-                case model.RollOf() | model.PitchOf() | model.NormOf():
+                case kinds.RollOf() | kinds.PitchOf() | kinds.NormOf():
                     how, sources = _vector(derived)
                     if set(sources) <= told:
                         vectors.append(Vector(how, tuple(map(names.index, sources)), target))
-                case model.DiameterOf(diameter_of=part):
+                case kinds.DiameterOf(diameter_of=part):
                     diameters += self._diameter(part, told, target)
         wheels = tuple(w for w in self.wheels if names[w.angle] in told)
         return BoardSpec(
@@ -252,18 +253,18 @@ def _derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
         _check_name(name, types[name], path, signals.problems, key=True)
 
 
-def _sources(derived: model.Derived) -> tuple[str, ...]:
-    value = getattr(derived, next(kind for kind in model.DERIVED_KINDS if hasattr(derived, kind)))
+def _sources(derived: kinds.Derived) -> tuple[str, ...]:
+    value = getattr(derived, next(kind for kind in kinds.DERIVED_KINDS if hasattr(derived, kind)))
     return (value,) if isinstance(value, str) else tuple(value)
 
 
 def _valid_sources(
-    profile: model.Profile, derived: model.Derived, types: Mapping[str, object]
+    profile: model.Profile, derived: kinds.Derived, types: Mapping[str, object]
 ) -> list[str]:
     match derived:
-        case model.DiameterOf():
+        case kinds.DiameterOf():
             return list(profile.body.parts)
-        case model.OdometryOf() | model.SpeedOf():
+        case kinds.OdometryOf() | kinds.SpeedOf():
             return [wheel.name for wheel in profile.body.wheels]
         case _:
             measured = [c.signal for board in profile.boards for c in board.channels if c.signal]
@@ -273,7 +274,7 @@ def _valid_sources(
 
 def _dimension(
     signals: Signals,
-    derived: model.Derived,
+    derived: kinds.Derived,
     types: Mapping[str, NumberType | EnumType],
     path: Path,
 ) -> Dimension:
@@ -282,9 +283,9 @@ def _dimension(
         return kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
 
     match derived:
-        case model.RateOf(rate_of=source):
+        case kinds.RateOf(rate_of=source):
             return of(source) / TIME
-        case model.TorqueOf(torque_of=source, slot=slot, scale=scale):
+        case kinds.TorqueOf(torque_of=source, slot=slot, scale=scale):
             dimension = signals.constant(scale, (*path, "scale"))[1] * of(source)
             if of(source) != CURRENT or dimension != TORQUE:
                 signals.problems.add(
@@ -293,23 +294,23 @@ def _dimension(
             if slot not in [each.name for each in signals.profile.slots]:
                 signals.problems.add("robot.slot", (*path, "slot"), f"there is no slot '{slot}'")
             return TORQUE
-        case model.RollOf() | model.PitchOf():
+        case kinds.RollOf() | kinds.PitchOf():
             return ANGLE
-        case model.NormOf(norm_of=sources):
+        case kinds.NormOf(norm_of=sources):
             return of(sources[0])
-        case model.SpeedOf():
+        case kinds.SpeedOf():
             return SPEED
         case _:
             return LENGTH
 
 
-def _vector(derived: model.Derived) -> tuple[Literal["roll", "pitch", "norm"], tuple[str, ...]]:
+def _vector(derived: kinds.Derived) -> tuple[Literal["roll", "pitch", "norm"], tuple[str, ...]]:
     match derived:
-        case model.RollOf(roll_of=sources):
+        case kinds.RollOf(roll_of=sources):
             return "roll", sources
-        case model.PitchOf(pitch_of=sources):
+        case kinds.PitchOf(pitch_of=sources):
             return "pitch", sources
-        case model.NormOf(norm_of=sources):
+        case kinds.NormOf(norm_of=sources):
             return "norm", sources
     raise AssertionError(f"not a vector: {derived}")
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from pirate_sm.model.base import (
     DEFINED,
@@ -19,38 +19,12 @@ from pirate_sm.model.base import (
     Frozen,
     Name,
 )
+from pirate_sm.model.parameters import ParameterDefinition, ParameterValue
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.quantities import CountOrParameter, DurationOrParameter
 
 CONTINUE = "continue"
 FAIL = "fail"
-
-ParameterType: TypeAlias = Literal[
-    "duration", "length", "angle", "speed", "angular_speed", "torque", "force", "current",
-    "ratio", "count", "number",
-]  # fmt: skip
-# Strict: else `true` would be the count 1.
-ParameterValue: TypeAlias = (
-    Annotated[str, Strict()] | Annotated[int, Strict()] | Annotated[float, Strict()]
-)
-
-
-class ParameterDefinition(Frozen):
-    """A constant of a run; without a default it must be given.
-
-    Attributes:
-        type: What the value is, and so which units fit.
-        default: The value when none is given; without a default it must be given.
-        min: The least value that may be given.
-        max: The largest value that may be given.
-        description: One line for people.
-    """
-
-    type: ParameterType
-    default: ParameterValue | None = None
-    min: ParameterValue | None = None
-    max: ParameterValue | None = None
-    description: str = ""
 
 
 class _AnyStep(Frozen):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag
+from pydantic import BeforeValidator, Field
 
 from pirate_sm.model.actuation import Stage
 from pirate_sm.model.base import (
@@ -18,9 +18,10 @@ from pirate_sm.model.base import (
     Format,
     Frozen,
     Name,
-    Sign,
 )
+from pirate_sm.model.body import Body
 from pirate_sm.model.criteria import Criterion
+from pirate_sm.model.derived import Conversion, Derived
 from pirate_sm.model.quantities import (
     Angle,
     AngularSpeed,
@@ -29,7 +30,6 @@ from pirate_sm.model.quantities import (
     Duration,
     Flag,
     Length,
-    Mass,
     Number,
     Ratio,
     Stiffness,
@@ -39,96 +39,7 @@ from pirate_sm.model.safety import SafetyRule
 from pirate_sm.model.simulation import Simulation
 from pirate_sm.model.wire import Serial
 
-PositiveLength = Annotated[Length, Field(gt=0)]
 PositiveDuration = Annotated[Duration, Field(gt=0)]
-
-
-class Wheel(Frozen):
-    """A wheel on a node of the chain.
-
-    Attributes:
-        name: Name of the wheel.
-        part: The part that it belongs to.
-        direction: +1 where it touches side A when clamped, -1 for side B (thesis eq. 3-1).
-        mass: Mass at this node.
-        angle: Signal with its angle.
-        speed: Signal with its angular speed.
-    """
-
-    name: Name
-    part: Name
-    direction: Sign
-    mass: Annotated[Mass, Field(gt=0)]
-    angle: Name
-    speed: Name
-
-
-class Link(Frozen):
-    """A rigid link between two wheels; ``roll`` names the signal of a roll joint inside it.
-
-    Attributes:
-        module: The module that it is.
-        length: From wheel to wheel.
-        mass: Mass of the link.
-        roll: Signal of the roll joint inside it, if there is one.
-    """
-
-    module: Name
-    length: PositiveLength
-    mass: Annotated[Mass, Field(gt=0)]
-    roll: Name | None = None
-
-
-class Joint(Frozen):
-    """A driven bend joint at a wheel; its name is that of its angle signal.
-
-    Attributes:
-        name: Name of the joint, and of its angle signal.
-        wheel: The wheel that it sits at.
-        part: The part that it belongs to.
-        end_stop: Largest angle, either way.
-        torque: Signal with its torque.
-    """
-
-    name: Name
-    wheel: Name
-    part: Name
-    end_stop: Annotated[Angle, Field(gt=0)]
-    torque: Name | None = None
-
-
-class Part(Frozen):
-    """A part that clamps as a V; ``held`` is a condition on states, ``apex`` the V's joint.
-
-    Attributes:
-        apex: The joint at the tip of the V.
-        held: Condition on states that says when the part holds.
-    """
-
-    apex: Name
-    held: Condition
-
-
-class Body(Frozen):
-    """The planar chain: wheels are nodes, links join them in order.
-
-    Attributes:
-        wheel_radius: Radius of the wheels.
-        wheel_width: Width of the wheels.
-        body_half_thickness: From the axis of a link to its surface.
-        wheels: From the front.
-        links: Between neighbouring wheels, from the front.
-        joints: The driven bend joints.
-        parts: What clamps, by name.
-    """
-
-    wheel_radius: PositiveLength
-    wheel_width: PositiveLength
-    body_half_thickness: PositiveLength
-    wheels: Annotated[tuple[Wheel, ...], Field(min_length=2)]
-    links: Annotated[tuple[Link, ...], Field(min_length=1)]
-    joints: Annotated[tuple[Joint, ...], Field(min_length=1)]
-    parts: Annotated[dict[Name, Part], Field(min_length=1)]
 
 
 class PositionLoop(Frozen):
@@ -260,130 +171,6 @@ class LinkSettings(Frozen):
     silent_after: PositiveDuration
     resend_after: PositiveDuration
     resend_limit: Count
-
-
-class Conversion(Frozen):
-    """A raw count times ``scale`` is the signal; the scale is a constant expression with unit.
-
-    Attributes:
-        scale: A constant expression with a unit, such as ``360 deg / 4096``.
-    """
-
-    scale: str
-
-
-class RateOf(Frozen):
-    """Difference of a signal between two frames over the time between them (thesis B-11).
-
-    Attributes:
-        rate_of: The signal.
-    """
-
-    rate_of: Name
-
-
-class TorqueOf(Frozen):
-    """Current times ``scale`` with the sign of a slot's setpoint (thesis eq. 5-3).
-
-    Attributes:
-        torque_of: The signal with the current.
-        slot: The slot whose setpoint gives the sign.
-        scale: Torque per current, a constant expression such as ``0.9 Nm/A``.
-    """
-
-    torque_of: Name
-    slot: Name
-    scale: str
-
-
-class RollOf(Frozen):
-    """Roll from an accelerometer's x, y, z (thesis B-13).
-
-    Attributes:
-        roll_of: The signals x, y and z of the accelerometer.
-    """
-
-    roll_of: Annotated[tuple[Name, ...], Field(min_length=3, max_length=3)]
-
-
-class PitchOf(Frozen):
-    """Pitch from an accelerometer's x, y, z (thesis B-14).
-
-    Attributes:
-        pitch_of: The signals x, y and z of the accelerometer.
-    """
-
-    pitch_of: Annotated[tuple[Name, ...], Field(min_length=3, max_length=3)]
-
-
-class NormOf(Frozen):
-    """Length of the vector that the signals make.
-
-    Attributes:
-        norm_of: The signals.
-    """
-
-    norm_of: Annotated[tuple[Name, ...], Field(min_length=1)]
-
-
-class DiameterOf(Frozen):
-    """Inner diameter seen by a clamped part, h + 2r (thesis eq. 3-2).
-
-    Attributes:
-        diameter_of: The part.
-    """
-
-    diameter_of: Name
-
-
-class OdometryOf(Frozen):
-    """Distance rolled forward: mean of what the driven wheels among these rolled.
-
-    Attributes:
-        odometry_of: The wheels.
-    """
-
-    odometry_of: Annotated[tuple[Name, ...], Field(min_length=1)]
-
-
-class SpeedOf(Frozen):
-    """Speed forward: mean of the rim speeds of the driven wheels among these.
-
-    Attributes:
-        speed_of: The wheels.
-    """
-
-    speed_of: Annotated[tuple[Name, ...], Field(min_length=1)]
-
-
-DERIVED_KINDS = (
-    "rate_of", "torque_of", "roll_of", "pitch_of", "norm_of", "diameter_of", "odometry_of",
-    "speed_of",
-)  # fmt: skip
-
-
-def _kind_of_derived(value: Any) -> str | None:
-    for kind in DERIVED_KINDS:
-        if (isinstance(value, dict) and kind in value) or hasattr(value, kind):
-            return kind
-    return None
-
-
-Derived: TypeAlias = Annotated[
-    Annotated[RateOf, Tag("rate_of")]
-    | Annotated[TorqueOf, Tag("torque_of")]
-    | Annotated[RollOf, Tag("roll_of")]
-    | Annotated[PitchOf, Tag("pitch_of")]
-    | Annotated[NormOf, Tag("norm_of")]
-    | Annotated[DiameterOf, Tag("diameter_of")]
-    | Annotated[OdometryOf, Tag("odometry_of")]
-    | Annotated[SpeedOf, Tag("speed_of")],
-    Discriminator(
-        _kind_of_derived,
-        custom_error_type="derived",
-        custom_error_message="expected a mapping with one of " + ", ".join(DERIVED_KINDS),
-    ),
-]
 
 
 def _one_stage_is_a_list(value: Any) -> Any:

@@ -8,8 +8,9 @@ from math import degrees, isnan, radians
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import at_rest_in
 from pirate_sm.engine.sensing import Sensing, nothing_known, observe
+from pirate_sm.model.derived import DiameterOf
 from pirate_sm.model.events import SensorFrame
-from pirate_sm.model.profile import DiameterOf, Profile
+from pirate_sm.model.profile import Profile
 
 _ANGLE_RAD = radians(10)
 _DIAMETER_SHARE = 0.15

@@ -13,6 +13,7 @@ from pirate_sm.backends.simulator.arrays import Floats
 from pirate_sm.backends.simulator.chain import ChainBody, JointBody, Layout, LinkBody, WheelBody
 from pirate_sm.errors import UsageError
 from pirate_sm.expressions import Vocabulary, compile_expression
+from pirate_sm.model import derived as kinds
 from pirate_sm.model import profile as model
 
 # Assumed, as nobody measured it: enough to let a free bend joint swing once.
@@ -228,7 +229,7 @@ def _current(
     if slot.wheel is None:
         return layout.at("roll_current"), stall_a
     for derived in profile.derived.values():
-        if isinstance(derived, model.TorqueOf) and derived.torque_of == channel.signal:
+        if isinstance(derived, kinds.TorqueOf) and derived.torque_of == channel.signal:
             # The reported current must read back the torque applied (thesis eq. 5-3).
             return layout.at("drive", at), 1.0 / scale_of(derived.scale)
     stall_nm = _needed(motor.stall_torque, slot.motor, "stall_torque")

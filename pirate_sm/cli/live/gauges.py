@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from math import degrees, isnan
 from typing import NamedTuple
 
+from pirate_sm.model import derived as kinds
 from pirate_sm.model import profile as model
 
 
@@ -39,11 +40,11 @@ def _speed(value: float) -> str:
 
 
 _WRITE: dict[type, Callable[[float], str]] = {
-    model.DiameterOf: _millimetres,
-    model.OdometryOf: _distance,
-    model.SpeedOf: _speed,
-    model.RollOf: _angle,
-    model.PitchOf: _angle,
+    kinds.DiameterOf: _millimetres,
+    kinds.OdometryOf: _distance,
+    kinds.SpeedOf: _speed,
+    kinds.RollOf: _angle,
+    kinds.PitchOf: _angle,
 }
 
 
@@ -55,7 +56,7 @@ def gauges(profile: model.Profile) -> tuple[Gauge, ...]:
         for name, derived in profile.derived.items():
             if isinstance(derived, kind):
                 label = (
-                    f"⌀ {derived.diameter_of}" if isinstance(derived, model.DiameterOf) else name
+                    f"⌀ {derived.diameter_of}" if isinstance(derived, kinds.DiameterOf) else name
                 )
                 found.append(Gauge(label, name, write))
     return tuple(found)

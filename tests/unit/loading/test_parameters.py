@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.loading.parameters import DIMENSIONS, Value, read_argument, read_value
-from pirate_sm.model.mission import ParameterDefinition
+from pirate_sm.model.parameters import ParameterDefinition
 from pirate_sm.units import LENGTH, TIME, Quantity, QuantityError
 
 HEAD = "format: 1\nmission: m\nrobot: pirate_ii\n"

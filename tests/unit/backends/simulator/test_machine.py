@@ -8,7 +8,8 @@ from collections.abc import Callable
 import pytest
 
 from pirate_sm.backends.simulator.machine import Machine, machine_of, scale_of
-from pirate_sm.model.profile import Profile, TorqueOf
+from pirate_sm.model.derived import TorqueOf
+from pirate_sm.model.profile import Profile
 
 from .conftest import Driver, bend, straight
 

@@ -1,0 +1,100 @@
+"""The body of a robot: wheels on the joints of rigid links, in a plane."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from pirate_sm.model.base import Condition, Frozen, Name, Sign
+from pirate_sm.model.quantities import Angle, Length, Mass
+
+PositiveLength = Annotated[Length, Field(gt=0)]
+
+
+class Wheel(Frozen):
+    """A wheel on a node of the chain.
+
+    Attributes:
+        name: Name of the wheel.
+        part: The part that it belongs to.
+        direction: +1 where it touches side A when clamped, -1 for side B (thesis eq. 3-1).
+        mass: Mass at this node.
+        angle: Signal with its angle.
+        speed: Signal with its angular speed.
+    """
+
+    name: Name
+    part: Name
+    direction: Sign
+    mass: Annotated[Mass, Field(gt=0)]
+    angle: Name
+    speed: Name
+
+
+class Link(Frozen):
+    """A rigid link between two wheels; ``roll`` names the signal of a roll joint inside it.
+
+    Attributes:
+        module: The module that it is.
+        length: From wheel to wheel.
+        mass: Mass of the link.
+        roll: Signal of the roll joint inside it, if there is one.
+    """
+
+    module: Name
+    length: PositiveLength
+    mass: Annotated[Mass, Field(gt=0)]
+    roll: Name | None = None
+
+
+class Joint(Frozen):
+    """A driven bend joint at a wheel; its name is that of its angle signal.
+
+    Attributes:
+        name: Name of the joint, and of its angle signal.
+        wheel: The wheel that it sits at.
+        part: The part that it belongs to.
+        end_stop: Largest angle, either way.
+        torque: Signal with its torque.
+    """
+
+    name: Name
+    wheel: Name
+    part: Name
+    end_stop: Annotated[Angle, Field(gt=0)]
+    torque: Name | None = None
+
+
+class Part(Frozen):
+    """A part that clamps as a V; ``held`` is a condition on states, ``apex`` the V's joint.
+
+    Attributes:
+        apex: The joint at the tip of the V.
+        held: Condition on states that says when the part holds.
+    """
+
+    apex: Name
+    held: Condition
+
+
+class Body(Frozen):
+    """The planar chain: wheels are nodes, links join them in order.
+
+    Attributes:
+        wheel_radius: Radius of the wheels.
+        wheel_width: Width of the wheels.
+        body_half_thickness: From the axis of a link to its surface.
+        wheels: From the front.
+        links: Between neighbouring wheels, from the front.
+        joints: The driven bend joints.
+        parts: What clamps, by name.
+    """
+
+    wheel_radius: PositiveLength
+    wheel_width: PositiveLength
+    body_half_thickness: PositiveLength
+    wheels: Annotated[tuple[Wheel, ...], Field(min_length=2)]
+    links: Annotated[tuple[Link, ...], Field(min_length=1)]
+    joints: Annotated[tuple[Joint, ...], Field(min_length=1)]
+    parts: Annotated[dict[Name, Part], Field(min_length=1)]
