@@ -43,8 +43,8 @@ from pirate_sm.runtime.companions import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import Result
 
-STAND_S, STILL_M, SLID_M = 1.0, 0.002, 0.01
-"""After so long no wheel may move by more, and the robot may not have come further meanwhile."""
+STAND_S, SLID_M = 2.0, 0.02
+"""So long after the end the robot may not have come further."""
 
 
 @dataclass(frozen=True)
@@ -138,17 +138,19 @@ def _stand(run: MissionRun, engine: Engine, plan: Plan, bay: VirtualBay, now_s: 
     pairs = zip(engine.safe_values(run.state), plan.slots, strict=True)
     if last.counts != tuple(round(value / slot.resolution) for value, slot in pairs):
         return "another array than the safe one is in force"
+    if _since(bay, "reset") < _since(bay, "applied"):
+        return "a restart came after the safe array"
     known, ended = len(bay.records), bay.truth
-    bay.advance(now_s + STAND_S)  # clamps that a restart has opened close again
-    before = bay.truth
-    bay.advance(now_s + 2 * STAND_S)
+    bay.advance(now_s + STAND_S)
     if any(record.event == "reset" for record in bay.records[known:]):
         return ""  # nobody was there to say anything to it any more
-    moved_m = max(abs(a - b) for a, b in zip(before.arcs_m, bay.truth.arcs_m, strict=True))
-    if moved_m > STILL_M:
-        return f"a wheel still moves, by {moved_m * 1000:.0f} mm"
     slid_m = abs(bay.truth.distance_m - ended.distance_m)
     return f"it slid by {slid_m * 1000:.0f} mm" if slid_m > SLID_M or bay.truth.gone else ""
+
+
+def _since(bay: VirtualBay, event: str) -> int:
+    """How many things have happened in the bay since the last such event."""
+    return next(at for at, record in enumerate(reversed(bay.records)) if record.event == event)
 
 
 # --- telling ----------------------------------------------------------------------------------
