@@ -61,6 +61,7 @@ class Order:
         port: Where the real robot is, a device or a URL of pyserial; ``baud`` in place of the
             robot's own rate.
         calibration: Whether the joint zeros of the real robot are subtracted, where it has any.
+        check: Whether a mission with something certainly wrong is refused.
     """
 
     mission: str
@@ -82,6 +83,7 @@ class Order:
     port: str | None = None
     baud: int | None = None
     calibration: bool = True
+    check: bool = False
 
 
 @dataclass(frozen=True)
@@ -158,9 +160,15 @@ def prepare(
     Raises:
         LoadError: Everything that is wrong with the files.
         UsageError: An argument does not fit, or an optional part is not installed.
+        CheckError: The mission is refused.
     """
     make = _BACKENDS.get(order.backend) or _unknown_backend(order.backend)
-    return make(order, loaded or load(order), say or (lambda text: None))
+    loaded = loaded or load(order)
+    if order.check:
+        from pirate_sm.checking.gate import pass_or_raise
+
+        pass_or_raise(loaded)
+    return make(order, loaded, say or (lambda text: None))
 
 
 def answers(loaded: LoadedMission) -> dict[str, tuple[str, ...]]:

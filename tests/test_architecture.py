@@ -33,7 +33,9 @@ PLAIN_NAMES = {
 }
 
 # The name of this software: its package, its two commands and its errors.
-OUR_NAME = re.compile(r"""\bpirate[_-]sm\b|\bpirate-run\b|\bPirateError\b|\bpirate (?=[a-z])""")
+OUR_NAME = re.compile(
+    r"""\bpirate[_-]sm\b|\bpirate-run\b|\bPirateError\b|\bpirate (?=[a-z])|\bpirate:(?=\[| allow|")"""
+)
 OUR_COMMAND = re.compile(r"""["'`]pirate["'`]""")
 
 

@@ -12,6 +12,8 @@ from pirate_sm.checking.exploring.ledger import Ledger, ledger
 from pirate_sm.checking.exploring.ranges import ranges
 from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.flow import flow_findings
+from pirate_sm.checking.geometry import check_geometry
+from pirate_sm.checking.parameters import check_parameters
 from pirate_sm.checking.places import Places
 from pirate_sm.checking.refusals import refusal_findings
 from pirate_sm.checking.waits import wait_findings
@@ -86,6 +88,8 @@ def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> Missi
     findings += refusal_findings(books, loaded, places)
     findings += wait_findings(books, loaded, places)
     findings += flow_findings(books, loaded, places)
+    findings += check_geometry(loaded)
+    findings += check_parameters(loaded.mission, loaded.documents[0])
     unique = {(each.code, each.place, each.message): each for each in findings}
     ordered = sorted(unique.values(), key=lambda each: each.order)
     return MissionCheck(tuple(ordered), loaded.documents, loaded, tuple(books))

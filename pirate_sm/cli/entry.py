@@ -154,6 +154,9 @@ def run(
         bool,
         typer.Option("--calibration/--no-calibration", help="Whether its joint zeros are used."),
     ] = True,
+    check: Annotated[
+        bool, typer.Option("--check/--no-check", help="Whether a faulty mission is refused.")
+    ] = True,
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="Take the first answer to every question.")
     ] = False,
@@ -191,6 +194,7 @@ def run(
                 port=port,
                 baud=baud,
                 calibration=calibration,
+                check=check,
                 detector=detector,
                 start_at=start_at,
                 yes=yes,

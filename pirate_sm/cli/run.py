@@ -63,6 +63,7 @@ class Wishes:
     port: str | None
     baud: int | None
     calibration: bool
+    check: bool
     detector: str | None
     start_at: str | None
     yes: bool
@@ -238,6 +239,7 @@ def read_order(wishes: Wishes) -> Order:
         port=wishes.port,
         baud=wishes.baud,
         calibration=wishes.calibration,
+        check=wishes.check,
         detector=wishes.detector,
         start_at_m=read_length("--start-at", wishes.start_at),
     )

@@ -58,12 +58,16 @@ def read_script(path: Path) -> tuple[list[Firing], tuple[Happening, ...]]:
         LoadError: Everything that is wrong with the file.
     """
     document = read_document(path)
-    if isinstance(document.data, dict):
+    if isinstance(document.data, dict) and "course" in document.data:
         return [], read_course(document)
     problems = Problems(document)
     firings = []
     if not isinstance(document.data, list):
-        problems.add("script.list", (), "expected a list of {phase: …, trigger: …, after: 1 s}")
+        problems.add(
+            "script.list",
+            (),
+            "expected a list of {phase: …, trigger: …, after: 1 s}, or a course of events",
+        )
         problems.raise_errors()
     for number in range(len(document.data)):
         entry = try_validate(document, ScriptEntry, problems, (number,))

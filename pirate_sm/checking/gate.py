@@ -1,0 +1,39 @@
+"""What is certainly wrong with a mission keeps it from being run."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pirate_sm.checking.allowances import settle
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.mission import check_loaded
+from pirate_sm.checking.project import Report
+from pirate_sm.checking.reports.text import text_report
+from pirate_sm.errors import PirateError
+from pirate_sm.loading.mission import LoadedMission
+
+
+class CheckError(PirateError):
+    """Is raised when a mission is refused before anything moves; holds what is wrong with it."""
+
+    exit_code: ClassVar[int] = 2
+
+    def __init__(self, findings: tuple[Finding, ...]) -> None:
+        self.findings = findings
+        said = text_report(Report(findings, ()), lambda role, text: text)
+        super().__init__(f"{said}\nnothing has moved; --no-check runs the mission all the same")
+
+
+def pass_or_raise(loaded: LoadedMission) -> None:
+    """Nothing is certainly wrong with the mission, but for what its files allow.
+
+    Raises:
+        CheckError: Something is.
+    """
+    texts = {document.name: document.text for document in loaded.documents}
+    settled = settle(check_loaded(loaded).findings, texts)
+    faults = tuple(
+        each for each in settled if each.severity is Severity.ERROR and not each.allowed
+    )
+    if faults:
+        raise CheckError(faults)
