@@ -92,6 +92,8 @@ def _settle(
     Taking from each wish the room that is needed left of it makes this the isotonic regression,
     which pooling adjacent violators solves.
     """
+    if not layer:  # between parts of a graph that nothing joins
+        return
     room = [0.0]
     for one, other in pairwise(layer):
         room.append(room[-1] + vertices[one].right + vertices[other].left + gap)

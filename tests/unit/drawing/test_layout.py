@@ -106,6 +106,12 @@ def test_nothing_gives_an_empty_layout() -> None:
     assert layered([], []) == Layout(Size(0.0, 0.0), (), ())
 
 
+def test_a_rank_without_anything_stays_empty() -> None:
+    boxes = [Vertex(10, 10), Vertex(10, 10)]
+
+    assert abscissae([[0], [], [1]], boxes, [], [], 20) == [0.0, 0.0]
+
+
 def test_the_same_graph_gives_the_same_layout() -> None:
     links = [Link(0, 1, LABEL), Link(0, 2), Link(1, 3), Link(2, 3, LABEL), Link(3, 0)]
 
