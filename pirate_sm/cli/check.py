@@ -10,12 +10,7 @@ from dataclasses import dataclass
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.project import Report, Wishes, check_paths
-from pirate_sm.checking.reports.github import github_report
-from pirate_sm.checking.reports.json import json_report
-from pirate_sm.checking.reports.junit import junit_report
-from pirate_sm.checking.reports.sarif import sarif_report
 from pirate_sm.checking.reports.text import explained, listed, text_report
-from pirate_sm.cli.run import read_pairs
 from pirate_sm.cli.visible import visible
 from pirate_sm.errors import UsageError
 
@@ -54,7 +49,7 @@ def run_check(wishes: CheckWishes) -> int:
     asked = Wishes(
         robot=wishes.robot,
         pipe=wishes.pipe,
-        settings=read_pairs("--set", wishes.settings, "NAME=VALUE"),
+        settings=_settings(wishes),
         keep_going=not wishes.debug,
     )
     progress = _Progress() if _is_terminal(sys.stderr) else None
@@ -84,18 +79,46 @@ def run_explain(code: str | None) -> int:
     return 0
 
 
+def _settings(wishes: CheckWishes) -> dict[str, str]:
+    if not wishes.settings:
+        return {}  # without them nothing of a run is needed
+    from pirate_sm.cli.run import read_pairs
+
+    return read_pairs("--set", wishes.settings, "NAME=VALUE")
+
+
 def _text(report: Report, _: Severity) -> str:
     coloured = _is_terminal(sys.stdout) and not os.environ.get("NO_COLOR")
     return text_report(report, _painted if coloured else _plain)
 
 
+def _json(report: Report, _: Severity) -> str:
+    from pirate_sm.checking.reports.json import json_report
+
+    return json_report(report)
+
+
+def _sarif(report: Report, _: Severity) -> str:
+    from pirate_sm.checking.reports.sarif import sarif_report
+
+    return sarif_report(report)
+
+
+def _junit(report: Report, fail_on: Severity) -> str:
+    from pirate_sm.checking.reports.junit import junit_report
+
+    return junit_report(report, fail_on)
+
+
+def _github(report: Report, _: Severity) -> str:
+    from pirate_sm.checking.reports.github import github_report
+
+    return visible(github_report(report), lines=True)
+
+
 _FORMATS: dict[str, Callable[[Report, Severity], str]] = {
-    "text": _text,
-    "json": lambda report, _: json_report(report),
-    "sarif": lambda report, _: sarif_report(report),
-    "junit": junit_report,
-    "github": lambda report, _: visible(github_report(report), lines=True),
-}
+    "text": _text, "json": _json, "sarif": _sarif, "junit": _junit, "github": _github,
+}  # fmt: skip
 
 
 def _plain(_: str, text: str) -> str:
