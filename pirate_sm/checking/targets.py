@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pirate_sm.checking.findings import Finding, Severity
@@ -129,7 +129,8 @@ def _files(folder: Path, findings: list[Finding]) -> Iterator[Path]:
             count += 1
             if count > MOST_FILES:
                 message = f"there are more than {MOST_FILES} YAML files in here"
-                findings.append(_finding("check.folder", folder, message))
+                mend = "check its folders one by one"
+                findings.append(replace(_finding("check.folder", folder, message), mend=mend))
                 return
             yield file
 
