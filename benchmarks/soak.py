@@ -36,12 +36,16 @@ from benchmarks.arrays import (
 from pirate_sm.backends.pico.backend import SerialBackend
 from pirate_sm.backends.pico.plan import Plan
 from pirate_sm.backends.pico.virtual_port import VirtualPort
+from pirate_sm.bay.firmware import Record
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.engine.engine import Engine
 from pirate_sm.runtime.companions import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import Result
+
+UNHEARD_S = 0.4
+"""A silence that is shorter is none."""
 
 STAND_S, SLID_M = 2.0, 0.02
 """So long after the end the robot may not have come further."""
@@ -138,8 +142,9 @@ def _stand(run: MissionRun, engine: Engine, plan: Plan, bay: VirtualBay, now_s: 
     pairs = zip(engine.safe_values(run.state), plan.slots, strict=True)
     if last.counts != tuple(round(value / slot.resolution) for value, slot in pairs):
         return "another array than the safe one is in force"
-    if _since(bay, "reset") < _since(bay, "applied"):
-        return "a restart came after the safe array"
+    reset, applied = _last(bay, "reset"), _last(bay, "applied")
+    if reset.at_s > applied.at_s:  # what comes when the safe array is confirmed is not heard of
+        return "a restart has undone it" if now_s - reset.at_s > UNHEARD_S else ""
     known, ended = len(bay.records), bay.truth
     bay.advance(now_s + STAND_S)
     if any(record.event == "reset" for record in bay.records[known:]):
@@ -148,9 +153,9 @@ def _stand(run: MissionRun, engine: Engine, plan: Plan, bay: VirtualBay, now_s: 
     return f"it slid by {slid_m * 1000:.0f} mm" if slid_m > SLID_M or bay.truth.gone else ""
 
 
-def _since(bay: VirtualBay, event: str) -> int:
-    """How many things have happened in the bay since the last such event."""
-    return next(at for at, record in enumerate(reversed(bay.records)) if record.event == event)
+def _last(bay: VirtualBay, event: str) -> Record:
+    """The last such event in the bay."""
+    return next(record for record in reversed(bay.records) if record.event == event)
 
 
 # --- telling ----------------------------------------------------------------------------------

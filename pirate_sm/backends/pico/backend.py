@@ -176,13 +176,11 @@ class SerialBackend:
             while data := self.exchange.write(now, able):
                 self.port.write(data)
             self.port.beat(self.exchange.safe_frame())
-            wait_s = min(until_s, self._due_s(now))
-            if not able:
-                self.port.wait(wait_s)
-                return
-            data = self.port.read(wait_s)
+            data = self.port.read(min(until_s, self._due_s(now))) if able else b""
         except PortLostError as error:
             self._lose(str(error))
+        if self._lost_s < inf:
+            self.port.wait(min(until_s, self._due_s(now)))
             return
         if data:
             if not self.exchange.conversation.known:
@@ -201,8 +199,8 @@ class SerialBackend:
         now = self.port.now()
         if self._lost_s == inf:
             self._lost_s = now
+            self._retry_s = now + _REOPEN_EVERY_S
             self.exchange.lost(reason, now)
-        self._retry_s = now + _REOPEN_EVERY_S
 
     def _retry(self, now: float) -> None:
         """A port that comes back is opened, negotiated with, and told the last array again."""
@@ -215,9 +213,13 @@ class SerialBackend:
 
     def _negotiate(self) -> None:
         conversation = self.exchange.conversation
-        give_up_s = self.port.now() + self.plan.serial.boot + ANSWER_WITHIN_S
+        boot_s = self.plan.serial.boot
+        give_up_s = self.port.now() + boot_s + ANSWER_WITHIN_S
         while not conversation.known:
+            frames, heard_s = conversation.frames, conversation.heard_s
             self._turn(give_up_s)
+            if frames and conversation.heard_s - heard_s > boot_s / 2:
+                give_up_s = conversation.heard_s + ANSWER_WITHIN_S  # it has been reset meanwhile
             if self.exchange.refused:
                 raise BackendError("; ".join(self.exchange.refused))
             if self._lost_s < inf:

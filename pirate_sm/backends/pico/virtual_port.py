@@ -94,6 +94,7 @@ class VirtualPort:
     def beat(self, safe_frame: bytes) -> None:
         """The guardian knows."""
         self._do(self._guard.hear(Note(Kind.BEAT, safe_frame), self._now_s))
+        self._need_cable()  # as one hears from a guardian without a port
 
     def overruled(self) -> bool:
         """Whether the guardian has acted; it obeys again from now on."""

@@ -192,6 +192,8 @@ class VirtualPort:
 
     def beat(self, safe_frame: bytes) -> None:
         self.safe_frame = safe_frame
+        if not self.plugged:
+            raise PortLostError("unplugged")
 
     def overruled(self) -> bool:
         return False

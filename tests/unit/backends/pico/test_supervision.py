@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pirate_sm.backends.pico.plan import Plan
 from pirate_sm.backends.pico.supervision import Supervision, Watched
 from pirate_sm.model.events import SensorFrame
 
@@ -93,6 +94,15 @@ def test_a_value_that_cannot_be_is_unknown_and_a_fault_until_it_can_be_again(
     assert all(map(isnan, shown[2:]))
     assert bench.codes == ["sensor.range"]
     assert bench.say(3) == 3
+
+
+def test_the_torque_of_a_good_bend_is_within_its_range(plan: Plan) -> None:
+    torques = [w for board in plan.watched.values() for w in board if "torque" in w.name]
+
+    assert len(torques) == 4
+    for each in torques:  # −584 counts were measured in a bend that succeeded
+        assert each.low < -2 * 584
+        assert each.high > 2 * 584
 
 
 def test_silence_of_a_channel_stays_silence(bench: Bench) -> None:
