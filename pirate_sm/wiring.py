@@ -168,7 +168,8 @@ def prepare(
         from pirate_sm.checking.gate import pass_or_raise
 
         pass_or_raise(loaded)
-    return make(order, loaded, say or (lambda text: None))
+    made = make(order, loaded, say or (lambda text: None))
+    return replace(made, notices=(*loaded.notices, *made.notices))
 
 
 def answers(loaded: LoadedMission) -> dict[str, tuple[str, ...]]:

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from pirate_sm.errors import UsageError
-from pirate_sm.loading.folders import PROFILE_FILE
+from pirate_sm.loading.folders import PROFILE_FILE, shown
 from pirate_sm.spelling import nearest, one_of
 
 _PACKAGE = Path(__file__).resolve().parent.parent
@@ -58,6 +58,19 @@ def find_robot(name: str, beside: Path | None = None) -> Path:
         where = f"there is no robot at '{_cut(name)}'"
         raise UsageError(f"{where}: expected a folder with {PROFILE_FILE}")
     return _by_name("robot", name, {path.name: path for path in robots()})
+
+
+def shadowing(name: str, found: Path) -> str:
+    """What a person should know of a shipped robot's name that has led elsewhere; else empty.
+
+    Args:
+        name: As a file gives it.
+        found: The folder that it has led to.
+    """
+    known = {path.name: path for path in robots()}
+    if _is_path(name) or name not in known or known[name].resolve() == found.resolve():
+        return ""
+    return f"the robot '{name}' is the one in {shown(found)}, not the shipped one of that name"
 
 
 def find_mission(name: str, beside: Path | None = None) -> Path:

@@ -13,7 +13,7 @@ from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, parameters
 from pirate_sm.loading.folders import shown
 from pirate_sm.loading.pipe import check_fit, load_pipe
-from pirate_sm.loading.problems import LoadError, Problems
+from pirate_sm.loading.problems import LoadError, Problems, Severity
 from pirate_sm.loading.program import build_program
 from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.loading.scope import Source
@@ -34,6 +34,7 @@ class LoadedMission:
             where that is written out in it, or where there is none).
         files: Hash of each of them, by the name it was read under.
         parameters: The values in force, as messages write them.
+        notices: What a person should know although nothing is wrong.
     """
 
     mission: Mission
@@ -45,6 +46,7 @@ class LoadedMission:
     documents: tuple[Document, ...]
     files: Mapping[str, str]
     parameters: Mapping[str, str]
+    notices: tuple[str, ...] = ()
 
 
 def load_mission(
@@ -111,6 +113,12 @@ def read_mission(
     folder = path.resolve().parent
     loaded = load_robot(_robot_folder(robot, mission, document, folder))
     problems = Problems(document)
+    shadow = "" if robot is not None else library.shadowing(mission.robot, loaded.folder)
+    if shadow:
+        problems.add(
+            "mission.robot_shadows", ("robot",), shadow, expected=f"./{mission.robot}, a path",
+            severity=Severity.WARNING,
+        )  # fmt: skip
     chosen, pipe_name, pipe_document = _pipe(pipe, mission, document, folder, problems)
     if chosen is not None:
         check_fit(chosen, loaded.profile, pipe_document, problems)
@@ -128,6 +136,7 @@ def read_mission(
         mission, loaded, spec, program, chosen, pipe_name, documents,
         {each.name: _hash(each) for each in documents},
         {name: value.text for name, value in values.items()},
+        (shadow,) if shadow else (),
     )  # fmt: skip
     return result, problems
 

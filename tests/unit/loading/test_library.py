@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from contextlib import suppress
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
+from pirate_sm.loading.mission import read_mission
 
 ROOT = Path(__file__).resolve().parents[3]
 NEWT = ROOT / "tests" / "robots" / "newt"
@@ -81,6 +83,23 @@ def test_what_stands_beside_comes_before_what_is_shipped(tmp_path):
     assert library.find_pipe("vertical", tmp_path) == tmp_path / "pipes" / "vertical.yaml"
     assert library.find_pipe("./other.yaml", tmp_path) == tmp_path / "./other.yaml"
     assert library.find_mission("enter_2d", tmp_path) == ROOT / "sequences" / "enter_2d.yaml"
+
+
+def test_a_robot_that_hides_a_shipped_one_is_told(tmp_path):
+    own = tmp_path / "pirate_ii"
+    shutil.copytree(ROOT / "hardware_profiles" / "pirate_ii", own)
+    mission = tmp_path / "m.yaml"
+    told = f"the robot 'pirate_ii' is the one in {own}, not the shipped one of that name"
+
+    shipped = (ROOT / "sequences" / "climb.yaml").read_text("utf-8")
+    for robot, notices in (("pirate_ii", (told,)), ("./pirate_ii", ())):
+        text = shipped.replace("robot: pirate_ii", f"robot: {robot}")
+        mission.write_text(text, encoding="utf-8")
+        loaded, problems = read_mission(mission)
+        assert loaded.loaded_robot.folder == own
+        assert loaded.notices == notices
+        assert tuple(problem.message for problem in problems.all) == notices
+    assert read_mission(ROOT / "sequences" / "climb.yaml")[0].notices == ()
 
 
 def test_a_path_in_a_file_must_lead_somewhere(tmp_path):
