@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from math import inf
 from typing import TYPE_CHECKING, NoReturn
 
 from pirate_sm.detectors.choice import Detecting, Kind, detecting
@@ -252,7 +253,7 @@ def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
         raise UsageError("triggers can be fired in a trace only: use --backend trace")
     from pirate_sm.backends.pico.assembly import read_plan, serial_backend
     from pirate_sm.backends.pico.starting import check_of
-    from pirate_sm.runtime.companions import Holder
+    from pirate_sm.runtime.companions import Holder, Messenger
 
     notices: tuple[str, ...] = ()
     if order.calibration:
@@ -265,10 +266,10 @@ def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
     backend = serial_backend(plan, order.port, order.baud, check)
     engine = Engine(loaded.robot, loaded.program, nominal=False)
     detector = _detecting(order, loaded, usual="odometry")
-    holder = Holder(engine, backend.hold)
+    holder, messenger = Holder(engine, backend.hold), Messenger(backend.remark)
     question = f"{profile.robot} on {order.port} is about to move"
     return Prepared(
-        order, loaded, engine, backend, (holder, *detector.companions),
+        order, loaded, engine, backend, (holder, messenger, *detector.companions),
         (*notices, *detector.notices),
         detector=detector.kind, confirmation=question, follow=holder.follow,
     )  # fmt: skip
@@ -321,7 +322,8 @@ def _course(order: Order, loaded: LoadedMission) -> Prepared:
         verdicts.decide, verdicts.release,
     )  # fmt: skip
     backend = TraceBackend(verdicts, known)
-    engine = Engine(loaded.robot, loaded.program, nominal=True)
+    # How long commands take in a trace is nothing that a time limit could be held against.
+    engine = Engine(loaded.robot, replace(loaded.program, time_limit_s=inf), nominal=True)
     return Prepared(order, loaded, engine, backend, (player,), (SCRIPTED,), attended=True)
 
 

@@ -144,6 +144,38 @@ class Holder:
         return ()
 
 
+class Messenger:
+    """Passes on what a backend wants people to know while the mission itself stands still.
+
+    Args:
+        remark: What there is to be said now, once; empty: nothing.
+    """
+
+    listening = False
+
+    def __init__(self, remark: Callable[[], str]) -> None:
+        self._remark = remark
+        self._text = ""
+
+    @property
+    def due_s(self) -> float:
+        """At once when there is something."""
+        self._text = self._text or self._remark()
+        return -inf if self._text else inf
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """What happens is not its business."""
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """What the backend has to say."""
+        text, self._text = self._text, ""
+        return (Log("warning", text),)
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Nothing to the engine."""
+        return ()
+
+
 class Answered(Log):
     """A question got an answer; the message says which, and from whom."""
 

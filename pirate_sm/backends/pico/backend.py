@@ -61,6 +61,7 @@ class SerialBackend:
         self._zero_s = 0.0
         self._held_s = inf
         self._late = False
+        self._told = False
         self._now_s = 0.0
         self._events: list[Event] = []
         self._open = False
@@ -148,6 +149,17 @@ class SerialBackend:
     def hold(self, values: tuple[float, ...]) -> None:
         """Whoever survives this process sends this array, with the safe state's zeros, at once."""
         self.exchange.hold(values)
+
+    def remark(self) -> str:
+        """What a person must know while the mission is held, once; else empty."""
+        told, self._told = self._told, self.exchange.outage is not None
+        if told or not self._told:
+            return ""
+        within_s = self.plan.away_s
+        return (
+            "nothing comes from the robot, which may go on as it was; the mission waits for it, "
+            f"up to {within_s:g} s"
+        )
 
     # --- inside -----------------------------------------------------------------------------
 

@@ -380,3 +380,24 @@ def test_free_fall_cannot_be_caught(drive):
     driver.run(1.0)
 
     assert driver.faults == [("robot.fallen", "stop")]
+
+
+@pytest.mark.parametrize("code", ["firmware.reset", "link.interrupted"])
+def test_after_a_reset_nothing_is_known_and_counters_that_begin_at_zero_are_no_motion(drive, code):
+    driver = drive(HANDLED.replace("wheel.dead]", "wheel.dead, firmware.reset, link.interrupted]"))
+    driver.until_waiting("a")
+    driver.run(driver.now + 3.0, **ROLLING)
+    before_m = driver.engine.signals(driver.state)["odometry"]
+
+    driver.give(ev.FaultReport(code, "it is back"))
+    known = driver.engine.signals(driver.state)
+    assert math.isnan(known["theta_1"])
+    assert known["odometry"] == before_m
+
+    for number in range(1, 7):
+        driver.signals[f"theta_{number}"] = 0.0
+    driver.run(driver.now + 0.9)
+
+    assert driver.faults == [(code, "continue")]
+    assert driver.engine.signals(driver.state)["odometry"] == pytest.approx(before_m)
+    assert before_m > 0.1

@@ -22,8 +22,9 @@ from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.engine.engine import Engine
 from pirate_sm.errors import BackendError
 from pirate_sm.loading.mission import LoadedMission, load_mission
-from pirate_sm.model.effects import Effect, Fault
+from pirate_sm.model.effects import Effect, Fault, Log
 from pirate_sm.model.simulation import Defect
+from pirate_sm.runtime.companions import Messenger
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import Result
 
@@ -53,6 +54,7 @@ class Course:
 
     result: Result
     faults: list[Fault]
+    logs: list[str]
     bay: VirtualBay
     loaded: LoadedMission
     port: VirtualPort
@@ -81,9 +83,11 @@ class Watching:
 
     def __init__(self) -> None:
         self.faults: list[Fault] = []
+        self.logs: list[str] = []
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         self.faults += [effect for effect in effects if isinstance(effect, Fault)]
+        self.logs += [effect.message for effect in effects if isinstance(effect, Log)]
 
 
 class ActingPort(VirtualPort):
@@ -134,8 +138,10 @@ def go(tmp_path: Path) -> Go:
         port = ActingPort(bay, plan.serial.heartbeat_within, pulled)
         watching = Watching()
         engine = Engine(loaded.robot, loaded.program, nominal=False)
-        result = MissionRun(engine, SerialBackend(plan, port), observers=[watching]).execute()
-        return Course(result, watching.faults, bay, loaded, port)
+        backend = SerialBackend(plan, port)
+        companions = [Messenger(backend.remark)]
+        run = MissionRun(engine, backend, observers=[watching], companions=companions)
+        return Course(run.execute(), watching.faults, watching.logs, bay, loaded, port)
 
     return run
 
@@ -160,6 +166,10 @@ def test_a_mission_that_handles_a_reset_goes_on_where_it_was(go: Go) -> None:
     course = go(reset_at_s=(8.0,), handled="firmware.reset")
 
     assert (course.message, course.codes) == ("There", ["firmware.reset"])
+    assert course.logs == [
+        "nothing comes from the robot, which may go on as it was; the mission waits for it, "
+        "up to 8 s"
+    ]
     assert course.is_safe
 
 
