@@ -167,6 +167,7 @@ def _tell_commands(tallies: Iterator[Tally], processes: int) -> bool:
         total.add(tally)
     took_s = perf_counter() - began
     speed = total.virtual_s / took_s
+    quick = sum(lasted_s <= max(total.round_trips_s) for lasted_s in total.damaged_s)
     print(
         f"{total.commands:,} commands in {total.virtual_s:,.0f} s of the link, "
         f"{speed:,.0f} × real time on {processes} processes; "
@@ -179,7 +180,8 @@ def _tell_commands(tallies: Iterator[Tally], processes: int) -> bool:
     )
     print(
         f"    {_spread('in force after', total.applied_s)}\n"
-        f"    applied damaged: {len(total.damaged_s)}, written again after at most "
+        f"    applied damaged: {len(total.damaged_s)}, {quick} of them for no longer than a round "
+        f"trip; written again after at most "
         f"{max(total.rewritten_s, default=0.0) * 1000:.0f} ms, "
         f"{_spread('corrected after', total.damaged_s)}, "
         f"at most {max(total.damaged_s, default=0.0) * 1000:.0f} ms"
