@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from pirate_sm.runtime.companions import Companion
 
 BACKEND_FAILED = "backend.failed"
+UNCONFIRMED = "the safe setpoints were not confirmed"
 
 _MOST_IDLE_TURNS = 10_000
 """So many turns within ``_MOMENT_S`` of mission time only a fault of ours can explain."""
@@ -101,6 +102,7 @@ class MissionRun:
         self._idle_turns = 0
         self._aborting = False
         self._output_lost = False
+        self._closed = False
 
     def execute(self) -> Result:
         """The mission has ended, the robot is in its safe state, the backend is closed."""
@@ -124,7 +126,7 @@ class MissionRun:
             self._abandon(Ended("interrupted", "this program was told to exit"))
             raise
         finally:
-            self._backend.close()
+            self._close()
         assert self.ended is not None  # _go_on returns when there is an end
         code = exit_code(self.ended, self._fault, self._requests.stop, self._output_lost)
         return self._result(code)
@@ -288,12 +290,20 @@ class MissionRun:
             if failure is not None:
                 note = f"{ended.message}; the safe array could not be sent: {_told(failure)}"
                 ended = ended._replace(message=note)
+            self._close()
+            if not getattr(self._backend, "confirmed", True):
+                ended = ended._replace(message=f"{ended.message} ({UNCONFIRMED})")
         self.ended = ended
         for observer in self._observers:
             try:
                 observer.see((*effects, ended), self.now_s)
             except Exception:
                 continue  # it may have been what broke
+
+    def _close(self) -> None:
+        if not self._closed:
+            self._closed = True
+            self._backend.close()
 
     def _result(self, code: int, error: BaseException | None = None) -> Result:
         assert self.ended is not None  # every way out has set it

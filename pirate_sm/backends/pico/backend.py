@@ -39,6 +39,7 @@ class SerialBackend:
 
     Attributes:
         exchange: What has been said and done on the link.
+        confirmed: Whether what was to be in force when it was closed has been confirmed to be.
     """
 
     name = "serial"
@@ -66,6 +67,7 @@ class SerialBackend:
         self._events: list[Event] = []
         self._open = False
         self._closed = False
+        self.confirmed = True
         self._lost_s = inf
         self._retry_s = -inf
         self._sample = b""
@@ -138,6 +140,7 @@ class SerialBackend:
         if self._open:
             with suppress(BackendError):
                 self._flush()
+            self.confirmed = self.exchange.settled
             if self.exchange.conversation.frames:  # to a rosserial device only
                 with suppress(BackendError):
                     self.port.write(self.exchange.conversation.farewell())
@@ -272,13 +275,13 @@ class SerialBackend:
 
         A robot that is away, for it is being reset or its cable is out, is waited for.
         """
-        exchange, began_s = self.exchange, self.port.now()
-        while not exchange.settled:
-            patience_s = self.plan.away_s if exchange.outage is not None else 0.0
-            give_up_s = began_s + patience_s + _FLUSH_WITHIN_S
-            if self.port.now() >= give_up_s:
-                break
-            self._turn(min(give_up_s, self.port.now() + _LOOK_UP_S))
+        exchange, now = self.exchange, self.port.now()
+        patient_s, give_up_s = now + self.plan.away_s, now + _FLUSH_WITHIN_S
+        while not exchange.settled and now < give_up_s:
+            self._turn(min(give_up_s, now + _LOOK_UP_S))
+            now = self.port.now()
+            if exchange.outage is not None and now < patient_s:
+                give_up_s = now + _FLUSH_WITHIN_S
             if exchange.newer:
                 exchange.resume(self.port.now())
         if not exchange.settled:

@@ -79,15 +79,18 @@ class Course:
 
 
 class Watching:
-    """Keeps the faults."""
+    """Keeps the faults, or breaks as soon as anything is said."""
 
-    def __init__(self) -> None:
+    def __init__(self, breaks: bool) -> None:
+        self.breaks = breaks
         self.faults: list[Fault] = []
         self.logs: list[str] = []
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         self.faults += [effect for effect in effects if isinstance(effect, Fault)]
         self.logs += [effect.message for effect in effects if isinstance(effect, Log)]
+        if self.breaks and self.logs:
+            raise RuntimeError("broken")
 
 
 class ActingPort(VirtualPort):
@@ -117,6 +120,7 @@ def go(tmp_path: Path) -> Go:
         longest: str = "40 s",
         extra: Defect | None = None,
         pulled: tuple[float, float] = (1e9, 1e9),
+        breaks: bool = False,
         seed: int = 3,
         **switches: Any,
     ) -> Course:
@@ -136,7 +140,7 @@ def go(tmp_path: Path) -> Go:
         bay = VirtualBay(profile, loaded.pipe, texts, Switches(**switches), seed)
         plan = read_plan(robot.folder, robot.profile, loaded.robot)
         port = ActingPort(bay, plan.serial.heartbeat_within, pulled)
-        watching = Watching()
+        watching = Watching(breaks)
         engine = Engine(loaded.robot, loaded.program, nominal=False)
         backend = SerialBackend(plan, port)
         companions = [Messenger(backend.remark)]
@@ -211,6 +215,19 @@ def test_firmware_that_hangs_for_ever_is_a_silent_link_and_the_stop_unconfirmed(
         "asked (the safe setpoints were not confirmed)"
     )
     assert course.result.exit_code == 3
+
+
+@pytest.mark.parametrize(
+    ("lasting_s", "ending"),
+    [(3.0, "broken"), (1e9, "broken (the safe setpoints were not confirmed)")],
+)
+def test_even_a_broken_program_has_the_safe_state_confirmed_or_says_that_it_could_not(
+    go: Go, lasting_s: float, ending: str
+) -> None:
+    course = go(hang_at_s=12.0, hang_for_s=lasting_s, breaks=True)
+
+    assert course.message == f"a fault in this program: RuntimeError: {ending}"
+    assert course.is_safe == (lasting_s == 3.0)
 
 
 def test_a_robot_unplugged_and_back_is_told_with_how_long_it_was_away(go: Go) -> None:
