@@ -53,29 +53,37 @@ class Engine:
         self._known_faults = robot.fault_codes()
 
     def start(
-        self, now_s: float = 0.0, seen: Sequence[events.SensorFrame | events.SignalReport] = ()
+        self,
+        now_s: float = 0.0,
+        seen: Sequence[events.SensorFrame | events.SignalReport] = (),
+        *,
+        body: RobotState | None = None,
+        paused: bool = False,
     ) -> tuple[EngineState, Effects]:
         """The mission has begun; its first effects are returned with the first state.
 
         Args:
             now_s: When.
             seen: What the boards have reported before, or a script has told; an angle that the
-                first array keeps must be known by then, or it is taken to be 0.
+                first array keeps must be reported by then, or it is taken to be 0.
+            body: What the robot has been commanded to by an earlier mission; None: it is at rest
+                in the configuration that the program begins in.
+            paused: Whether the operator has the robot first.
         """
-        robot = robot_state.at_rest_in(self.robot, self.program.start_configuration)
+        robot = body or robot_state.at_rest_in(self.robot, self.program.start_configuration)
         sensing = nothing_known(self.robot, blind=self.nominal)
         sensing = sensing._replace(heard_s=(now_s,) * len(sensing.heard_s), checked_s=now_s)
         for frame in seen:
             if isinstance(frame, events.SensorFrame):
                 sensing = observe(self.robot, sensing, frame, robot.values, robot.values, now_s)
         words = (*robot_state.states_of(self.robot, robot), None, None)
-        mission = MissionState(self.program.start, offset_s=now_s)
+        mission = MissionState(self.program.start, offset_s=now_s, pause_wanted=paused)
         following, _ = rules.follow(self.program, self.robot, rules.unseen(self.program), robot, 0)
         state = EngineState(robot, sensing, mission, no_faults(self.robot), words, rules=following)
         effects: list[Effect] = [robot_state.state_change(self.robot, robot)]
         for report in seen:
             if isinstance(report, events.SignalReport):
-                state = scripted.told(self, state, report, now_s, effects)
+                state = scripted.told(self, state, report, effects)
         return self._settle(state, state, now_s, effects)
 
     def step(
@@ -97,13 +105,15 @@ class Engine:
         effects: list[Effect] = []
         if type(event) is events.SensorFrame:
             state = self._frame(state, event, now_s, effects)
+        elif type(event) is events.SignalReport:  # counts from the next event on
+            return scripted.told(self, state, event, effects), tuple(effects)
         else:
             state = _ON[type(event)](self, state, event, now_s, effects)
         return self._settle(before, state, now_s, effects)
 
     def signals(self, state: EngineState) -> dict[str, float]:
         """Every signal in SI by its name; NaN where it is unknown."""
-        return dict(zip(self.robot.vocabulary.numbers, state.sensing.numbers, strict=True))
+        return dict(zip(self.robot.vocabulary.numbers, state.sensing.shown, strict=True))
 
     def safe_values(self, state: EngineState) -> tuple[float, ...]:
         """The safe array, for a last resort when no step can be made any more."""
@@ -362,23 +372,6 @@ class Engine:
 _Handler = Callable[[Engine, EngineState, Any, float, list[Effect]], EngineState]
 
 
-def _pause(
-    engine: Engine, state: EngineState, event: events.Pause, now: float, effects: list[Effect]
-) -> EngineState:
-    return pausing.want(state)
-
-
-def _resume(
-    engine: Engine,
-    state: EngineState,
-    event: events.Resume | events.Step,
-    now: float,
-    effects: list[Effect],
-) -> EngineState:
-    one_step = isinstance(event, events.Step)
-    return pausing.resume(engine.robot, state, now, one_step, effects)
-
-
 _ON: dict[type, _Handler] = {
     events.Tick: Engine._tick,
     events.DetectorWord: Engine._word,
@@ -388,10 +381,10 @@ _ON: dict[type, _Handler] = {
     events.OperatorCommand: Engine._operator,
     events.Answer: Engine._answer,
     events.Skip: Engine._skip,
-    events.SignalReport: scripted.told,
     events.CommandFailed: scripted.undone,
     events.Abort: Engine._abort,
-    events.Pause: _pause,
-    events.Resume: _resume,
-    events.Step: _resume,
+    events.Pause: pausing.want,
+    events.Resume: pausing.go_on,
+    events.Step: pausing.go_on,
+    events.GoTo: pausing.go_to,
 }

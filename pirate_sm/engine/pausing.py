@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from math import nan
+from typing import TYPE_CHECKING
 
 from pirate_sm.engine import machine, robot_state
+from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import RobotState
 from pirate_sm.engine.state import BeforePause, EngineState, MissionState
 from pirate_sm.model.effects import Effect, Log
+from pirate_sm.model.events import GoTo, Pause, Resume, Step
+
+if TYPE_CHECKING:
+    from pirate_sm.engine.engine import Engine
 
 
-def want(state: EngineState) -> EngineState:
+def want(
+    engine: Engine, state: EngineState, event: Pause, now: float, effects: list[Effect]
+) -> EngineState:
     """The mission pauses as soon as no array is in flight."""
     mission = state.mission
     if mission.paused or mission.ending:
@@ -40,6 +48,63 @@ def forget(mission: MissionState, body: RobotState) -> MissionState:
         return mission
     now = BeforePause(body.values, (), body.configuration, False)
     return mission._replace(before_pause=now)
+
+
+def go_on(
+    engine: Engine, state: EngineState, event: Resume | Step, now: float, effects: list[Effect]
+) -> EngineState:
+    """The mission goes on, with a ``Step`` for one instruction."""
+    return resume(engine.robot, state, now, isinstance(event, Step), effects)
+
+
+def go_to(
+    engine: Engine, state: EngineState, event: GoTo, now: float, effects: list[Effect]
+) -> EngineState:
+    """The paused mission goes on with the phase, if it could have come to it as things are."""
+    obstacle = why_not_to(engine.robot, engine.program, state, event.phase)
+    if obstacle:
+        effects.append(Log("warning", f"{event.phase} does not begin: {obstacle}"))
+        return state
+    body, mission = state.robot, state.mission
+    if body.motion is not None:
+        body = machine.fail(engine.robot, body, "the operator took over", effects)
+    begin = engine.program.beginning(event.phase)
+    assert begin is not None  # why_not_to has looked
+    effects.append(Log("info", f"handed back at {event.phase}"))
+    mission = mission.at(begin)._replace(
+        handling="",
+        cause="",
+        before_pause=None,
+        paused_s=nan,
+        offset_s=mission.offset_s + now - mission.paused_s,
+    )
+    return state._replace(robot=body, mission=mission)
+
+
+def why_not_to(robot: RobotSpec, program: Program, state: EngineState, phase: str) -> str:
+    """Why a mission cannot be handed back at a phase now; empty: it can."""
+    if program.beginning(phase) is None:
+        return "the mission has no such phase"
+    if not state.mission.paused:
+        return "pause the mission first"
+    if state.robot.flight is not None:
+        return "setpoints are in flight"
+    if state.robot.motion is not None and not (
+        state.mission.before_pause and state.mission.before_pause.suspended
+    ):
+        return "a command is under way"
+    if phase not in program.entries:
+        return "nobody has found out how it can be entered"
+    here = robot_state.situation(robot, state.robot)
+    if here in program.entries[phase]:
+        return ""
+    states = robot.table.configurations
+    wanted = sorted({", ".join(states[each.configuration]) for each in program.entries[phase]})
+    doubt = " with something unconfirmed" if here.unconfirmed else ""
+    return (
+        f"the robot is in {', '.join(states[here.configuration])}{doubt}; "
+        f"the phase begins in {' or in '.join(wanted)}"
+    )
 
 
 def resume(

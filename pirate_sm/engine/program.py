@@ -6,7 +6,8 @@ variables and no stack: the program counter alone says where it is, and a checke
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.expressions import Expression
@@ -151,6 +152,13 @@ class RuleSpec(NamedTuple):
     waived_by: str = ""
 
 
+class Situation(NamedTuple):
+    """Index of a configuration, and the indexes of regions in it that are not confirmed."""
+
+    configuration: int
+    unconfirmed: frozenset[int]
+
+
 class HandlerSpec(NamedTuple):
     """What to do about a fault; ``go`` is None to only log it."""
 
@@ -171,6 +179,8 @@ class Program:
         phase_of: Per instruction the name of its phase.
         time_limit_s: Longest run; infinite without one.
         rules: The robot's safety rules, without those that the mission is allowed to break.
+        entries: Per phase the situations in which it can be entered, as a check has found them;
+            a mission can be handed back at a phase only in one of these. Empty: unknown.
     """
 
     mission: str
@@ -183,6 +193,14 @@ class Program:
     ends: tuple[str, ...]
     time_limit_s: float
     rules: tuple[RuleSpec, ...] = ()
+    entries: Mapping[str, frozenset[Situation]] = field(default_factory=dict)
+
+    def beginning(self, phase: str) -> int | None:
+        """Index of the instruction that enters a phase, None where there is none."""
+        for index, each in enumerate(self.instructions):
+            if isinstance(each, Enter) and each.phase == phase:
+                return index
+        return None
 
     def handler(self, at: int, code: str) -> HandlerSpec | None:
         """The innermost handler for a fault at this instruction."""

@@ -18,14 +18,14 @@ _OUTSIDE = ("detector", "segment")
 
 
 def told(
-    engine: Engine, state: EngineState, report: SignalReport, now: float, effects: list[Effect]
+    engine: Engine, state: EngineState, report: SignalReport, effects: list[Effect]
 ) -> EngineState:
-    """The signals are what the script says; where sensors speak they alone are believed."""
+    """Conditions see what the script says; where sensors speak they alone are believed."""
     if not engine.nominal:
         effects.append(Log("warning", "a script cannot say what sensors show that speak"))
         return state
     names = engine.robot.vocabulary.numbers
-    numbers = list(state.sensing.numbers)
+    numbers = list(state.sensing.shown)
     for name, value in report.numbers:
         if name in names:
             numbers[names.index(name)] = value
@@ -37,7 +37,7 @@ def told(
             words[_OUTSIDE.index(name) - len(_OUTSIDE)] = word
         else:
             effects.append(Log("warning", f"the script says '{name}', which is no word of it"))
-    sensing = state.sensing._replace(numbers=tuple(numbers))
+    sensing = state.sensing._replace(told=tuple(numbers))
     return state._replace(sensing=sensing, words=tuple(words))
 
 

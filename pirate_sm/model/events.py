@@ -100,6 +100,12 @@ class Step(NamedTuple):
     """The operator wants a paused mission to do its next step and pause again."""
 
 
+class GoTo(NamedTuple):
+    """The operator hands a paused mission back at the beginning of one of its phases."""
+
+    phase: str
+
+
 class Skip(NamedTuple):
     """The operator passes over what the mission waits for.
 
@@ -112,6 +118,8 @@ class Skip(NamedTuple):
 
 class SignalReport(NamedTuple):
     """A script says what sensors and detector show, in a run where none of them speaks.
+
+    It counts from the next event on, as if both came at one moment.
 
     Attributes:
         numbers: Signals by name in SI, NaN for unknown; the others stay as they are.
@@ -146,6 +154,7 @@ Event: TypeAlias = (
     | Pause
     | Resume
     | Step
+    | GoTo
     | Skip
     | SignalReport
     | CommandFailed

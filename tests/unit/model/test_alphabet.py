@@ -54,6 +54,7 @@ def test_the_alphabet_is_what_its_version_says():
         "EnvironmentReport": ("segment", "roll_rad", "pitch_rad", "diameter_m"),
         "Fault": ("code", "message", "handling"),
         "FaultReport": ("code", "message"),
+        "GoTo": ("phase",),
         "Log": ("level", "message"),
         "OperatorCommand": ("command",),
         "Pause": (),
