@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from pirate_sm.checking.allowances import settle
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.mission import check_loaded
+from pirate_sm.checking.mission import MissionCheck, check_loaded
 from pirate_sm.checking.project import Report
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.errors import PirateError
@@ -24,16 +24,19 @@ class CheckError(PirateError):
         super().__init__(f"{said}\nnothing has moved; --no-check runs the mission all the same")
 
 
-def pass_or_raise(loaded: LoadedMission) -> None:
+def pass_or_raise(loaded: LoadedMission) -> MissionCheck:
     """Nothing is certainly wrong with the mission, but for what its files allow.
+
+    Returns:
+        What was found all the same.
 
     Raises:
         CheckError: Something is.
     """
     texts = {document.name: document.text for document in loaded.documents}
-    settled = settle(check_loaded(loaded).findings, texts)
-    faults = tuple(
-        each for each in settled if each.severity is Severity.ERROR and not each.allowed
-    )
+    check = check_loaded(loaded)
+    settled = settle(check.findings, texts)
+    faults = tuple(each for each in settled if each.severity is Severity.ERROR and not each.allowed)
     if faults:
         raise CheckError(faults)
+    return check
