@@ -1,38 +1,51 @@
-"""In which situations each phase of a mission can begin: where it can be handed back."""
+"""Whether a mission can be handed back at one of its phases, as the robot is now."""
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Mapping
 from dataclasses import replace
 
-from pirate_sm.checking.exploring.ledger import Ledger
-from pirate_sm.checking.mission import MissionCheck, check_loaded
-from pirate_sm.engine.program import Situation
-from pirate_sm.engine.robot_state import situation
+from pirate_sm.checking.exploring.explorer import explore
+from pirate_sm.checking.exploring.ledger import Ledger, ledger
+from pirate_sm.checking.mission import conditions_of
+from pirate_sm.engine.program import Do, Require
+from pirate_sm.engine.robot_state import RobotState
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.effects import PhaseChange
 
 
-def entries_of(book: Ledger) -> Mapping[str, frozenset[Situation]]:
-    """Per phase every situation in which the exploration has seen it begin."""
-    found: dict[str, set[Situation]] = defaultdict(set)
-    robot = book.found.robot
-    for step in book.found.steps:
-        for effect in step.effects:
-            if isinstance(effect, PhaseChange):
-                body = book.found.nodes[step.target].state.robot
-                found[effect.phase].add(situation(robot, body))
-    return {phase: frozenset(situations) for phase, situations in found.items()}
-
-
-def with_entries(loaded: LoadedMission, check: MissionCheck | None = None) -> LoadedMission:
-    """The same mission, which can be handed back at its phases.
+def why_not_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
+    """What would go wrong if the mission went on with the phase; empty: nothing.
 
     Args:
         loaded: The mission.
-        check: What a check of it has found, where that has been done.
+        phase: One of its phases.
+        body: What the robot has been commanded to, with nothing in flight.
     """
-    explored = (check or check_loaded(loaded)).explored
-    entries = entries_of(explored[0]) if explored else {}
-    return replace(loaded, program=replace(loaded.program, entries=entries))
+    begin = loaded.program.beginning(phase)
+    if begin is None:
+        return "the mission has no such phase"
+    body = body._replace(flight=None, motion=None, loops=())
+    program = replace(loaded.program, start=begin)
+    book = ledger(explore(loaded.robot, program, conditions_of(loaded), body=body))
+    if book.broken:
+        return next(iter(book.broken))
+    refused = _refused(book, program.instructions)
+    if refused:
+        return refused
+    if not any(outcome == "succeeded" for outcome, _ in book.ends):
+        return "from there no path leads to an end that succeeds"
+    return ""
+
+
+def _refused(book: Ledger, instructions: tuple[object, ...]) -> str:
+    """The first refusal that its step does not expect."""
+    expected = {each.place for each in instructions if isinstance(each, Do) and each.expected}
+    places = {each.place for each in instructions if isinstance(each, Do | Require)}
+    found = [
+        (min(visits.refused), visits.name, place, visits.reasons[min(visits.refused)])
+        for place, visits in book.visits.items()
+        if visits.refused and place in places - expected
+    ]
+    if not found:
+        return ""
+    _, name, place, reason = min(found)
+    return f"{name} ({place}) would be refused as {reason}"

@@ -60,8 +60,15 @@ def go_on(
 def go_to(
     engine: Engine, state: EngineState, event: GoTo, now: float, effects: list[Effect]
 ) -> EngineState:
-    """The paused mission goes on with the phase, if it could have come to it as things are."""
-    obstacle = why_not_to(engine.robot, engine.program, state, event.phase)
+    """The paused mission goes on with the phase, if the robot is still as it was then.
+
+    Whether the phase can run from there is known to who sends the event: see
+    :mod:`pirate_sm.checking.entries`.
+    """
+    here = robot_state.state_change(engine.robot, state.robot)
+    obstacle = why_not_to(engine.program, state, event.phase)
+    if not obstacle and here != (event.states, event.unconfirmed):
+        obstacle = "the robot is not any more in the states that were looked at"
     if obstacle:
         effects.append(Log("warning", f"{event.phase} does not begin: {obstacle}"))
         return state
@@ -81,30 +88,18 @@ def go_to(
     return state._replace(robot=body, mission=mission)
 
 
-def why_not_to(robot: RobotSpec, program: Program, state: EngineState, phase: str) -> str:
-    """Why a mission cannot be handed back at a phase now; empty: it can."""
+def why_not_to(program: Program, state: EngineState, phase: str) -> str:
+    """Why nothing can be handed back now, whatever the phase does; empty: it can."""
     if program.beginning(phase) is None:
         return "the mission has no such phase"
+    before = state.mission.before_pause
     if not state.mission.paused:
         return "pause the mission first"
     if state.robot.flight is not None:
         return "setpoints are in flight"
-    if state.robot.motion is not None and not (
-        state.mission.before_pause and state.mission.before_pause.suspended
-    ):
+    if state.robot.motion is not None and not (before and before.suspended):
         return "a command is under way"
-    if phase not in program.entries:
-        return "nobody has found out how it can be entered"
-    here = robot_state.situation(robot, state.robot)
-    if here in program.entries[phase]:
-        return ""
-    states = robot.table.configurations
-    wanted = sorted({", ".join(states[each.configuration]) for each in program.entries[phase]})
-    doubt = " with something unconfirmed" if here.unconfirmed else ""
-    return (
-        f"the robot is in {', '.join(states[here.configuration])}{doubt}; "
-        f"the phase begins in {' or in '.join(wanted)}"
-    )
+    return ""
 
 
 def resume(

@@ -6,8 +6,7 @@ variables and no stack: the program counter alone says where it is, and a checke
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.expressions import Expression
@@ -152,13 +151,6 @@ class RuleSpec(NamedTuple):
     waived_by: str = ""
 
 
-class Situation(NamedTuple):
-    """Index of a configuration, and the indexes of regions in it that are not confirmed."""
-
-    configuration: int
-    unconfirmed: frozenset[int]
-
-
 class HandlerSpec(NamedTuple):
     """What to do about a fault; ``go`` is None to only log it."""
 
@@ -179,8 +171,6 @@ class Program:
         phase_of: Per instruction the name of its phase.
         time_limit_s: Longest run; infinite without one.
         rules: The robot's safety rules, without those that the mission is allowed to break.
-        entries: Per phase the situations in which it can be entered, as a check has found them;
-            a mission can be handed back at a phase only in one of these. Empty: unknown.
     """
 
     mission: str
@@ -193,7 +183,6 @@ class Program:
     ends: tuple[str, ...]
     time_limit_s: float
     rules: tuple[RuleSpec, ...] = ()
-    entries: Mapping[str, frozenset[Situation]] = field(default_factory=dict)
 
     def beginning(self, phase: str) -> int | None:
         """Index of the instruction that enters a phase, None where there is none."""

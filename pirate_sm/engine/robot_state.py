@@ -7,7 +7,6 @@ from typing import Literal, NamedTuple
 
 from pirate_sm.engine.chart_table import Configuration
 from pirate_sm.engine.done import Loop
-from pirate_sm.engine.program import Situation
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.model.effects import StateChange
 
@@ -117,13 +116,6 @@ def unconfirmed(robot: RobotSpec, state: RobotState) -> tuple[str, ...]:
         if mark.kind == "part":
             regions |= robot.part_regions[mark.which]
     return tuple(name for index, name in enumerate(robot.regions) if index in regions)
-
-
-def situation(robot: RobotSpec, state: RobotState) -> Situation:
-    """The configuration and what of it is not confirmed."""
-    doubtful = unconfirmed(robot, state)
-    regions = frozenset(index for index, name in enumerate(robot.regions) if name in doubtful)
-    return Situation(state.configuration, regions)
 
 
 def states_of(robot: RobotSpec, state: RobotState) -> Configuration:

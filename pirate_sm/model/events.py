@@ -101,9 +101,17 @@ class Step(NamedTuple):
 
 
 class GoTo(NamedTuple):
-    """The operator hands a paused mission back at the beginning of one of its phases."""
+    """The operator hands a paused mission back at the beginning of one of its phases.
+
+    Attributes:
+        phase: The phase.
+        states: State of each region in which the phase has been found to be able to run.
+        unconfirmed: Regions that were not confirmed then.
+    """
 
     phase: str
+    states: tuple[str, ...]
+    unconfirmed: tuple[str, ...] = ()
 
 
 class Skip(NamedTuple):

@@ -19,6 +19,7 @@ from pirate_sm.checking.exploring.oracle import Moment, Oracle
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Setpoints, StateChange, WakeAt
 from pirate_sm.model.events import Tick
@@ -92,12 +93,23 @@ class Exploration:
 
 
 def explore(
-    robot: RobotSpec, program: Program, conditions: Conditions, most: int = MOST_NODES
+    robot: RobotSpec,
+    program: Program,
+    conditions: Conditions,
+    most: int = MOST_NODES,
+    body: RobotState | None = None,
 ) -> Exploration:
     """Everything that can happen to the mission has been tried once.
 
     What is sure is explored first, so that nothing is called unsure that also comes about
     without what cannot be decided.
+
+    Args:
+        robot: The robot.
+        program: The mission.
+        conditions: What can be true together.
+        most: Nodes after which it is cut off.
+        body: What the robot has been commanded to before; None: it is where the program begins.
     """
     oracle = Oracle(conditions)
     asking = oracle.program(replace(program, time_limit_s=inf))
@@ -108,7 +120,7 @@ def explore(
         Exploration(program, robot),
         most,
     )
-    walk.begin()
+    walk.begin(body)
     walk.go_on()
     return walk.found
 
@@ -127,8 +139,8 @@ class _Walk:
         default_factory=list
     )
 
-    def begin(self) -> None:
-        for (state, effects), moment in self.oracle.every(self.engine.start):
+    def begin(self, body: RobotState | None) -> None:
+        for (state, effects), moment in self.oracle.every(lambda: self.engine.start(body=body)):
             self._arrive(-1, START, state, effects, moment)
 
     def go_on(self) -> None:

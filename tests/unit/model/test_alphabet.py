@@ -33,7 +33,7 @@ def test_each_is_frozen_and_says_what_it_is(kind):
 
 
 def test_the_engine_takes_every_event():
-    assert set(engine._ON) | {events.SensorFrame} == classes(events)
+    assert set(engine._ON) | {events.SensorFrame, events.SignalReport} == classes(events)
 
 
 def test_the_alphabet_is_what_its_version_says():
@@ -54,7 +54,7 @@ def test_the_alphabet_is_what_its_version_says():
         "EnvironmentReport": ("segment", "roll_rad", "pitch_rad", "diameter_m"),
         "Fault": ("code", "message", "handling"),
         "FaultReport": ("code", "message"),
-        "GoTo": ("phase",),
+        "GoTo": ("phase", "states", "unconfirmed"),
         "Log": ("level", "message"),
         "OperatorCommand": ("command",),
         "Pause": (),
