@@ -143,7 +143,7 @@ class SerialBackend:
             self.confirmed = self.exchange.settled
             if self.exchange.conversation.frames:  # to a rosserial device only
                 with suppress(BackendError):
-                    self.port.write(self.exchange.conversation.farewell())
+                    self._put(self.exchange.conversation.farewell())
         self._open = False
         self.port.close()
 
@@ -270,6 +270,14 @@ class SerialBackend:
             raise BackendError(problem)
         return [*frames.values(), *told]
 
+    def _put(self, data: bytes) -> None:
+        """The bytes are written, once they no longer push others out of the device's ring."""
+        free_s = self.exchange.room_s(len(data), self.port.now())
+        while self.port.now() < free_s:
+            self.port.wait(free_s)
+        self.port.write(data)
+        self.exchange.wrote(len(data), self.port.now())
+
     def _flush(self) -> None:
         """The last array has been confirmed, or the safe one has gone out once more.
 
@@ -285,4 +293,4 @@ class SerialBackend:
             if exchange.newer:
                 exchange.resume(self.port.now())
         if not exchange.settled:
-            self.port.write(exchange.safe_frame())
+            self._put(exchange.safe_frame())

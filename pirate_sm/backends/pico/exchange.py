@@ -220,6 +220,14 @@ class Exchange:
             self._throttle.wrote(len(data), now)
         return data
 
+    def room_s(self, size: int, now: float) -> float:
+        """When so many bytes may be written."""
+        return self._throttle.free_s(size, now)
+
+    def wrote(self, size: int, now: float) -> None:
+        """So many bytes have been written past the exchange."""
+        self._throttle.wrote(size, now)
+
     def safe_frame(self) -> bytes:
         """The frame that stops what the safe state stops and holds what it holds; or nothing.
 
