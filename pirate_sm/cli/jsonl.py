@@ -9,6 +9,7 @@ from typing import Any, TextIO
 
 from pirate_sm import __version__
 from pirate_sm.cli.situation import Situation
+from pirate_sm.cli.telling import told_reason
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import ALPHABET_VERSION
 from pirate_sm.runtime.companions import Answered
@@ -122,8 +123,9 @@ def _wait(_: JsonLines, it: fx.WaitArmed) -> tuple[str, dict[str, Any]]:
     }
 
 
-def _trigger(_: JsonLines, it: fx.TriggerFired) -> tuple[str, dict[str, Any]]:
-    return "trigger", it._asdict()
+def _trigger(lines: JsonLines, it: fx.TriggerFired) -> tuple[str, dict[str, Any]]:
+    nominal = lines._situation.prepared.engine.nominal
+    return "trigger", {**it._asdict(), "reason": told_reason(it, nominal=nominal)}
 
 
 def _detected(_: JsonLines, it: fx.Detected) -> tuple[str, dict[str, Any]]:

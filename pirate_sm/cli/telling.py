@@ -19,6 +19,12 @@ class Line(NamedTuple):
     text: str
 
 
+def told_reason(it: fx.TriggerFired, *, nominal: bool) -> str:
+    """Why a trigger fired; in a trace it is the script that passes over waits, nobody else."""
+    by_hand = it.reason == fx.TAKEN
+    return "taken by the trace" if nominal and by_hand else it.reason
+
+
 class Teller:
     """Turns effects into lines; remembers what it has said so that it tells changes only."""
 
@@ -83,8 +89,7 @@ class Teller:
         return [Line("waits", f"for {' or '.join(it.conditions)}{limit}")]
 
     def _trigger(self, it: fx.TriggerFired) -> list[Line]:
-        by_script = self._nominal and it.reason == "taken by the operator"
-        return [Line("trigger", f"{'taken by the trace' if by_script else it.reason} → {it.go}")]
+        return [Line("trigger", f"{told_reason(it, nominal=self._nominal)} → {it.go}")]
 
     def _detected(self, it: fx.Detected) -> list[Line]:
         return [Line("detected", it.word)]

@@ -74,6 +74,10 @@ class WaitArmed(NamedTuple):
     deadline_s: float
 
 
+TAKEN = "taken by the operator"
+"""Reason of a trigger that nothing but a person, or a script in their place, has made fire."""
+
+
 class TriggerFired(NamedTuple):
     """A wait has ended.
 
