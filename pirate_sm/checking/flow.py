@@ -17,6 +17,7 @@ def flow_findings(
 ) -> Iterator[Finding]:
     """What is wrong with the ways through the mission."""
     if not all(book.found.complete for book in books):
+        yield from _round_and_round(books, loaded, places)
         yield from _rules(books, places)
         return
     yield from _unreachable(books, loaded, places)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pirate_sm.checking.exploring.conditions import Conditions
-from pirate_sm.checking.exploring.explorer import explore
+from pirate_sm.checking.exploring.explorer import MOST_WORK, explore
 from pirate_sm.checking.exploring.ledger import Ledger, ledger
 from pirate_sm.checking.exploring.ranges import ranges
 from pirate_sm.checking.findings import Finding, Severity, finding_of
@@ -84,7 +84,7 @@ def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> Missi
     """
     books = _explored(loaded)
     places = Places(loaded)
-    findings = [*told, *_cut_off(books[0], places)]
+    findings = [*told, *_cut_off(books, places)]
     findings += refusal_findings(books, loaded, places)
     findings += wait_findings(books, loaded, places)
     findings += flow_findings(books, loaded, places)
@@ -105,13 +105,15 @@ def _explored(loaded: LoadedMission) -> list[Ledger]:
     """What can happen; and again with the steps left out that can never run, until there are none.
 
     After a certain refusal the check goes on as if the step were not there, so that later faults
-    show as well.
+    show as well. All of it together may take as much as one exploration.
     """
     conditions = conditions_of(loaded)
     program = loaded.program
     books: list[Ledger] = []
+    left: float = MOST_WORK
     for _ in range(MOST_ASSUMPTIONS):
-        book = ledger(explore(loaded.robot, program, conditions))
+        book = ledger(explore(loaded.robot, program, conditions, most_work=left))
+        left -= book.found.work
         known = {place for earlier in books for place in earlier.visits}
         books.append(book)
         stuck = {
@@ -119,7 +121,7 @@ def _explored(loaded: LoadedMission) -> list[Ledger]:
             for place, visits in book.visits.items()
             if place not in known and visits.never_fine
         }
-        if not stuck:
+        if not stuck or not book.found.complete:
             break
         program = _without(program, stuck)
     return books
@@ -136,9 +138,11 @@ def _without(program: Program, places: set[str]) -> Program:
     return replace(program, instructions=instructions)
 
 
-def _cut_off(book: Ledger, places: Places) -> list[Finding]:
-    if book.found.complete:
+def _cut_off(books: Sequence[Ledger], places: Places) -> list[Finding]:
+    if all(book.found.complete for book in books):
         return []
-    most = len(book.found.nodes)
+    most = len(books[-1].found.nodes)
     message = f"more than {most} situations can come about: what is beyond was not looked at"
+    if len(books) > 1:
+        message += " (once the steps that cannot run have been mended)"
     return [places.finding(places.mission(), "check.too_large", Severity.WARNING, message)]

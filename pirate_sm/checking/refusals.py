@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 
 from pirate_sm.checking.exploring.ledger import Ledger, Visits
@@ -21,6 +22,7 @@ def refusal_findings(
         if isinstance(each, Do | Require) and each.place
     }
     handlers = handler_phases(loaded.program)
+    phases = _phases(loaded.program)
     done: set[str] = set()
     for number, book in enumerate(books):
         assumed = number > 0
@@ -29,7 +31,7 @@ def refusal_findings(
                 continue
             done.add(place)
             step = steps[place]
-            found = _judge(book, visits, step, _phases(loaded.program, place) & handlers)
+            found = _judge(book, visits, step, phases[place] & handlers)
             if found is None:
                 continue
             code, severity, message, step_number, mend = found
@@ -55,36 +57,37 @@ def handler_phases(program: Program) -> frozenset[str]:
     return frozenset(program.phase_of[target] for target in targets) - {""}
 
 
-def _phases(program: Program, place: str) -> frozenset[str]:
-    """The phases in which the step at this place stands."""
-    return frozenset(
-        phase
-        for each, phase in zip(program.instructions, program.phase_of, strict=True)
-        if isinstance(each, Do | Require) and each.place == place
-    )
+def _phases(program: Program) -> dict[str, set[str]]:
+    """The phases in which the step at each place stands; a called one stands in several."""
+    found: dict[str, set[str]] = defaultdict(set)
+    for each, phase in zip(program.instructions, program.phase_of, strict=True):
+        if isinstance(each, Do | Require):
+            found[each.place].add(phase)
+    return found
 
 
 def _judge(
-    book: Ledger, visits: Visits, step: Do | Require, handling: frozenset[str]
+    book: Ledger, visits: Visits, step: Do | Require, handling: set[str]
 ) -> tuple[str, Severity, str, int, str] | None:
     """Code, severity, message, step to be told, and how to mend it; None where all is well."""
-    if isinstance(step, Do) and not visits.given and not visits.refused:
+    complete = book.found.complete
+    if isinstance(step, Do) and not visits.given and not visits.refused and complete:
         message = f"{visits.name} is never needed: it is so already whenever its turn comes"
         return "step.never_needed", Severity.WARNING, message, -1, "leave the step out"
     if not visits.refused:
         return None
-    if isinstance(step, Do) and step.expected and not visits.never_fine:
+    always = visits.never_fine and complete
+    if isinstance(step, Do) and step.expected and not always:
         return None  # the step itself says where its refusal leads
     first = _first(book, visits)
     severity = Severity.ERROR if book.sure(first) else Severity.POSSIBLE
     reason = visits.reasons[first]
-    code = _code(visits, step, first, handling)
-    always = visits.never_fine
+    code = _code(visits, step, first, handling, "" if always else "maybe_")
     word = "is refused" if always else "can be refused"
     message = f"{visits.name} {word} as {reason}"
     if always and len({visits.reasons[each] for each in visits.refused}) > 1:
         message += ", or for another reason, on every path"
-    return code, severity, message, first, _mend(visits, step, first)
+    return code, severity, message, first, _mend(visits, step, first, always=always)
 
 
 def _first(book: Ledger, visits: Visits) -> int:
@@ -93,8 +96,7 @@ def _first(book: Ledger, visits: Visits) -> int:
     return min(sure or visits.refused)
 
 
-def _code(visits: Visits, step: Do | Require, first: int, handling: frozenset[str]) -> str:
-    maybe = "" if visits.never_fine else "maybe_"
+def _code(visits: Visits, step: Do | Require, first: int, handling: set[str], maybe: str) -> str:
     if isinstance(step, Require):
         return f"call.{maybe}starts_in"
     if handling:
@@ -103,11 +105,11 @@ def _code(visits: Visits, step: Do | Require, first: int, handling: frozenset[st
     return f"step.{maybe}{kind}"
 
 
-def _mend(visits: Visits, step: Do | Require, first: int) -> str:
+def _mend(visits: Visits, step: Do | Require, first: int, *, always: bool) -> str:
     if isinstance(step, Require):
         return "bring the robot into the states that the called mission starts in"
     if first in visits.unneeded:
-        if visits.never_fine:
+        if always:
             return "leave the step out, or say `unneeded: skip`"
         return "say `unneeded: skip`: then it is passed over where it is not needed"
     return "put the commands before it that make it possible, or say `on_failure` at the step"

@@ -10,7 +10,7 @@ from pirate_sm.checking.exploring.ranges import ranges
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
 from pirate_sm.engine.program import Branch, TriggerSpec, Wait
-from pirate_sm.expressions import Expression
+from pirate_sm.expressions import Expression, tree
 from pirate_sm.loading.mission import LoadedMission
 
 
@@ -22,8 +22,9 @@ def wait_findings(
     judge = _Judge(
         books, loaded, Conditions(loaded.robot.vocabulary, spans, len(loaded.robot.regions))
     )
-    for place, (code, severity, message, mend) in judge.triggers().items():
-        yield places.finding(places.read(place), code, severity, message, mend=mend)
+    if all(book.found.complete for book in books):
+        for place, (code, severity, message, mend) in judge.triggers().items():
+            yield places.finding(places.read(place), code, severity, message, mend=mend)
     for each in loaded.program.instructions:
         if isinstance(each, Branch):
             said = judge.constant(each.condition)
@@ -46,6 +47,7 @@ class _Judge:
         self._table = loaded.robot.table
         self._program = loaded.program
         self._conditions = conditions
+        self._constant: dict[tree.Node, str] = {}
 
     def triggers(self) -> dict[str, _Said]:
         """What is to be said of a trigger, by its place; nothing where it is ever of use."""
@@ -112,10 +114,15 @@ class _Judge:
 
     def constant(self, condition: Expression) -> str:
         """``true`` or ``false`` where the condition is that in every configuration."""
-        for fact, said in ((False, "true"), (True, "false")):
-            if not any(
-                self._conditions.ask([(condition.tree, fact)], states).possible
+        if condition.tree not in self._constant:
+            regions = self._conditions.regions(condition.tree)
+            every = {
+                tuple(state if n in regions else None for n, state in enumerate(states))
                 for states in self._table.configurations
-            ):
-                return said
-        return ""
+            }
+            self._constant[condition.tree] = ""
+            for fact, said in ((False, "true"), (True, "false")):
+                asked = [(condition.tree, fact)]
+                if not any(self._conditions.ask(asked, states).possible for states in every):
+                    self._constant[condition.tree] = said
+        return self._constant[condition.tree]

@@ -250,7 +250,7 @@ def _awaited(
 def _branch(
     setting: Setting, state: EngineState, it: Branch, now: float, effects: list[Effect]
 ) -> EngineState:
-    value = it.condition.evaluate(state.sensing.numbers, state.words)
+    value = it.condition.evaluate(state.sensing.shown, state.words)
     if value is None:
         effects.append(Log("warning", f"{it.place}: '{it.condition.text}' is unknown, not taken"))
     return _go(state, it.if_true if value is True else it.if_false)
@@ -289,7 +289,7 @@ def _wait(
         texts = tuple(trigger.text for trigger in it.triggers)
         effects.append(WaitArmed(it.phase, names, texts, deadline))
         state = state._replace(mission=mission)
-    since, fired, reason = _look(it, mission, state.sensing.numbers, state.words, clock)
+    since, fired, reason = _look(it, mission, state.sensing.shown, state.words, clock)
     if fired >= 0:
         trigger = it.triggers[fired]
         effects.append(TriggerFired(it.phase, trigger.name, trigger.go_name, reason))

@@ -24,6 +24,7 @@ class Sensing(NamedTuple):
             rolled until then.
         angles: Per wheel what its sensor last showed, however long ago: what it has rolled while
             its board could not be heard is not lost with the frames.
+        told: In place of ``numbers``, what a script says that conditions see; empty without one.
     """
 
     numbers: Numbers
@@ -32,6 +33,12 @@ class Sensing(NamedTuple):
     stale: frozenset[int] = frozenset()
     shares: tuple[float, ...] = ()
     angles: tuple[float, ...] = ()
+    told: Numbers = ()
+
+    @property
+    def shown(self) -> Numbers:
+        """What conditions of the mission see. Position loops go by the boards alone."""
+        return self.told or self.numbers
 
 
 def nothing_known(robot: RobotSpec, *, blind: bool = False) -> Sensing:

@@ -14,11 +14,12 @@ from pirate_sm.model.events import (
     FaultReport,
     SignalReport,
     SubmitStatus,
+    Tick,
 )
 from pirate_sm.runtime.companions import FirstChoice, TriggerScript
 
-_BEFORE_S = 1e-6
-"""Sensors show something so long before the deadline at which it counts."""
+_EARLIER_S = 1e-10
+"""A deadline comes so much earlier, before the loop tells it; to the engine that is in time."""
 
 
 class CoursePlayer:
@@ -42,8 +43,6 @@ class CoursePlayer:
         self._decide = decide
         self._release = release
         self._wake_s = inf
-        self._deadline_s = inf
-        self._shown = False
         self._open: dict[type[Effect], Effect] = {}
         self._after = (TriggerScript(), FirstChoice("the course of events is over"))
         self._over = False
@@ -60,8 +59,6 @@ class CoursePlayer:
                 self._open.pop(WaitArmed, None)
             elif isinstance(effect, WaitArmed | Ask):
                 self._open[type(effect)] = effect
-        if now_s < self._deadline_s:  # else it has just come, and the next one is another matter
-            self._deadline_s = self._wake_s
         if self._over:
             for companion in self._after:
                 companion.react(effects, now_s)
@@ -73,24 +70,14 @@ class CoursePlayer:
             return [
                 event for each in self._after if now_s >= each.due_s for event in each.speak(now_s)
             ]
-        event, report = self._left[-1]
-        if report is not None and not self._shown and event.happens != "sensors":
-            self._shown = True
-            self._plan(now_s)
-            return (report,)
-        if event.happens == "time" and now_s < self._deadline_s:
-            self._plan(now_s)
-            return ()
-        self._left.pop()
-        self._shown = False
-        self._deadline_s = self._wake_s
-        said = self._said(event, report)
+        event, report = self._left.pop()
+        said = [*([report] if report is not None else ()), *self._said(event)]
         if not self._left:
             self._finish(now_s)
         self._plan(now_s)
         return said
 
-    def _said(self, event: Happening, report: SignalReport | None) -> Sequence[Event]:
+    def _said(self, event: Happening) -> Sequence[Event]:
         match event.happens:
             case "accepted" | "rejected" as fate:
                 self._decide(fate, "" if fate == "accepted" else "so the course of events")
@@ -100,20 +87,16 @@ class CoursePlayer:
                 return (Answer(event.answer or ""),)
             case "fault":
                 return (FaultReport(event.fault or "", "so the course of events"),)
-            case "sensors" if report is not None:
-                return (report,)
+            case "time" | "sensors":
+                return (Tick(),)
         return ()
 
     def _plan(self, now_s: float) -> None:
         if self._over:
             self.due_s = min(each.due_s for each in self._after)
             return
-        event, report = self._left[-1]
-        self.due_s = now_s
-        if event.happens == "time":
-            shows = report is not None and not self._shown
-            before_s = _BEFORE_S if shows else 0.0
-            self.due_s = max(now_s, self._deadline_s - before_s)
+        event, _ = self._left[-1]
+        self.due_s = max(now_s, self._wake_s - _EARLIER_S) if event.happens == "time" else now_s
 
     def _finish(self, now_s: float) -> None:
         """From now on arrays are accepted, first triggers fire, first answers are given."""

@@ -19,8 +19,11 @@ from pirate_sm.expressions import BOOLEAN, EnumType, Expression, Vocabulary, tre
 Fact: TypeAlias = tuple[tree.Node, bool]
 """A condition, and whether it is true; false stands for false and for unknown."""
 
-MOST_COMBINATIONS = 20_000
-"""Of values that are tried; beyond, a *yes* is assumed and is not sure."""
+MOST_TESTS = 50_000
+"""Of facts with values; where it would take more, a *yes* is assumed and is not sure."""
+
+MOST_ARGUMENTS = 16
+"""Of ``min`` and ``max`` in one comparison; where there are more, it counts as not linear."""
 
 _TRUTHS = ("true", "false", None)
 
@@ -39,6 +42,20 @@ class Answer(NamedTuple):
     words: Mapping[str, str | None] = {}
 
 
+def together(answers: Iterable[Answer]) -> Answer:
+    """The answer to several questions that have no signal in common."""
+    numbers: dict[str, float] = {}
+    words: dict[str, str | None] = {}
+    sure = True
+    for answer in answers:
+        if not answer.possible:
+            return answer
+        numbers |= answer.numbers
+        words |= answer.words
+        sure = sure and answer.sure
+    return Answer(True, sure, numbers, words)
+
+
 class Conditions:
     """Answers questions about conditions on one robot.
 
@@ -46,6 +63,9 @@ class Conditions:
         vocabulary: What conditions know.
         spans: Range of each numeric signal.
         regions: How many of the words are states, which are known.
+
+    Attributes:
+        tests: How much has been tried so far, for who must come to an end.
     """
 
     def __init__(self, vocabulary: Vocabulary, spans: Mapping[str, Range], regions: int) -> None:
@@ -53,26 +73,56 @@ class Conditions:
         self._spans = spans
         self._regions = regions
         self._answers: dict[tuple[tuple[Fact, ...], tuple[str | None, ...]], Answer] = {}
+        self._seen: dict[tree.Node, tuple[frozenset[str], tuple[int, ...]]] = {}
+        self.tests = 0
 
     def ask(self, facts: Iterable[Fact], states: Sequence[str | None]) -> Answer:
         """Whether all facts can hold at once with the regions in these states."""
-        key = (tuple(dict.fromkeys(facts)), tuple(states[: self._regions]))
-        if key not in self._answers:
-            self._answers[key] = self._ask(*key)
-        return self._answers[key]
+        answers = (self._ask(group, states) for group in self._groups(dict.fromkeys(facts)))
+        return together(answers)
 
-    def _ask(self, facts: tuple[Fact, ...], states: tuple[str | None, ...]) -> Answer:
-        numbers: dict[str, float] = {}
-        words: dict[str, str | None] = {}
-        sure = True
-        for group in _groups(facts, self._vocabulary.words[: self._regions]):
-            answer = self._ask_group(group, states)
-            if not answer.possible:
-                return answer
-            numbers |= answer.numbers
-            words |= answer.words
-            sure = sure and answer.sure
-        return Answer(True, sure, numbers, words)
+    def free(self, node: tree.Node) -> frozenset[str]:
+        """Names of what the condition depends on beside the states."""
+        return self._look(node)[0]
+
+    def regions(self, node: tree.Node) -> tuple[int, ...]:
+        """Indexes of the regions that the condition depends on."""
+        return self._look(node)[1]
+
+    def _look(self, node: tree.Node) -> tuple[frozenset[str], tuple[int, ...]]:
+        if node not in self._seen:
+            signals = [each for each in tree.walk(node) if isinstance(each, tree.Signal)]
+            known = self._vocabulary.words[: self._regions]
+            regions = {each.index for each in signals if each.name in known}
+            free = frozenset(each.name for each in signals if each.name not in known)
+            self._seen[node] = free, tuple(sorted(regions))
+        return self._seen[node]
+
+    def _groups(self, facts: Iterable[Fact]) -> list[tuple[Fact, ...]]:
+        """Facts that share signals together: each group can be answered for itself."""
+        groups: list[tuple[frozenset[str], tuple[Fact, ...]]] = []
+        for fact in facts:
+            names: frozenset[str] = self.free(fact[0])
+            members: tuple[Fact, ...] = (fact,)
+            apart = []
+            for other_names, others in groups:
+                if names & other_names:
+                    names, members = names | other_names, (*others, *members)
+                else:
+                    apart.append((other_names, others))
+            groups = [*apart, (names, members)]
+        return [members for _, members in groups]
+
+    def _ask(self, facts: tuple[Fact, ...], states: Sequence[str | None]) -> Answer:
+        self.tests += len(facts)
+        relevant = {region for node, _ in facts for region in self.regions(node)}
+        known = tuple(
+            states[region] if region in relevant else None for region in range(self._regions)
+        )
+        key = (facts, known)
+        if key not in self._answers:
+            self._answers[key] = self._ask_group(facts, known)
+        return self._answers[key]
 
     def _ask_group(self, facts: tuple[Fact, ...], states: tuple[str | None, ...]) -> Answer:
         """Values with which it is so; failing that, whether it is so with free truths."""
@@ -98,8 +148,10 @@ class Conditions:
         nodes = [node for node, _ in facts]
         numeric, verbal = self._numeric(nodes), self._verbal(nodes)
         said = [*verbal.values(), *(_TRUTHS for _ in range(free))]
-        if math.prod(len(each) for each in (*numeric.values(), *said)) > MOST_COMBINATIONS:
+        combinations = math.prod(len(each) for each in (*numeric.values(), *said))
+        if combinations * len(facts) > MOST_TESTS:
             return Answer(True, sure=False), False
+        self.tests += combinations * len(facts)
         tests = [(_compiled(node), wanted) for node, wanted in facts]
         order, size = self._vocabulary.numbers, len(self._vocabulary.words)
         places = [order.index(name) for name in numeric]
@@ -125,7 +177,7 @@ class Conditions:
                 names = signals(each) if isinstance(each, tree.Compare | tree.Known) else ()
                 for name in names:
                     span = self._spans.get(name, ANYTHING)
-                    found = {0.0}
+                    found: Iterable[float] = (0.0,)
                     if isinstance(each, tree.Compare) and _is_decided(each):
                         found = borders(each, span)
                     marks.setdefault(name, set()).update(found)
@@ -157,34 +209,12 @@ def _compiled(node: tree.Node) -> Expression:
     return Expression("", BOOLEAN, node)
 
 
-def _free(node: tree.Node, known: Sequence[str]) -> frozenset[str]:
-    return frozenset(
-        each.name
-        for each in tree.walk(node)
-        if isinstance(each, tree.Signal) and each.name not in known
-    )
-
-
-def _groups(facts: tuple[Fact, ...], known: Sequence[str]) -> list[tuple[Fact, ...]]:
-    """Facts that share signals together: each group can be answered for itself."""
-    groups: list[tuple[frozenset[str], tuple[Fact, ...]]] = []
-    for fact in facts:
-        names: frozenset[str] = _free(fact[0], known)
-        members: tuple[Fact, ...] = (fact,)
-        apart = []
-        for other_names, others in groups:
-            if names & other_names:
-                names, members = names | other_names, (*others, *members)
-            else:
-                apart.append((other_names, others))
-        groups = [*apart, (names, members)]
-    return [members for _, members in groups]
-
-
+@lru_cache(maxsize=4096)
 def _is_decided(node: tree.Compare) -> bool:
     """Whether a comparison changes only where its one signal has a border."""
+    arguments = sum(len(each.arguments) for each in tree.walk(node) if isinstance(each, tree.Call))
     linear = is_linear(node.left) and is_linear(node.right)
-    return len(signals(node)) == 1 and linear
+    return len(signals(node)) == 1 and linear and arguments <= MOST_ARGUMENTS
 
 
 def _without_opaque(node: tree.Node, opaque: dict[tree.Node, int], first: int) -> tree.Node:
@@ -196,6 +226,9 @@ def _without_opaque(node: tree.Node, opaque: dict[tree.Node, int], first: int) -
             number = opaque.setdefault(node, len(opaque))
             free = tree.Signal(f"?{number}", "word", first + number)
             return tree.Matches(free, ("true",))
+        case tree.Known(operand) if not is_linear(operand):  # it may be divided by 0
+            number = opaque.setdefault(node, len(opaque))
+            return tree.Matches(tree.Signal(f"?{number}", "word", first + number), ("true",))
         case tree.Not(operand):
             return tree.Not(_without_opaque(operand, opaque, first))
         case tree.And(parts):

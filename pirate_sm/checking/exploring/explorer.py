@@ -8,8 +8,9 @@ What is found first is therefore reached by the fewest events.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import inf, isnan
 from typing import Any, NamedTuple
 
@@ -25,6 +26,14 @@ from pirate_sm.model.effects import Effect, Setpoints, StateChange, WakeAt
 from pirate_sm.model.events import Tick
 
 MOST_NODES = 50_000
+
+MOST_WORK = 150_000
+"""Of what one exploration may take: steps of the engine, with what they asked and what came of
+them; some ten seconds."""
+
+_EFFECTS_A_STEP = 20
+_TESTS_A_STEP = 50
+"""So many take about as long as a step that has no more to do."""
 
 START = Move("start", Tick(), 0.0)
 
@@ -74,6 +83,7 @@ class Exploration:
 
     Attributes:
         complete: False when there was too much of it.
+        work: How much of ``MOST_WORK`` it took.
     """
 
     program: Program
@@ -81,6 +91,7 @@ class Exploration:
     nodes: list[Node] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
     complete: bool = True
+    work: float = 0.0
 
     def path(self, step: int) -> list[Step]:
         """The shortest course of events that ends with this step, from the start on."""
@@ -98,8 +109,9 @@ def explore(
     conditions: Conditions,
     most: int = MOST_NODES,
     body: RobotState | None = None,
+    most_work: float = MOST_WORK,
 ) -> Exploration:
-    """Everything that can happen to the mission has been tried once.
+    """Everything that can happen to the mission has been tried once, unless that is too much.
 
     What is sure is explored first, so that nothing is called unsure that also comes about
     without what cannot be decided.
@@ -110,6 +122,7 @@ def explore(
         conditions: What can be true together.
         most: Nodes after which it is cut off.
         body: What the robot has been commanded to before; None: it is where the program begins.
+        most_work: What it may take, likewise.
     """
     oracle = Oracle(conditions)
     asking = oracle.program(replace(program, time_limit_s=inf))
@@ -119,6 +132,7 @@ def explore(
         Moves(robot, asking, conditions),
         Exploration(program, robot),
         most,
+        most_work,
     )
     walk.begin(body)
     walk.go_on()
@@ -132,6 +146,7 @@ class _Walk:
     moves: Moves
     found: Exploration
     most: int
+    most_work: float
     _known: dict[Any, int] = field(default_factory=dict)
     _sure: deque[int] = field(default_factory=deque)
     _unsure: deque[int] = field(default_factory=deque)
@@ -140,7 +155,7 @@ class _Walk:
     )
 
     def begin(self, body: RobotState | None) -> None:
-        for (state, effects), moment in self.oracle.every(lambda: self.engine.start(body=body)):
+        for (state, effects), moment in self._every(partial(self.engine.start, body=body)):
             self._arrive(-1, START, state, effects, moment)
 
     def go_on(self) -> None:
@@ -161,13 +176,25 @@ class _Walk:
         if node.over:
             return
         for move in self.moves.of(node.state, node.now):
-            for (state, effects), moment in self._results(node.state, move):
+            if not self.found.complete:
+                return
+            results = self._every(partial(self.engine.step, node.state, move.event, move.at_s))
+            for (state, effects), moment in results:
                 self._arrive(index, move, state, effects, moment)
 
-    def _results(
-        self, state: EngineState, move: Move
+    def _every(
+        self, step: Callable[[], tuple[EngineState, tuple[Effect, ...]]]
     ) -> Iterator[tuple[tuple[EngineState, tuple[Effect, ...]], Moment]]:
-        return self.oracle.every(lambda: self.engine.step(state, move.event, move.at_s))
+        """The results of the step, as far as they are not too much."""
+        conditions, tests = self.moves.conditions, self.moves.conditions.tests
+        for result, moment in self.oracle.every(step):
+            yield result, moment
+            more = (conditions.tests - tests) / _TESTS_A_STEP
+            tests = conditions.tests
+            self.found.work += 1 + len(result[1]) / _EFFECTS_A_STEP + more
+            if self.found.work > self.most_work or not self.found.complete:
+                self.found.complete = False
+                return
 
     def _arrive(
         self,

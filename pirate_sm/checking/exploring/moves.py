@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from math import isinf
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -57,7 +57,8 @@ class Moves:
     def __init__(self, robot: RobotSpec, program: Program, conditions: Conditions) -> None:
         self._robot = robot
         self._program = program
-        self._conditions = conditions
+        self.conditions = conditions
+        self._can_be: dict[tuple[str, tuple[str | None, ...]], bool] = {}
 
     def of(self, state: EngineState, now: float) -> Iterator[Move]:
         """Everything that can happen next, in the order in which stories are told."""
@@ -108,9 +109,12 @@ class Moves:
             targets.add(handler.go)
             yield Move("fault", FaultReport(handler.code, "so the check"), now, handler.code)
 
-    def can_be(self, handler: HandlerSpec, states: Sequence[str | None]) -> bool:
+    def can_be(self, handler: HandlerSpec, states: tuple[str | None, ...]) -> bool:
         """Whether the fault can come up in these states; what no rule tells always can."""
-        own = [rule for rule in self._robot.faults if rule.code == handler.code]
-        return not own or any(
-            self._conditions.ask([(rule.when.tree, True)], states).possible for rule in own
-        )
+        key = handler.code, states
+        if key not in self._can_be:
+            own = [rule for rule in self._robot.faults if rule.code == handler.code]
+            self._can_be[key] = not own or any(
+                self.conditions.ask([(rule.when.tree, True)], states).possible for rule in own
+            )
+        return self._can_be[key]

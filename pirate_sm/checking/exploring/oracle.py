@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
-from pirate_sm.checking.exploring.conditions import Answer, Conditions, Fact
+from pirate_sm.checking.exploring.conditions import Answer, Conditions, Fact, together
 from pirate_sm.engine.program import Branch, Program, Wait
-from pirate_sm.expressions import Expression
+from pirate_sm.expressions import Expression, tree
 
 T = TypeVar("T")
 
@@ -29,6 +29,14 @@ class Moment(NamedTuple):
     answer: Answer
 
 
+class _Related(NamedTuple):
+    """What has been answered about conditions that share signals, directly or by others."""
+
+    names: frozenset[str]
+    facts: tuple[Fact, ...]
+    answer: Answer
+
+
 class Oracle:
     """Gives the answers.
 
@@ -38,10 +46,10 @@ class Oracle:
 
     def __init__(self, conditions: Conditions) -> None:
         self._conditions = conditions
-        self._facts: list[Fact] = []
+        self._given: dict[tree.Node, bool] = {}
+        self._related: list[_Related] = []
         self._choices: list[bool] = []
         self._taken = 0
-        self._states: Sequence[str | None] = ()
 
     def program(self, program: Program) -> Program:
         """The same program, asking."""
@@ -57,12 +65,13 @@ class Oracle:
         while pending:
             self._choices = pending.pop()
             given = len(self._choices)
-            self._facts, self._taken = [], 0
+            self._given, self._related, self._taken = {}, [], 0
             result = step()
-            answer = self._conditions.ask(self._facts, self._states)
-            yield result, Moment(tuple(self._facts), answer)
-            for place in range(len(self._choices) - 1, given - 1, -1):
-                pending.append([*self._choices[:place], not self._choices[place]])
+            choices = self._choices
+            answer = together(each.answer for each in self._related)
+            yield result, Moment(tuple(self._given.items()), answer)
+            for place in range(len(choices) - 1, given - 1, -1):
+                pending.append([*choices[:place], not choices[place]])
 
     def _asking(self, it: Any) -> Any:
         if isinstance(it, Branch):
@@ -79,26 +88,30 @@ class Oracle:
         asking = Expression(real.text, real.type, real.tree)
 
         def evaluate(numbers: Sequence[float], words: Sequence[str | None]) -> bool:
-            return self._answer(real, words)
+            return self._answer(real.tree, words)
 
         object.__setattr__(asking, "evaluate", evaluate)
         return asking
 
-    def _answer(self, condition: Expression, words: Sequence[str | None]) -> bool:
+    def _answer(self, condition: tree.Node, words: Sequence[str | None]) -> bool:
         """Whether the condition is true now; false stands for unknown too."""
-        self._states = words
-        yes, no = (condition.tree, True), (condition.tree, False)
-        if yes in self._facts:
-            return True
-        if no in self._facts:
-            return False
-        can = self._conditions.ask((*self._facts, yes), words).possible
-        if not can or not self._conditions.ask((*self._facts, no), words).possible:
-            self._facts.append(yes if can else no)
-            return can
+        if condition in self._given:
+            return self._given[condition]
+        names = self._conditions.free(condition)
+        touched = [each for each in self._related if each.names & names]
+        facts = tuple(fact for each in touched for fact in each.facts)
+        yes = self._conditions.ask((*facts, (condition, True)), words)
+        no = self._conditions.ask((*facts, (condition, False)), words)
+        chosen = self._choose() if yes.possible and no.possible else yes.possible
+        self._given[condition] = chosen
+        self._related = [each for each in self._related if not each.names & names]
+        names = names.union(*(each.names for each in touched))
+        facts = (*facts, (condition, chosen))
+        self._related.append(_Related(names, facts, yes if chosen else no))
+        return chosen
+
+    def _choose(self) -> bool:
         if self._taken == len(self._choices):
             self._choices.append(False)
-        chosen = self._choices[self._taken]
         self._taken += 1
-        self._facts.append(yes if chosen else no)
-        return chosen
+        return self._choices[self._taken - 1]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import pairwise
+from functools import lru_cache
+from itertools import combinations, pairwise
 from math import inf, isfinite
 
 from pirate_sm.checking.exploring.ranges import Range
@@ -75,7 +76,7 @@ def _kinks(node: tree.Node, span: Range) -> set[float]:
         if node.function == "abs":
             found |= _roots(node.arguments[0], found, span)
         else:
-            for first, second in pairwise(node.arguments):
+            for first, second in combinations(node.arguments, 2):
                 found |= _roots(tree.Arithmetic("-", first, second), found, span)
     return found
 
@@ -95,7 +96,8 @@ def _roots(node: tree.Node, kinks: Iterable[float], span: Range) -> set[float]:
     return found
 
 
-def borders(compare: tree.Compare, span: Range) -> set[float]:
+@lru_cache(maxsize=4096)
+def borders(compare: tree.Compare, span: Range) -> frozenset[float]:
     """Values of the one signal at which the comparison may change."""
     difference = tree.Arithmetic("-", compare.left, compare.right)
     kinks = _kinks(difference, span)
@@ -103,7 +105,7 @@ def borders(compare: tree.Compare, span: Range) -> set[float]:
     for side, other in ((compare.left, compare.right), (compare.right, compare.left)):
         if isinstance(side, tree.Signal) and not signals(other):
             found.add(value(other, 0.0))  # without the rounding of an interpolation
-    return found
+    return frozenset(found)
 
 
 def samples(marks: Iterable[float], span: Range) -> tuple[float, ...]:
