@@ -99,3 +99,39 @@ def explain(
         return run_explain(code)
 
     raise typer.Exit(guarded(work, debug))
+
+
+class Comparisons(str, Enum):  # noqa: UP042
+    """How a comparison is written."""
+
+    TEXT = "text"
+    JSON = "json"
+
+
+def diff(
+    old: Annotated[str, typer.Argument(metavar="OLD", help="A mission: its name or its file.")],
+    new: Annotated[str, typer.Argument(metavar="NEW", help="The mission to hold against it.")],
+    format_: Annotated[
+        Comparisons, typer.Option("--format", help="What is written to standard output.")
+    ] = Comparisons.TEXT,
+    robot: Annotated[
+        str | None, typer.Option(metavar="NAME", help="In place of the missions' own.")
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="A parameter's value, for both."),
+    ] = None,
+    debug: Annotated[bool, _DEBUG] = False,
+) -> None:
+    """Compare what two versions of a mission can do, not their text.
+
+    Exit codes: 0 both can do the same, 1 they differ, 2 one of them cannot be used.
+    """
+    from pirate_sm.cli.guard import guarded
+
+    def work() -> int:
+        from pirate_sm.cli.diff import DiffWishes, run_diff
+
+        return run_diff(DiffWishes(old, new, format_.value, robot, settings or []))
+
+    raise typer.Exit(guarded(work, debug))

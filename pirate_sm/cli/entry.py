@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 from pirate_sm import __version__
-from pirate_sm.cli.checking import check, explain
+from pirate_sm.cli.checking import check, diff, explain
 from pirate_sm.cli.connecting import calibrate, doctor
 from pirate_sm.cli.drawing import graph
 from pirate_sm.cli.emulating import bay
@@ -251,6 +251,7 @@ def schema(
 
 commands.command("check")(check)
 commands.command("explain")(explain)
+commands.command("diff")(diff)
 commands.command("graph")(graph)
 commands.command("doctor")(doctor)
 commands.command("calibrate")(calibrate)
