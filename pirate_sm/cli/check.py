@@ -11,8 +11,8 @@ from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.project import Report, Wishes, check_paths
 from pirate_sm.checking.reports.text import explained, listed, text_report
-from pirate_sm.cli.visible import visible
 from pirate_sm.errors import UsageError
+from pirate_sm.showing.visible import visible
 
 CLEAN, FOUND = 0, 1
 

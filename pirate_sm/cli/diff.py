@@ -11,11 +11,11 @@ from textwrap import wrap
 from pirate_sm.checking.abilities import abilities_of
 from pirate_sm.checking.diff import Difference, Kind, compare
 from pirate_sm.cli.run import read_pairs
-from pirate_sm.cli.visible import visible
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.folders import shown
 from pirate_sm.loading.mission import load_mission
+from pirate_sm.showing.visible import visible
 
 SAME, DIFFERENT = 0, 1
 

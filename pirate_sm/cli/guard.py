@@ -8,10 +8,10 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 
-from pirate_sm.cli.visible import visible
 from pirate_sm.errors import PirateError
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
 from pirate_sm.runtime.stopping import OUTPUT_LOST
+from pirate_sm.showing.visible import visible
 
 _LOST = {errno.EPIPE, errno.ENOSPC, errno.EBADF}
 """What writing to a standard output fails with that is closed or full."""

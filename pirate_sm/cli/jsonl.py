@@ -9,10 +9,10 @@ from typing import Any, TextIO
 
 from pirate_sm import __version__
 from pirate_sm.cli.situation import Situation
-from pirate_sm.cli.telling import told_reason
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import ALPHABET_VERSION
 from pirate_sm.runtime.companions import Answered
+from pirate_sm.showing.telling import told_reason
 
 FORMAT = 1
 """Changes when a reader of the lines would have to."""

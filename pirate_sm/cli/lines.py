@@ -7,10 +7,10 @@ from typing import TextIO
 
 from pirate_sm.cli.guard import say
 from pirate_sm.cli.situation import Situation
-from pirate_sm.cli.telling import Teller, summary
-from pirate_sm.cli.visible import visible
 from pirate_sm.model.effects import Effect, Ended
 from pirate_sm.runtime.companions import Answered
+from pirate_sm.showing.telling import Teller, summary
+from pirate_sm.showing.visible import visible
 
 
 class Lines:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
-from pirate_sm.cli.visible import visible
 from pirate_sm.errors import PirateError
 from pirate_sm.expressions import EnumType, NumberType
 from pirate_sm.loading import library
@@ -16,6 +15,7 @@ from pirate_sm.loading.validate import validate
 from pirate_sm.model.base import Frozen
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import Pipe
+from pirate_sm.showing.visible import visible
 from pirate_sm.units import describe
 
 Row = Sequence[str]

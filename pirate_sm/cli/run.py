@@ -18,13 +18,13 @@ from pirate_sm.cli.lines import Lines
 from pirate_sm.cli.reader import watch_pipe
 from pirate_sm.cli.script import read_fire, read_script
 from pirate_sm.cli.situation import Situation
-from pirate_sm.cli.visible import visible
 from pirate_sm.errors import UsageError
 from pirate_sm.runtime.companions import Companion, FirstChoice, TriggerScript
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.observing import Observer, Watcher
 from pirate_sm.runtime.outcome import BUG, Result
 from pirate_sm.runtime.stopping import OUTPUT_LOST, CaughtSignals, StopRequests
+from pirate_sm.showing.visible import visible
 from pirate_sm.units import LENGTH, QuantityError, read_quantity
 from pirate_sm.wiring import Order, Prepared, answers, prepare
 

@@ -8,7 +8,7 @@ from math import hypot
 
 from rich.text import Text
 
-from pirate_sm.cli.live.canvas import ACROSS, DOWN, Canvas
+from pirate_sm.showing.canvas import ACROSS, DOWN, Canvas
 from pirate_sm.wiring import Truth
 
 WALL, LINK, WHEEL, HEAD = "bright_black", "cyan", "green", "bright_magenta"

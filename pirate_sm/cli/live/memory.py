@@ -6,9 +6,9 @@ from collections import deque
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from pirate_sm.cli.telling import Line, Teller
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.model import effects as fx
+from pirate_sm.showing.telling import Line, Teller
 
 _KEPT = 60
 

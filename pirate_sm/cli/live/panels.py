@@ -12,9 +12,9 @@ from pirate_sm.cli.lines import headline
 from pirate_sm.cli.live.gauges import Gauge
 from pirate_sm.cli.live.memory import Memory
 from pirate_sm.cli.situation import Situation
-from pirate_sm.cli.telling import setpoint, shortened
 from pirate_sm.detectors.keys import WordKeys
 from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.showing.telling import setpoint, shortened
 
 OUTCOME = {
     "succeeded": "bold green",

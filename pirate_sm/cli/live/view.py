@@ -16,10 +16,10 @@ from pirate_sm.cli.live.drawing import draw
 from pirate_sm.cli.live.gauges import gauges
 from pirate_sm.cli.live.memory import Memory
 from pirate_sm.cli.situation import Situation
-from pirate_sm.cli.telling import summary
-from pirate_sm.cli.visible import visible
 from pirate_sm.detectors.keys import WordKeys
 from pirate_sm.model.effects import Effect
+from pirate_sm.showing.telling import summary
+from pirate_sm.showing.visible import visible
 
 _LEFT = 42
 """Width of the column of words; a region and the longest usual name of a state fit in."""

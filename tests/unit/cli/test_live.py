@@ -16,7 +16,6 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from pirate_sm.cli.live.canvas import Canvas
 from pirate_sm.cli.live.drawing import draw
 from pirate_sm.cli.live.view import View
 from pirate_sm.cli.run import ON_A_TERMINAL, read_speed
@@ -24,6 +23,7 @@ from pirate_sm.cli.situation import Situation
 from pirate_sm.model.effects import Effect
 from pirate_sm.runtime.companions import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.showing.canvas import Canvas
 from pirate_sm.wiring import Order, Truth, prepare
 
 from .conftest import NEWT, ROOT

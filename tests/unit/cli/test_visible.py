@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from pirate_sm.cli.visible import visible
+from pirate_sm.showing.visible import visible
 
 from .conftest import NEWT
 
