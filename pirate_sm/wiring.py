@@ -266,7 +266,7 @@ def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
     backend = serial_backend(plan, order.port, order.baud, check)
     engine = Engine(loaded.robot, loaded.program, nominal=False)
     detector = _detecting(order, loaded, usual="odometry")
-    holder, messenger = Holder(engine, backend.hold), Messenger(backend.remark)
+    holder, messenger = Holder(backend.hold), Messenger(backend.remark)
     question = f"{profile.robot} on {order.port} is about to move"
     return Prepared(
         order, loaded, engine, backend, (holder, messenger, *detector.companions),

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from math import inf, isnan
 from typing import Any
 
-from pirate_sm.engine import machine, pausing, robot_state, rules, scripted
+from pirate_sm.engine import machine, operating, pausing, robot_state, rules, scripted
 from pirate_sm.engine.diverting import divert, meet
 from pirate_sm.engine.faults import ANEW, Found, begin_anew, listen, look, no_faults, unsettle
 from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline, spoken
@@ -23,7 +23,6 @@ from pirate_sm.engine.state import EngineState, MissionState, Words
 from pirate_sm.engine.watching import watch
 from pirate_sm.model import events
 from pirate_sm.model.effects import (
-    CommandStatus,
     Detected,
     Effect,
     Ended,
@@ -204,24 +203,6 @@ class Engine:
             state = state._replace(faults=faults)
         return meet(self._setting, state, found, now, effects)
 
-    def _operator(
-        self, state: EngineState, event: events.OperatorCommand, now: float, effects: list[Effect]
-    ) -> EngineState:
-        index = self.robot.table.command_index.get(event.command)
-        if index is None:
-            reason = "impossible: there is no such command"
-        elif state.mission.ending is not None:
-            reason = "impossible: the mission is ending"
-        elif state.robot.motion is not None or state.robot.flight is not None:
-            reason = "impossible: another command is under way"
-        else:
-            reason = robot_state.refusal(self.robot, state.robot, index)
-        if reason or index is None:
-            effects.append(CommandStatus(event.command, "refused", reason))
-            return state
-        robot = machine.begin(self.robot, state.robot, state.sensing, index, None, "", effects)
-        return state._replace(robot=robot)
-
     def _answer(
         self, state: EngineState, event: events.Answer, now: float, effects: list[Effect]
     ) -> EngineState:
@@ -378,7 +359,7 @@ _ON: dict[type, _Handler] = {
     events.EnvironmentReport: Engine._environment,
     events.SubmitResult: Engine._submitted,
     events.FaultReport: Engine._fault_report,
-    events.OperatorCommand: Engine._operator,
+    events.OperatorCommand: operating.command,
     events.Answer: Engine._answer,
     events.Skip: Engine._skip,
     events.CommandFailed: scripted.undone,

@@ -102,6 +102,20 @@ def why_not_to(program: Program, state: EngineState, phase: str) -> str:
     return ""
 
 
+def why_not_on(state: EngineState) -> str:
+    """Why a paused mission cannot go on where it was; empty: it can, or is not paused."""
+    before, body = state.mission.before_pause, state.robot
+    if before is None:
+        return ""
+    if body.flight:
+        return "setpoints are in flight"
+    if body.configuration != before.configuration:
+        return "the configuration has been changed"
+    if body.motion is not None and not before.suspended:
+        return "a command is under way"
+    return ""
+
+
 def resume(
     robot: RobotSpec, state: EngineState, now: float, one_step: bool, effects: list[Effect]
 ) -> EngineState:
@@ -114,13 +128,7 @@ def resume(
     before = mission.before_pause
     if before is None:
         return state._replace(mission=mission._replace(pause_wanted=one_step))
-    obstacle = ""
-    if body.flight:
-        obstacle = "setpoints are in flight"
-    elif body.configuration != before.configuration:
-        obstacle = "the configuration has been changed"
-    elif body.motion is not None and not before.suspended:
-        obstacle = "a command is under way"
+    obstacle = why_not_on(state)
     if obstacle:
         effects.append(Log("warning", f"still paused: {obstacle}"))
         return state

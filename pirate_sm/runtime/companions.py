@@ -18,7 +18,6 @@ from pirate_sm.model.effects import (
 from pirate_sm.model.events import Answer, Event, Skip
 
 if TYPE_CHECKING:
-    from pirate_sm.engine.engine import Engine
     from pirate_sm.engine.state import EngineState
     from pirate_sm.runtime.loop import MissionRun
 
@@ -118,15 +117,13 @@ class Holder:
     """Tells a backend at every turn which array is the safe one now, should this process die.
 
     Args:
-        engine: What knows.
         hold: What wants to know.
     """
 
     due_s = inf
     listening = False
 
-    def __init__(self, engine: Engine, hold: Callable[[tuple[float, ...]], None]) -> None:
-        self._engine = engine
+    def __init__(self, hold: Callable[[tuple[float, ...]], None]) -> None:
         self._hold = hold
         self._run: MissionRun | None = None
 
@@ -136,8 +133,9 @@ class Holder:
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
         """The safe array is that of this moment."""
-        if self._run is not None and self._run.state is not None:
-            self._hold(self._engine.safe_values(self._run.state))
+        values = self._run.safe_values() if self._run is not None else None
+        if values is not None:
+            self._hold(values)
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Nothing."""

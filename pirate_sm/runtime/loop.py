@@ -67,6 +67,9 @@ class MissionRun:
         requests: StopRequests | None = None,
         clock: Clock | None = None,
         factor: float = inf,
+        after: MissionRun | None = None,
+        paused: bool = False,
+        keep_open: bool = False,
     ) -> None:
         """Nothing has begun.
 
@@ -80,6 +83,10 @@ class MissionRun:
             clock: The wall's.
             factor: Mission seconds per second of the wall; infinite: as fast as it goes. A
                 backend that is itself in real time is never held back.
+            after: The run that went before it on this backend and has left it open: the robot is
+                as that run left it, and time goes on.
+            paused: Whether the operator has the robot first.
+            keep_open: Whether the backend is left open when the engine itself has ended the run.
         """
         self._engine = engine
         self._backend = backend
@@ -103,12 +110,29 @@ class MissionRun:
         self._aborting = False
         self._output_lost = False
         self._closed = False
+        self._after = after
+        self._paused = paused
+        self._keep_open = keep_open
+        self._heard: dict[int, SensorFrame] = {}
+        if after is not None:
+            self.now_s, self._last_id, self._heard = after.now_s, after._last_id, after._heard
+
+    @property
+    def open(self) -> bool:
+        """Whether the backend can still be used."""
+        return not self._closed
+
+    def safe_values(self) -> tuple[float, ...] | None:
+        """The safe array of this moment; None before anything is known."""
+        return None if self.state is None else self._engine.safe_values(self.state)
 
     def execute(self) -> Result:
-        """The mission has ended, the robot is in its safe state, the backend is closed."""
+        """The mission has ended, the robot is in its safe state, the backend is closed or kept."""
+        kept = False
         try:
             self._begin()
             self._go_on()
+            kept = self._keep_open
         except _BackendRaisedError as failure:
             error = failure.__cause__
             message = f"the {self._backend.name} backend failed: {_told(error)}"
@@ -126,19 +150,25 @@ class MissionRun:
             self._abandon(Ended("interrupted", "this program was told to exit"))
             raise
         finally:
-            self._close()
+            if not kept:
+                self._close()
         assert self.ended is not None  # _go_on returns when there is an end
         code = exit_code(self.ended, self._fault, self._requests.stop, self._output_lost)
         return self._result(code)
 
     def _begin(self) -> None:
         """The engine has started on an open backend."""
-        try:
-            events = self._backend.open()
-        except Exception as error:
-            raise _BackendRaisedError from error
+        before = self._after.state if self._after else None
+        events: Sequence[Event] = tuple(self._heard.values())
+        if before is None:
+            try:
+                events = self._backend.open()
+            except Exception as error:
+                raise _BackendRaisedError from error
+        body = before and before.robot._replace(flight=None, motion=None, loops=())
         seen = [event for event in events if isinstance(event, SensorFrame | SignalReport)]
-        self.state, effects = self._engine.start(self.now_s, seen)
+        self._heard.update((each.board, each) for each in seen if isinstance(each, SensorFrame))
+        self.state, effects = self._engine.start(self.now_s, seen, body=body, paused=self._paused)
         self._perform(effects)
         for event in events:
             if not isinstance(event, SensorFrame | SignalReport):
@@ -167,6 +197,8 @@ class MissionRun:
 
     def _give(self, event: Event) -> None:
         """The engine has taken the event in and its effects are performed."""
+        if type(event) is SensorFrame:
+            self._heard[event.board] = event
         if self.ended is None and self.state is not None:
             self.state, effects = self._engine.step(self.state, event, self.now_s)
             if effects:

@@ -31,7 +31,9 @@ class FakeEngine:
         self.seen: list[tuple[float, Any]] = []
         self.aborting: ev.Abort | None = None
 
-    def start(self, now_s: float = 0.0, seen: Any = ()) -> tuple[Any, tuple[fx.Effect, ...]]:
+    def start(
+        self, now_s: float = 0.0, seen: Any = (), *, body: Any = None, paused: bool = False
+    ) -> tuple[Any, tuple[fx.Effect, ...]]:
         return "state", (fx.Setpoints(1, MOVING), fx.WakeAt(now_s + 1.0))
 
     def step(self, state: Any, event: Any, now: float) -> tuple[Any, tuple[fx.Effect, ...]]:
@@ -311,7 +313,10 @@ def test_a_signal_cuts_a_paced_sleep_short() -> None:
     requests = StopRequests()
     clock = FakeClock(lambda now: requests.ask(CTRL_C) if now > 1000.5 else None)
     engine = FakeEngine(lasting=1e6)
-    engine.start = lambda now_s=0.0, seen=(): ("s", (fx.Setpoints(1, MOVING), fx.WakeAt(3600.0)))  # type: ignore[method-assign]
+    engine.start = lambda now_s=0.0, seen=(), **options: (
+        "s",
+        (fx.Setpoints(1, MOVING), fx.WakeAt(3600.0)),
+    )  # type: ignore[method-assign]
 
     result = run(engine, FakeBackend(), clock=clock, factor=1.0, requests=requests)
 

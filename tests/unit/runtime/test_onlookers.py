@@ -11,7 +11,9 @@ from pirate_sm.runtime.loop import MissionRun
 class Engine:
     """Counts what it has seen, ends after a second."""
 
-    def start(self, now_s: float = 0.0, seen: Any = ()) -> tuple[int, tuple[fx.Effect, ...]]:
+    def start(
+        self, now_s: float = 0.0, seen: Any = (), *, body: Any = None, paused: bool = False
+    ) -> tuple[int, tuple[fx.Effect, ...]]:
         return 0, (fx.WakeAt(1.0),)
 
     def step(self, state: int, event: Any, now: float) -> tuple[int, tuple[fx.Effect, ...]]:

@@ -1,0 +1,45 @@
+"""What the operator may do, and why not: the one place that both the engine and a view ask."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pirate_sm.engine import machine, robot_state
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import CommandStatus, Effect
+from pirate_sm.model.events import OperatorCommand
+
+if TYPE_CHECKING:
+    from pirate_sm.engine.engine import Engine
+
+
+def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
+    """Why a command of the operator would be refused now; empty: it would be taken.
+
+    Args:
+        robot: The robot.
+        state: The engine's state.
+        index: The command, as an index into the chart's commands.
+    """
+    if state.mission.ended or state.mission.ending is not None:
+        return "impossible: the mission is ending"
+    if state.robot.motion is not None or state.robot.flight is not None:
+        return "impossible: another command is under way"
+    return robot_state.refusal(robot, state.robot, index)
+
+
+def command(
+    engine: Engine, state: EngineState, event: OperatorCommand, now: float, effects: list[Effect]
+) -> EngineState:
+    """The command has been begun, or refused with the reason."""
+    index = engine.robot.table.command_index.get(event.command)
+    if index is None:
+        reason = "impossible: there is no such command"
+    else:
+        reason = why_not_command(engine.robot, state, index)
+    if reason or index is None:
+        effects.append(CommandStatus(event.command, "refused", reason))
+        return state
+    robot = machine.begin(engine.robot, state.robot, state.sensing, index, None, "", effects)
+    return state._replace(robot=robot)
