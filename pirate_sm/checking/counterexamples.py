@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import isnan
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 import yaml
@@ -27,53 +28,56 @@ from pirate_sm.loading.source import Document
 from pirate_sm.model.course import UNKNOWN
 from pirate_sm.units import DIMENSIONLESS, format_quantity
 
+SCRIPT_SUFFIX = ".script.yaml"
+
 _NO_NAME = re.compile(r"[^A-Za-z0-9_.-]+")
 _HAPPENS = {"failed": "not_done"}
 
 
-def write_counterexamples(
-    check: MissionCheck, folder: Path, path: Path, options: str = ""
-) -> MissionCheck:
-    """Every finding that a course of events leads to has its files; it names them as its example.
+def write_counterexample(
+    finding: Finding, check: MissionCheck, folder: Path, name: str, path: Path, options: str = ""
+) -> Finding:
+    """The finding's course of events stands in files; it names the script as its example.
+
+    One that no course of events leads to, or whose mission does not load, is as it was.
 
     Args:
+        finding: One of the check's.
         check: What was found.
         folder: Where to; made if need be.
-        path: The mission's file.
-        options: Further options that the mission was checked with, for the command to run.
+        name: Of the mission's file, and of the script's.
+        path: The mission that was checked.
+        options: Further options that it was checked with, for the command that runs it.
 
     Raises:
         OSError: The folder cannot be written.
     """
     refused = any(each.code in TOLERABLE for each in check.findings)
-    if check.loaded is None or refused:  # a mission that does not load cannot be run
-        return check
-    findings = tuple(
-        _written(each, check.loaded, folder, path, options) if each.course else each
-        for each in check.findings
-    )
-    return replace(check, findings=findings)
-
-
-def _written(
-    finding: Finding, loaded: LoadedMission, folder: Path, path: Path, options: str
-) -> Finding:
+    if check.loaded is None or refused or not finding.course:
+        return finding
     folder.mkdir(parents=True, exist_ok=True)
-    place = f"{Path(finding.place.file).stem}-{finding.place.line}-{finding.place.column}"
-    name = _NO_NAME.sub("_", f"{place}-{finding.code}")
-    mission, script = folder / f"{name}.yaml", folder / f"{name}.script.yaml"
-    mission.write_text(_moved(loaded, path, folder), encoding="utf-8")
-    command = f"pirate-run {mission} --backend trace --no-check --script {script}"
+    mission, script = folder / f"{name}.yaml", folder / f"{name}{SCRIPT_SUFFIX}"
+    mission.write_text(_moved(check.loaded, path, folder), encoding="utf-8")
+    command = (
+        f"pirate-run {quote(str(mission))} --backend trace --no-check --script {quote(str(script))}"
+    )
     head = [f"{finding.place}: {finding.code}", finding.message, "", f"{command} {options}".strip()]
     head += ["", *(f"{number}. {each}" for number, each in enumerate(finding.story, 1))]
-    comment = "".join(f"# {line}".rstrip() + "\n" for line in head)
+    lines = (line for part in head for line in part.splitlines() or [""])
+    comment = "".join(f"# {line}".rstrip() + "\n" for line in lines)
     found, number = finding.course[0]
     course = [_happening(found, step) for step in found.path(number)]
     text = yaml.safe_dump(
         {"format": 1, "course": course}, allow_unicode=True, sort_keys=False, width=100
     )
     script.write_text(comment + text, encoding="utf-8")
-    return replace(finding, example=name)
+    return replace(finding, example=str(script))
+
+
+def usual_name(finding: Finding) -> str:
+    """What the counterexample of a finding is called, unless another one is called so already."""
+    place = f"{Path(finding.place.file).stem}-{finding.place.line}-{finding.place.column}"
+    return _NO_NAME.sub("_", f"{place}-{finding.code}")
 
 
 def _happening(found: Exploration, step: Step) -> dict[str, Any]:

@@ -44,7 +44,7 @@ class Finding:
         excerpt: The source line of the place.
         related: Further places with what they have to do with it.
         story: How it comes about, one sentence for each event, the first one first.
-        example: Name of the counterexample that plays the story; empty without one.
+        example: File of the script that plays the story in a trace; empty without one.
         course: The exploration and the step of it in which it comes about; empty without one.
         allowed: Why it may stay, said in a comment on its line; empty: it may not.
     """

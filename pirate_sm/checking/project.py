@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from pirate_sm.checking.allowances import settle
+from pirate_sm.checking.examples import Examples
 from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.kinds import Kind
 from pirate_sm.checking.mission import check_mission
@@ -72,12 +74,14 @@ class Wishes:
         pipe: Name or path of a pipe.
         settings: Values of parameters, for every mission that has them.
         keep_going: Whether a fault of this program becomes a finding.
+        counterexamples: The folder that counterexamples are written to; None: they are not.
     """
 
     robot: str | None = None
     pipe: str | None = None
     settings: Mapping[str, str] = field(default_factory=dict)
     keep_going: bool = True
+    counterexamples: Path | None = None
 
 
 Progress = Callable[[int, int, str], None]
@@ -120,6 +124,7 @@ class _Check:
         self._files: list[CheckedFile] = []
         self._texts: dict[str, str] = {}
         self._set: set[str] = set()  # settings that some mission has taken
+        self._examples = wishes.counterexamples and Examples(wishes.counterexamples)
 
     def take(self, target: Target) -> None:
         """What is wrong with a file has been added."""
@@ -149,6 +154,8 @@ class _Check:
             self._read(name)
         settled = settle(_each_once(self.findings), self._texts)
         ordered = sorted(settled, key=lambda each: each.order)
+        if self._examples:
+            ordered = self._examples.write(ordered)
         return Report(tuple(ordered), tuple(self._files))
 
     def robot(self, target: Target) -> None:
@@ -187,6 +194,8 @@ class _Check:
             return
         self._keep(checked.documents)
         self.findings += checked.findings
+        if self._examples:
+            self._examples.remember(checked, target.path, _options(self._wishes, settings))
 
     def calibration(self, target: Target) -> None:
         """A calibration, held against its robot where that is known."""
@@ -260,6 +269,14 @@ _CHECKS: Mapping[Kind, Callable[[_Check, Target], None]] = {
     Kind.UNREADABLE: _Check.other,
     Kind.OTHER: _Check.other,
 }
+
+
+def _options(wishes: Wishes, settings: Mapping[str, str]) -> str:
+    """The options of a run that is as a mission was checked."""
+    named = (("--robot", wishes.robot), ("--pipe", wishes.pipe))
+    options = [part for option, value in named if value is not None for part in (option, value)]
+    options += [part for name, value in settings.items() for part in ("--set", f"{name}={value}")]
+    return shlex.join(options)
 
 
 def _folder(path: Path) -> Path:

@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Severity
@@ -36,6 +37,7 @@ class CheckWishes:
     robot: str | None = None
     pipe: str | None = None
     settings: Sequence[str] = ()
+    counterexamples: str | None = None
     debug: bool = False
 
 
@@ -51,6 +53,7 @@ def run_check(wishes: CheckWishes) -> int:
         pipe=wishes.pipe,
         settings=_settings(wishes),
         keep_going=not wishes.debug,
+        counterexamples=None if wishes.counterexamples is None else Path(wishes.counterexamples),
     )
     progress = _Progress() if _is_terminal(sys.stderr) else None
     try:

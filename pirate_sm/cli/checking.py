@@ -55,6 +55,10 @@ def check(
             "--set", metavar="NAME=VALUE", help="A parameter's value, where there is one of it."
         ),
     ] = None,
+    counterexamples: Annotated[
+        str | None,
+        typer.Option(metavar="DIR", help="Write how a finding comes about, as files to run."),
+    ] = None,
     debug: Annotated[bool, _DEBUG] = False,
 ) -> None:
     """Find what is wrong with robots, missions and pipes before anything moves.
@@ -77,6 +81,7 @@ def check(
                 robot=robot,
                 pipe=pipe,
                 settings=settings or [],
+                counterexamples=counterexamples,
                 debug=debug,
             )
         )
