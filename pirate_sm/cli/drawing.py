@@ -32,6 +32,10 @@ def graph(
         str | None,
         typer.Option("--highlight", metavar="A,B,C", help="Phases or states to mark, in order."),
     ] = None,
+    counterexample: Annotated[
+        Path | None,
+        typer.Option(metavar="SCRIPT", help="Mark the way that this course of events takes."),
+    ] = None,
     calls: Annotated[
         bool, typer.Option("--calls", help="Draw the missions that it calls, too.")
     ] = False,
@@ -58,6 +62,7 @@ def graph(
                 path=path,
                 calls=calls,
                 settings=settings or [],
+                counterexample=counterexample,
             )
         )
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from pirate_sm.cli.run import read_pairs
 from pirate_sm.drawing.chart_graph import chart_graph
 from pirate_sm.drawing.dot import dot
-from pirate_sm.drawing.highlight import highlight
+from pirate_sm.drawing.highlight import Stop, highlight
 from pirate_sm.drawing.mermaid import mermaid
 from pirate_sm.drawing.mission_graph import called_missions, mission_graph
 from pirate_sm.drawing.model import Graph
@@ -39,6 +39,7 @@ class GraphWishes:
     path: str | None
     calls: bool
     settings: list[str]
+    counterexample: Path | None = None
 
 
 def run_graph(wishes: GraphWishes) -> int:
@@ -49,7 +50,11 @@ def run_graph(wishes: GraphWishes) -> int:
         UsageError: There is no such mission, robot or chart, or nothing of a name to mark.
     """
     graph = _graph(wishes)
-    if wishes.path is not None:
+    if wishes.counterexample is not None:
+        if wishes.path is not None:
+            raise UsageError("--highlight and --counterexample exclude each other")
+        graph = highlight(graph, _played(wishes, wishes.counterexample))
+    elif wishes.path is not None:
         stops = [stop.strip() for stop in wishes.path.split(",")]
         graph = highlight(graph, [stop for stop in stops if stop])
     kind = wishes.format or _BY_SUFFIX.get(wishes.output.suffix if wishes.output else "", "")
@@ -64,8 +69,17 @@ def run_graph(wishes: GraphWishes) -> int:
     return 0
 
 
+def _played(wishes: GraphWishes, script: Path) -> list[Stop]:
+    from pirate_sm.cli.played import played_path  # the runtime is not needed for a plain drawing
+
+    settings = read_pairs("--set", wishes.settings, "NAME=VALUE")
+    return played_path(_found(wishes.what), script, settings)
+
+
 def _graph(wishes: GraphWishes) -> Graph:
     path = _found(wishes.what)
+    if wishes.counterexample is not None and not _is_mission(path):
+        raise UsageError(f"'{wishes.what}' is no mission: no course of events leads through it")
     if path.name == PROFILE_FILE or path.is_dir():
         robot = load_robot(library.find_robot(str(path)))
         return _chart(robot.documents[1], robot.profile.robot)
@@ -77,6 +91,13 @@ def _graph(wishes: GraphWishes) -> Graph:
     loaded = load_mission(path, settings=read_pairs("--set", wishes.settings, "NAME=VALUE"))
     called = called_missions(loaded.mission, path) if wishes.calls else ()
     return mission_graph(loaded.mission, called)
+
+
+def _is_mission(path: Path) -> bool:
+    if path.name == PROFILE_FILE or path.is_dir():
+        return False
+    data = read_document(path, shown(path)).data
+    return isinstance(data, dict) and "phases" in data
 
 
 def _found(what: str) -> Path:

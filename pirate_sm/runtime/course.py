@@ -29,6 +29,9 @@ class CoursePlayer:
         course: What happens, without the start, and what sensors show then.
         decide: Takes the fate of the array that is under way.
         release: Is called when arrays need no decision any more.
+
+    Attributes:
+        over: Whether everything has happened.
     """
 
     listening = False
@@ -45,7 +48,7 @@ class CoursePlayer:
         self._wake_s = inf
         self._open: dict[type[Effect], Effect] = {}
         self._after = (TriggerScript(), FirstChoice("the course of events is over"))
-        self._over = False
+        self.over = False
         self.due_s = 0.0
         if not course:
             self._finish(0.0)
@@ -59,14 +62,14 @@ class CoursePlayer:
                 self._open.pop(WaitArmed, None)
             elif isinstance(effect, WaitArmed | Ask):
                 self._open[type(effect)] = effect
-        if self._over:
+        if self.over:
             for companion in self._after:
                 companion.react(effects, now_s)
         self._plan(now_s)
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """The next thing has happened."""
-        if self._over:
+        if self.over:
             return [
                 event for each in self._after if now_s >= each.due_s for event in each.speak(now_s)
             ]
@@ -92,7 +95,7 @@ class CoursePlayer:
         return ()
 
     def _plan(self, now_s: float) -> None:
-        if self._over:
+        if self.over:
             self.due_s = min(each.due_s for each in self._after)
             return
         event, _ = self._left[-1]
@@ -100,7 +103,7 @@ class CoursePlayer:
 
     def _finish(self, now_s: float) -> None:
         """From now on arrays are accepted, first triggers fire, first answers are given."""
-        self._over = True
+        self.over = True
         self._release()
         for companion in self._after:
             companion.react(tuple(self._open.values()), now_s)

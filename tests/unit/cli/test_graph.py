@@ -85,3 +85,65 @@ def test_misuse_is_told_in_a_line(pirate: Any, arguments: list[Any], says: str) 
 
     assert (result.exit_code, result.stdout) == (2, "")
     assert says in result.stderr
+
+
+BAD = """\
+format: 1
+mission: bad
+robot: pirate_ii
+start: grip
+phases:
+  grip: {do: [ClampFront, ClampRear], wait: [{when: detector == close, go: on}], within: {time: 5 s, go: lost}}
+  on: {do: [ClampFront], go: good}
+  lost: {do: [{command: Brake, unneeded: skip}], go: bad}
+on_failure: lost
+ends:
+  good: {succeed: There}
+  bad: {fail: "Not there: {cause}"}
+"""  # noqa: E501
+
+
+@pytest.fixture
+def counterexample(pirate: Any, tmp_path: Path) -> tuple[Path, Path]:
+    """A mission whose second phase is refused, and the script that leads there."""
+    mission = tmp_path / "bad.yaml"
+    mission.write_text(BAD, encoding="utf-8")
+    assert pirate("check", mission, "--counterexamples", tmp_path / "out").exit_code == 1
+    (script,) = (tmp_path / "out").glob("*.script.yaml")
+    return mission, script
+
+
+def test_the_way_of_a_counterexample_is_marked(
+    pirate: Any, counterexample: tuple[Path, Path]
+) -> None:
+    mission, script = counterexample
+    result = pirate("graph", mission, "--counterexample", script)
+
+    assert (result.exit_code, result.stderr) == (0, "")
+    for phase in ("(1) grip", "(2) on", "(3) lost", "(4) ✗ bad"):
+        assert f"<b>{phase}</b>" in result.stdout
+    assert "<b>✓ good</b>" in result.stdout
+    assert "n_start ==> n_grip" in result.stdout
+    assert 'n_grip ==>|"detector == close"| n_on' in result.stdout
+    assert 'n_grip -->|"not within 5 s"| n_lost' in result.stdout
+    assert 'n_any_phase ==>|"a step fails"| n_lost' in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["climb", "--counterexample", "nowhere.yaml"], "nowhere.yaml"),
+        (["climb", "--counterexample", "SCRIPT", "--highlight", "up"], "exclude each other"),
+        (["pirate_ii", "--counterexample", "SCRIPT"], "is no mission"),
+        (["climb", "--counterexample", "LIST"], "lays down no course of events"),
+    ],
+)
+def test_what_cannot_be_marked_is_said(
+    pirate: Any, counterexample: tuple[Path, Path], tmp_path: Path, options: list[str], words: str
+) -> None:
+    (tmp_path / "list.yaml").write_text("- {trigger: halt}", encoding="utf-8")
+    named = {"SCRIPT": counterexample[1], "LIST": tmp_path / "list.yaml"}
+    result = pirate("graph", *(named.get(each, each) for each in options))
+
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert words in result.stderr

@@ -1,0 +1,105 @@
+"""The way that a course of events takes through a mission, for a drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+from pathlib import Path
+
+from pirate_sm.cli.script import read_script
+from pirate_sm.drawing.highlight import Stop as Reached
+from pirate_sm.drawing.model import EdgeKind
+from pirate_sm.errors import UsageError
+from pirate_sm.model.effects import (
+    CommandStatus,
+    Effect,
+    Ended,
+    Fault,
+    PhaseChange,
+    TriggerFired,
+)
+from pirate_sm.model.events import Event
+from pirate_sm.runtime.course import CoursePlayer
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.runtime.outcome import SUCCEEDED
+from pirate_sm.runtime.stopping import Stop, StopRequests
+from pirate_sm.wiring import Order, prepare
+
+
+def played_path(mission: Path, script: Path, settings: dict[str, str]) -> list[Reached]:
+    """The phases that the mission comes to in a trace, and the end, in order.
+
+    Args:
+        mission: Its file.
+        script: The course of events.
+        settings: Values of parameters.
+
+    Raises:
+        LoadError: The files have faults.
+        UsageError: The script is for another mission, or lays down no course of events.
+    """
+    _, course = read_script(script)
+    if not course:
+        raise UsageError(f"'{script}' lays down no course of events")
+    order = Order(str(mission), backend="trace", settings=settings, course=course)
+    prepared = prepare(order)
+    requests, way = StopRequests(), _Way()
+    players = [each for each in prepared.companions if isinstance(each, CoursePlayer)]
+    MissionRun(
+        prepared.engine, prepared.backend, observers=[way], requests=requests,
+        companions=(*prepared.companions, *(_Whistle(each, requests) for each in players)),
+    ).execute()  # fmt: skip
+    return way.stops
+
+
+class _Way:
+    """Notes what a run reaches, and how."""
+
+    def __init__(self) -> None:
+        self.stops: list[Reached] = []
+        self._here = ""
+        self._kind: EdgeKind | None = None
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Phases and the end are noted."""
+        for effect in effects:
+            match effect:
+                case PhaseChange(phase=phase):
+                    self._reach(phase)
+                case Ended(end=end) if end:
+                    self._reach(end)
+                case TriggerFired(trigger=trigger):
+                    self._kind = EdgeKind.WITHIN if trigger == "within" else EdgeKind.TRIGGER
+                case CommandStatus(status="failed" | "refused"):
+                    self._kind = EdgeKind.FAILURE
+                case Fault():
+                    self._kind = EdgeKind.FAULT
+                case CommandStatus(status="sent" | "skipped"):
+                    self._kind = None
+
+    def _reach(self, name: str) -> None:
+        if self._here and self._kind is not None:
+            self.stops.append((self._here, name, self._kind))
+        else:
+            self.stops.append(name)
+        self._here, self._kind = name, None
+
+
+class _Whistle:
+    """Ends a run as soon as its course of events is over: what follows is not of it."""
+
+    due_s = inf
+    listening = False
+
+    def __init__(self, player: CoursePlayer, requests: StopRequests) -> None:
+        self._player = player
+        self._requests = requests
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """The run ends when the last event has happened."""
+        if self._player.over:
+            self._requests.ask(Stop("the course of events is over", SUCCEEDED))
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Nothing."""
+        return ()
