@@ -8,6 +8,7 @@ from math import inf
 from typing import TYPE_CHECKING, NoReturn
 
 from pirate_sm.detectors.choice import Detecting, Kind, detecting
+from pirate_sm.detectors.odometry import Odometry
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.program import Wait
 from pirate_sm.engine.robot_state import at_rest_in
@@ -15,10 +16,12 @@ from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.model.course import Happening
+from pirate_sm.model.truth import Truth
 from pirate_sm.runtime.companions import Companion, Firing, TriggerScript
 from pirate_sm.spelling import nearest, one_of
 
 if TYPE_CHECKING:
+    from pirate_sm.backends.pico.health import LinkHealth
     from pirate_sm.backends.protocol import Backend
     from pirate_sm.runtime.loop import MissionRun
 
@@ -88,23 +91,6 @@ class Order:
 
 
 @dataclass(frozen=True)
-class Truth:
-    """What a simulator knows of the robot and no sensor tells: for a view and an end, not for use.
-
-    Attributes:
-        wheels: Place of each wheel in the plane of the pipe, m.
-        wheel_radius_m: Of the wheels.
-        walls: Corners of each wall in the same plane, m.
-        distance_m: How far the robot has come along the pipe.
-    """
-
-    wheels: tuple[tuple[float, float], ...]
-    wheel_radius_m: float
-    walls: tuple[tuple[tuple[float, float], ...], ...]
-    distance_m: float
-
-
-@dataclass(frozen=True)
 class Prepared:
     """Everything that a run needs; nothing has moved.
 
@@ -112,6 +98,8 @@ class Prepared:
         companions: Who must be beside the mission for this backend.
         notices: What a person must know before they see the run.
         truth: Where the robot really is, for backends that know.
+        reckoned: Where a detector takes it to be, where one does; None before it knows.
+        link: How the link is, where there is one.
         confirmation: What a person must agree to before anything moves; empty: nothing.
         follow: Must be given the run before it begins.
         detector: Who says the detector's words; ``operator`` still wants a keyboard.
@@ -125,6 +113,8 @@ class Prepared:
     companions: tuple[Companion, ...] = ()
     notices: tuple[str, ...] = ()
     truth: Callable[[], Truth] | None = None
+    reckoned: Callable[[], Truth | None] | None = None
+    link: Callable[[], LinkHealth] | None = None
     confirmation: str = ""
     follow: Callable[[MissionRun], None] = lambda run: None
     detector: Kind = "none"
@@ -173,6 +163,25 @@ def prepare(
     return replace(made, notices=(*loaded.notices, *made.notices))
 
 
+def again(prepared: Prepared, loaded: LoadedMission) -> Prepared:
+    """Another mission on the same open backend; the robot is where the one before has left it.
+
+    Raises:
+        UsageError: It is a mission for another robot.
+    """
+    before = prepared.loaded
+    if loaded.loaded_robot.folder != before.loaded_robot.folder:
+        name = before.loaded_robot.profile.robot
+        raise UsageError(f"{loaded.mission.mission} is for {loaded.robot.name}, this is {name}")
+    order = replace(prepared.order, mission=loaded.mission.mission)
+    if order.backend == "serial" and order.calibration:
+        loaded, _ = _calibrated(loaded)
+    # The robot stays in the pipe that it is in, whatever the mission was written for.
+    loaded = replace(loaded, pipe=before.pipe, pipe_name=before.pipe_name)
+    engine = Engine(loaded.robot, loaded.program, nominal=prepared.engine.nominal)
+    return replace(prepared, order=order, loaded=loaded, engine=engine, notices=())
+
+
 def answers(loaded: LoadedMission) -> dict[str, tuple[str, ...]]:
     """The operator's words that the wait of each phase listens to."""
     heard: dict[str, tuple[str, ...]] = {}
@@ -216,7 +225,7 @@ def _simulator(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
 
     def truth() -> Truth:
         real = backend.truth
-        return Truth(real.wheels, real.wheel_radius_m, real.walls, real.distance_m)
+        return Truth(real.wheels, real.wheel_radius_m, real.walls, real.distance_m, real.touching)
 
     engine = Engine(loaded.robot, loaded.program, nominal=False)
     return Prepared(
@@ -272,7 +281,13 @@ def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
         order, loaded, engine, backend, (holder, messenger, *detector.companions),
         (*notices, *detector.notices),
         detector=detector.kind, confirmation=question, follow=holder.follow,
+        reckoned=_reckoned(detector), link=lambda: backend.health,
     )  # fmt: skip
+
+
+def _reckoned(detector: Detecting) -> Callable[[], Truth | None] | None:
+    """Where odometry takes the robot to be."""
+    return next((each.truth for each in detector.companions if isinstance(each, Odometry)), None)
 
 
 def _calibrated(loaded: LoadedMission) -> tuple[LoadedMission, tuple[str, ...]]:

@@ -17,6 +17,7 @@ from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import DetectorWord, Event
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
+from pirate_sm.model.truth import Truth
 
 LOOK_EVERY_S = 0.05
 """At 0.1 m/s a robot drives 5 mm in this time."""
@@ -49,6 +50,8 @@ class Odometry:
         if robot.odometry < 0:
             raise UsageError(f"--detector odometry: {robot.name} has no signal of odometry_of")
         chain, route = chain_of(profile, robot, pipe), Route(pipe)
+        self._radius_m = profile.body.wheel_radius
+        self._walls = route.walls(pipe.diameter / 2)
         end_m = route.legs[-1].arc_m + route.legs[-1].length_m
         length_m = sum(chain.lengths_m)
         self.first_wheel_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
@@ -84,6 +87,20 @@ class Odometry:
             self.reckoned = self._reckoner.begin(self.first_wheel_m, numbers, held)
         self._word = self._detector.look(now_s, self.reckoned.places_m)
         return ()
+
+    def truth(self) -> Truth | None:
+        """Where the robot is taken to be; None until the joints have spoken."""
+        at = self.reckoned
+        if at is None:
+            return None
+        moved_m = at.places_m[0] - self.first_wheel_m
+        return Truth(at.points, self._radius_m, self._walls, moved_m)
+
+    def restart(self) -> None:
+        """The robot is where it is, and its odometer stands at zero again."""
+        self._rolling = Rolling(self._robot)
+        if self.reckoned is not None:
+            self.reckoned = self.reckoned._replace(odometer_m=0.0)
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """The word that begins to hold here, or still holds and must be said again."""

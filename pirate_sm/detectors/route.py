@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import cos, hypot, inf, sin
 from typing import NamedTuple
 
@@ -53,6 +54,19 @@ class Route:
                 heading += segment.mitre
         self.legs = tuple(legs)
         self.crossings_m = tuple(leg.arc_m for leg in legs[1:])
+
+    def walls(self, aside_m: float) -> tuple[tuple[Place, ...], tuple[Place, ...]]:
+        """Corners of the walls on side A and on side B, so far from the centre line."""
+        sides = []
+        for side_m in (aside_m, -aside_m):
+            corners = [self.legs[0].point(self.legs[0].arc_m, side_m)]
+            for before, after in pairwise(self.legs):
+                (ax, ay), (bx, by), (x, y) = before.along, after.along, after.start
+                share = side_m / (1.0 + ax * bx + ay * by)  # where the two offset lines meet
+                corners.append((x - share * (ay + by), y + share * (ax + bx)))
+            last = self.legs[-1]
+            sides.append((*corners, last.point(last.arc_m + last.length_m, side_m)))
+        return sides[0], sides[1]
 
     def leg_at(self, arc_m: float) -> Leg:
         """The leg that a place lies on; the first and the last go on for ever."""

@@ -60,6 +60,15 @@ class Onlooker(Protocol):
         ...
 
 
+@runtime_checkable
+class Counting(Protocol):
+    """A companion that counts from the beginning of a mission."""
+
+    def restart(self) -> None:
+        """Another mission begins, with the robot where it is."""
+        ...
+
+
 class Firing(NamedTuple):
     """One entry of a script: in a wait that has this trigger, take it.
 

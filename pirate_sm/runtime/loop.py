@@ -15,8 +15,8 @@ from pirate_sm.errors import BackendError
 from pirate_sm.model.effects import Effect, Ended, Fault, Setpoints, WakeAt
 from pirate_sm.model.events import Abort, Event, SensorFrame, SignalReport, Tick
 from pirate_sm.runtime.clock import Clock, WallClock
-from pirate_sm.runtime.companions import Onlooker
-from pirate_sm.runtime.observing import PULSE_S, Observer, Watcher
+from pirate_sm.runtime.companions import Counting, Onlooker
+from pirate_sm.runtime.observing import PULSE_S, Observer, Tap, Watcher
 from pirate_sm.runtime.outcome import BACKEND, BUG, INTERRUPTED, Result, exit_code
 from pirate_sm.runtime.pacing import Pacer
 from pirate_sm.runtime.stopping import OUTPUT_LOST, Stop, StopRequests
@@ -64,6 +64,7 @@ class MissionRun:
         observers: Sequence[Observer] = (),
         watchers: Sequence[Watcher] = (),
         companions: Sequence[Companion] = (),
+        tap: Tap | None = None,
         requests: StopRequests | None = None,
         clock: Clock | None = None,
         factor: float = inf,
@@ -79,6 +80,7 @@ class MissionRun:
             observers: Who is told every effect.
             watchers: Who looks on in between.
             companions: Who speaks up.
+            tap: Who keeps what the engine is given and gives back.
             requests: What may ask the run to stop.
             clock: The wall's.
             factor: Mission seconds per second of the wall; infinite: as fast as it goes. A
@@ -93,6 +95,7 @@ class MissionRun:
         self._observers = list(observers)
         self._watchers = list(watchers)
         self._companions = tuple(companions)
+        self._tap = tap
         self._onlookers = tuple(c if isinstance(c, Onlooker) else None for c in companions)
         self._requests = requests or StopRequests()
         self._clock = clock or WallClock()
@@ -165,6 +168,10 @@ class MissionRun:
                 events = self._backend.open()
             except Exception as error:
                 raise _BackendRaisedError from error
+        else:
+            for companion in self._companions:
+                if isinstance(companion, Counting):
+                    companion.restart()
         body = before and before.robot._replace(flight=None, motion=None, loops=())
         seen = [event for event in events if isinstance(event, SensorFrame | SignalReport)]
         self._heard.update((each.board, each) for each in seen if isinstance(each, SensorFrame))
@@ -200,7 +207,12 @@ class MissionRun:
         if type(event) is SensorFrame:
             self._heard[event.board] = event
         if self.ended is None and self.state is not None:
-            self.state, effects = self._engine.step(self.state, event, self.now_s)
+            effects: tuple[Effect, ...] = ()
+            try:
+                self.state, effects = self._engine.step(self.state, event, self.now_s)
+            finally:  # the step that broke the engine is the one to keep
+                if self._tap is not None:
+                    self._tap.take(event, self.now_s, effects)
             if effects:
                 self._perform(effects)
 
@@ -326,6 +338,8 @@ class MissionRun:
             if not getattr(self._backend, "confirmed", True):
                 ended = ended._replace(message=f"{ended.message} ({UNCONFIRMED})")
         self.ended = ended
+        if self._tap is not None:
+            self._tap.abandon(self.now_s, (*effects, ended))
         for observer in self._observers:
             try:
                 observer.see((*effects, ended), self.now_s)

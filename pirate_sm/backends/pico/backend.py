@@ -8,6 +8,7 @@ from math import inf
 
 from pirate_sm.backends.pico.diagnosis import mute, no_sensors, unanswered
 from pirate_sm.backends.pico.exchange import Exchange
+from pirate_sm.backends.pico.health import LinkHealth, health_of
 from pirate_sm.backends.pico.plan import Plan
 from pirate_sm.backends.pico.port import Port, PortLostError
 from pirate_sm.backends.protocol import Completion
@@ -152,6 +153,11 @@ class SerialBackend:
     def hold(self, values: tuple[float, ...]) -> None:
         """Whoever survives this process sends this array, with the safe state's zeros, at once."""
         self.exchange.hold(values)
+
+    @property
+    def health(self) -> LinkHealth:
+        """How the link is at this moment."""
+        return health_of(self.exchange, self.port.now())
 
     def remark(self) -> str:
         """What a person must know while the mission is held, once; else empty."""

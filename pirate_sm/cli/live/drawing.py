@@ -8,8 +8,8 @@ from math import hypot
 
 from rich.text import Text
 
+from pirate_sm.model.truth import Truth
 from pirate_sm.showing.canvas import ACROSS, DOWN, Canvas
-from pirate_sm.wiring import Truth
 
 WALL, LINK, WHEEL, HEAD = "bright_black", "cyan", "green", "bright_magenta"
 
