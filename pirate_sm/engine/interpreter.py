@@ -28,6 +28,7 @@ from pirate_sm.engine.program import (
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.state import Ending, EngineState, MissionState, Words
 from pirate_sm.model.effects import (
+    TAKEN,
     Ask,
     CommandStatus,
     Effect,
@@ -40,8 +41,9 @@ from pirate_sm.model.effects import (
     WaitArmed,
 )
 
-MOST_INSTRUCTIONS = 50_000
-"""More in one moment means that phases go round without ever waiting."""
+_MOST_TURNS = 4
+"""In one moment an instruction's turn comes again at most where the operator's word has been heard
+in between, or the handling of a fault is over. One that comes more often comes for ever."""
 
 ROUND_AND_ROUND = "the phases go round without ever waiting"
 
@@ -62,7 +64,7 @@ def advance(setting: Setting, state: EngineState, now: float, effects: list[Effe
     Once its time is up no command begins any more; what else is due now comes before (rule 6).
     """
     instructions = setting.program.instructions
-    for _ in range(MOST_INSTRUCTIONS):
+    for _ in range(_MOST_TURNS * len(instructions)):
         mission = state.mission
         if mission.ending or mission.ended:
             return state
@@ -313,7 +315,7 @@ def _look(
     if mission.skipped is not None:
         for index, trigger in enumerate(it.triggers):
             if mission.skipped in {"", trigger.name}:
-                return mission.since, index, "taken by the operator"
+                return mission.since, index, TAKEN
     since = mission.since
     for index, trigger in enumerate(it.triggers):
         if trigger.condition is None:

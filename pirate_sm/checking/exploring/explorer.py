@@ -18,7 +18,7 @@ from pirate_sm.checking.exploring.conditions import Answer, Conditions
 from pirate_sm.checking.exploring.moves import Move, Moves
 from pirate_sm.checking.exploring.oracle import Moment, Oracle
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.program import Program
+from pirate_sm.engine.program import Program, Require, Say
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
@@ -34,6 +34,9 @@ them; some ten seconds."""
 _EFFECTS_A_STEP = 20
 _TESTS_A_STEP = 50
 """So many take about as long as a step that has no more to do."""
+
+BEGINS = "\0begins "
+"""Before the place of a call, in a line of the log that tells that its terms are met."""
 
 START = Move("start", Tick(), 0.0)
 
@@ -125,7 +128,8 @@ def explore(
         most_work: What it may take, likewise.
     """
     oracle = Oracle(conditions)
-    asking = oracle.program(replace(program, time_limit_s=inf))
+    program = _telling(replace(program, time_limit_s=inf))
+    asking = oracle.program(program)
     walk = _Walk(
         Engine(robot, asking, nominal=True),
         oracle,
@@ -137,6 +141,21 @@ def explore(
     walk.begin(body)
     walk.go_on()
     return walk.found
+
+
+def _telling(program: Program) -> Program:
+    """The same program; it also tells when a call begins, which nothing else would show."""
+    instructions, said = [*program.instructions], []
+    for index, each in enumerate(program.instructions):
+        if isinstance(each, Require) and each.place:
+            instructions[index] = each._replace(next=len(instructions) + len(said))
+            said.append((Say("info", f"{BEGINS}{each.place}", each.next), index))
+    return replace(
+        program,
+        instructions=(*instructions, *(say for say, _ in said)),
+        handlers=(*program.handlers, *(program.handlers[index] for _, index in said)),
+        phase_of=(*program.phase_of, *(program.phase_of[index] for _, index in said)),
+    )
 
 
 @dataclass

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections import defaultdict
 from dataclasses import dataclass, field
 
-from pirate_sm.checking.exploring.explorer import Exploration, Step
+from pirate_sm.checking.exploring.explorer import BEGINS, Exploration, Step
 from pirate_sm.engine import rules
 from pirate_sm.engine.interpreter import ROUND_AND_ROUND
 from pirate_sm.model.effects import (
     CommandStatus,
     Ended,
     Fault,
+    Log,
     PhaseChange,
     TriggerFired,
     WaitArmed,
@@ -88,13 +89,28 @@ def ledger(found: Exploration) -> Ledger:
 
 
 def _enter(book: Ledger, number: int, step: Step) -> None:
-    armed = ""
+    _waited(book, number, step)
     for effect in step.effects:
         match effect:
             case CommandStatus():
                 _command(book.visits[effect.place], number, effect)
+            case Log():
+                _begun(book, number, effect.message)
             case PhaseChange():
                 book.phases.setdefault(effect.phase, number)
+            case Fault(code=rules.CODE):
+                book.broken.setdefault(effect.message, number)
+            case Ended():
+                _end(book, number, effect.outcome, effect.end, effect.message)
+    state = book.found.nodes[step.target].state.mission
+    if state.ending is not None:
+        _end(book, number, state.ending.outcome, state.ending.end, state.ending.message)
+
+
+def _waited(book: Ledger, number: int, step: Step) -> None:
+    armed = ""
+    for effect in step.effects:
+        match effect:
             case WaitArmed():
                 armed = effect.phase
                 wait = book.waits[armed]
@@ -105,19 +121,17 @@ def _enter(book: Ledger, number: int, step: Step) -> None:
                 wait.fired[effect.trigger].append(number)
                 if armed == effect.phase:
                     wait.at_once[effect.trigger] += 1
-            case Fault(code=rules.CODE):
-                book.broken.setdefault(effect.message, number)
-            case Ended():
-                _end(book, number, effect.outcome, effect.end, effect.message)
-    state = book.found.nodes[step.target].state.mission
-    if state.ending is not None:
-        _end(book, number, state.ending.outcome, state.ending.end, state.ending.message)
 
 
 def _end(book: Ledger, number: int, outcome: str, end: str, message: str) -> None:
     book.ends.setdefault((outcome, end), number)
     if message == ROUND_AND_ROUND:
         book.round_and_round.append(number)
+
+
+def _begun(book: Ledger, number: int, line: str) -> None:
+    if line.startswith(BEGINS):
+        book.visits[line.removeprefix(BEGINS)].given.append(number)
 
 
 def _command(visits: Visits, number: int, effect: CommandStatus) -> None:
