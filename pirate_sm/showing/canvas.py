@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from math import floor, hypot
+from collections.abc import Iterator
+from itertools import groupby
+from math import cos, floor, hypot, pi, sin
+from operator import itemgetter
 
 from rich.text import Text
 
@@ -18,6 +21,7 @@ class Canvas:
         self.width, self.height = columns * ACROSS, rows * DOWN
         self._bits = [[0] * columns for _ in range(rows)]
         self._styles = [[""] * columns for _ in range(rows)]
+        self._letters: dict[tuple[int, int], str] = {}
 
     def dot(self, x: float, y: float, style: str) -> None:
         """There is a dot, unless it lies outside; y counts downwards."""
@@ -47,13 +51,39 @@ class Canvas:
                 if hypot(column - x, row - y) <= radius:
                     self.dot(column, row, style)
 
+    def circle(self, x: float, y: float, radius: float, style: str) -> None:
+        """There is a ring."""
+        count = max(8, round(4 * pi * radius))
+        for step in range(count):
+            angle = 2 * pi * step / count
+            self.dot(x + radius * cos(angle), y + radius * sin(angle), style)
+
+    def write(self, x: float, y: float, text: str, style: str) -> None:
+        """The text stands over what is drawn, its first character at this dot."""
+        column, row = floor(x / ACROSS), floor(y / DOWN)
+        if 0 <= row < len(self._bits):
+            for place, letter in enumerate(text, column):
+                if 0 <= place < len(self._bits[row]):
+                    self._letters[row, place] = letter
+                    self._styles[row][place] = style
+
+    def runs(self) -> Iterator[list[tuple[str, str]]]:
+        """Per row of characters the pieces of one style, each as text and style."""
+        for row, (bits, styles) in enumerate(zip(self._bits, self._styles, strict=True)):
+            letters = [
+                self._letters.get((row, column)) or (chr(_BLANK + bit) if bit else " ")
+                for column, bit in enumerate(bits)
+            ]
+            pieces = groupby(zip(styles, letters, strict=True), key=itemgetter(0))
+            yield [("".join(letter for _, letter in piece), style) for style, piece in pieces]
+
     def rows(self) -> list[Text]:
         """One line of text per row of characters."""
         lines = []
-        for bits, styles in zip(self._bits, self._styles, strict=True):
+        for pieces in self.runs():
             line = Text(no_wrap=True, end="")
-            for bit, style in zip(bits, styles, strict=True):
-                line.append(chr(_BLANK + bit) if bit else " ", style or None)
+            for text, style in pieces:
+                line.append(text, style or None)
             lines.append(line)
         return lines
 

@@ -10,10 +10,10 @@ from rich.text import Text
 from pirate_sm.cli.asking import Operator
 from pirate_sm.cli.lines import headline
 from pirate_sm.cli.live.gauges import Gauge
-from pirate_sm.cli.live.memory import Memory
 from pirate_sm.cli.situation import Situation
 from pirate_sm.detectors.keys import WordKeys
 from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.showing.memory import Memory
 from pirate_sm.showing.telling import setpoint, shortened
 
 OUTCOME = {
@@ -177,7 +177,7 @@ def events(memory: Memory, rows: int) -> list[Text]:
     """The last lines of what happened, the newest last."""
     recent = list(memory.recent)[-rows:] if rows > 0 else []
     lines = []
-    for now_s, (topic, text) in recent:
+    for _, now_s, (topic, text) in recent:
         line = Text().append(f"{now_s:8.2f} ", "bright_black")
         lines.append(line.append(f"{topic:<9} {text}", _TOPIC.get(topic)))
     return lines

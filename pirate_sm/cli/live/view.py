@@ -14,10 +14,10 @@ from pirate_sm.cli.asking import Operator
 from pirate_sm.cli.live import panels
 from pirate_sm.cli.live.drawing import draw
 from pirate_sm.cli.live.gauges import gauges
-from pirate_sm.cli.live.memory import Memory
 from pirate_sm.cli.situation import Situation
 from pirate_sm.detectors.keys import WordKeys
 from pirate_sm.model.effects import Effect
+from pirate_sm.showing.memory import Memory
 from pirate_sm.showing.telling import summary
 from pirate_sm.showing.visible import visible
 

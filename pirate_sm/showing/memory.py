@@ -1,16 +1,17 @@
-"""What the view must remember, because the engine's state does not say it."""
+"""What a view must remember, because the engine's state does not say it."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.model import effects as fx
 from pirate_sm.showing.telling import Line, Teller
 
-_KEPT = 60
+_KEPT = 300
+_ALARMING = {"fault", "warning", "error"}
 
 
 class Visit(NamedTuple):
@@ -20,6 +21,27 @@ class Visit(NamedTuple):
     since_s: float
 
 
+class Told(NamedTuple):
+    """A line, when it was told, and the how many-th it is."""
+
+    number: int
+    now_s: float
+    line: Line
+
+
+class Story(NamedTuple):
+    """What had happened by some moment; attributes as of :class:`Memory`."""
+
+    phase: Visit
+    spent_s: Mapping[str, float]
+    wait: tuple[fx.WaitArmed, float] | None
+    question: fx.Ask | None
+    setpoints: tuple[float, ...]
+    recent: tuple[Told, ...]
+    alarm: Told | None
+    ended: fx.Ended | None
+
+
 class Memory:
     """What has happened so far.
 
@@ -27,9 +49,11 @@ class Memory:
         phase: Where the mission is.
         spent_s: How long it has been in each phase that it has left.
         wait: What it waits for, and since when; None while it does not.
+        question: What the operator is asked; None while nothing is.
         setpoints: The newest array.
         changed: Slots that the newest array changed.
-        recent: The last lines, with their times.
+        recent: The last lines.
+        alarm: The last of them that tells of something wrong.
         ended: How it ended.
     """
 
@@ -41,20 +65,38 @@ class Memory:
         self.states: fx.StateChange | None = None
         self.setpoints: tuple[float, ...] = (0.0,) * len(robot.slots)
         self.changed: frozenset[int] = frozenset()
-        self.recent: deque[tuple[float, Line]] = deque(maxlen=_KEPT)
+        self.recent: deque[Told] = deque(maxlen=_KEPT)
+        self.alarm: Told | None = None
+        self.question: fx.Ask | None = None
         self.ended: fx.Ended | None = None
+        self._told = 0
 
     def see(self, effects: Sequence[fx.Effect], now_s: float) -> None:
         """It has taken note."""
         for effect in effects:
             self._note(effect, now_s)
-            self.recent += ((now_s, line) for line in self._teller.lines(effect))
+            for line in self._teller.lines(effect):
+                self._told += 1
+                told = Told(self._told, now_s, line)
+                self.recent.append(told)
+                if line.topic in _ALARMING:
+                    self.alarm = told
+
+    def story(self) -> Story:
+        """All of it as it is now, not to change any more."""
+        return Story(
+            self.phase, dict(self.spent_s), self.wait, self.question, self.setpoints,
+            tuple(self.recent), self.alarm, self.ended,
+        )  # fmt: skip
 
     def _note(self, effect: fx.Effect, now_s: float) -> None:
         match effect:
             case fx.PhaseChange():
                 self._leave(now_s)
                 self.phase, self.wait = Visit(effect.phase, now_s), None
+                self.question = None
+            case fx.Ask():
+                self.question = effect if effect.question else None
             case fx.WaitArmed():
                 if effect.phase != self.phase.phase:  # back from a mission that it called
                     self._leave(now_s)
@@ -70,7 +112,7 @@ class Memory:
                 self.setpoints = effect.values
             case fx.Ended():
                 self._leave(now_s)
-                self.ended, self.wait = effect, None
+                self.ended, self.wait, self.question = effect, None, None
             case _:
                 pass
 
