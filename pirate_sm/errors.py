@@ -4,6 +4,7 @@
     ├── UsageError              exit code 2: what a person wrote cannot be used; nothing has moved
     │   ├── QuantityError       (units) a number with a wrong, missing or unknown unit
     │   └── ExpressionError     (expressions) a condition that does not parse or does not fit
+    ├── RecordingError          exit code 2: a recording cannot be read or begun
     ├── LoadError               (loading.problems) exit code 2: files refused, each fault placed
     └── BackendError            exit code 3: the backend or its link failed
 
@@ -24,6 +25,12 @@ class PirateError(Exception):
 
 class UsageError(PirateError):
     """Is raised for arguments or text that cannot be used, before anything moves."""
+
+    exit_code: ClassVar[int] = 2
+
+
+class RecordingError(PirateError):
+    """Is raised for a recording that cannot be read, or not begun where it was asked for."""
 
     exit_code: ClassVar[int] = 2
 

@@ -1,4 +1,4 @@
-"""Who is told what happens: lines, a live view, later a recorder."""
+"""Who is told what happens: lines, a live view, a recorder."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 from pirate_sm.model.effects import Effect
+from pirate_sm.model.events import Event
 
 PULSE_S = 0.05
 
@@ -24,4 +25,20 @@ class Watcher(Protocol):
 
     def pulse(self, now_s: float) -> None:
         """It has looked."""
+        ...
+
+
+class Tap(Protocol):
+    """Is told everything that the engine is given and gives back, in order; never raises."""
+
+    def start(self, seen: Sequence[Event], now_s: float, effects: Sequence[Effect]) -> None:
+        """It knows how the engine started, and what it was shown for that."""
+        ...
+
+    def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
+        """It knows of a step; one that broke the engine has no effects."""
+        ...
+
+    def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
+        """It knows what was done past the engine."""
         ...

@@ -1,0 +1,185 @@
+"""The file of a recording: MCAP, made so that a crash costs no more than what came last.
+
+What is added since the last commit goes to the file as one chunk with a checksum, is written at
+once and asked to be on the disk. So a reader finds whole commits, and at most one torn one, which
+is the last. The official library makes the bytes; it never sees the file itself, so that a disk
+that is full cannot leave it in an unknown state.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Mapping
+from contextlib import suppress
+from datetime import datetime
+from io import BytesIO
+from pathlib import Path
+from typing import Any, Protocol
+
+import mcap
+from mcap.writer import CompressionType, Writer
+
+from pirate_sm import __version__
+from pirate_sm.recording.header import PROFILE, RUN, RunHeader
+
+NS_PER_S = 1_000_000_000
+
+
+class Sink(Protocol):
+    """Takes the bytes of a recording."""
+
+    def write(self, data: bytes, /) -> object:
+        """The bytes have been taken, all of them."""
+        ...
+
+    def close(self) -> None:
+        """Nothing more comes."""
+        ...
+
+
+class DiskFile:
+    """A new file whose bytes are on the disk when ``write`` returns.
+
+    Args:
+        path: Of the file, whose folder is made where it is missing.
+
+    Raises:
+        FileExistsError: There is one of this name, which stays as it is.
+        OSError: It cannot be made.
+    """
+
+    def __init__(self, path: Path) -> None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self._file = path.open("xb", buffering=0)
+        self._sync_folder(path.parent)
+
+    def write(self, data: bytes, /) -> None:
+        """The bytes are on the disk."""
+        left = memoryview(data)
+        while left:
+            left = left[self._file.write(left) :]
+        with suppress(OSError):  # some file systems and devices cannot
+            os.fsync(self._file.fileno())
+
+    def close(self) -> None:
+        """The file is closed."""
+        self._file.close()
+
+    def _sync_folder(self, folder: Path) -> None:
+        """The file's name outlives a power cut too."""
+        with suppress(OSError):
+            handle = os.open(folder, os.O_RDONLY)
+            try:
+                os.fsync(handle)
+            finally:
+                os.close(handle)
+
+
+class _Gathered(BytesIO):
+    """What the library writes to: memory, until it is taken."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._taken = 0
+
+    def tell(self) -> int:
+        """The place in the file."""
+        return self._taken + super().tell()
+
+    def take(self) -> bytes:
+        """What has been written since this was asked for last."""
+        data = self.getvalue()
+        self._taken += len(data)
+        self.seek(0)
+        self.truncate()
+        return data
+
+
+class RecordingFile:
+    """A recording being written; its header is on the disk.
+
+    Args:
+        sink: Where the bytes go.
+        header: What it begins with.
+
+    Raises:
+        OSError: The header cannot be written.
+    """
+
+    def __init__(self, sink: Sink, header: RunHeader) -> None:
+        self._sink = sink
+        self._gathered = _Gathered()
+        # Only a commit ends a chunk.
+        self._writer = Writer(
+            self._gathered,
+            chunk_size=sys.maxsize,
+            compression=CompressionType.ZSTD,
+        )
+        self._channels: dict[str, int] = {}
+        self._zero_ns = round(datetime.fromisoformat(header.began).timestamp() * NS_PER_S)
+        library = f"pirate_sm {__version__} mcap {mcap.__version__}"
+        self._writer.start(PROFILE, library)
+        self._attach(RUN, "application/json", _json(header.to_json()))
+        for file in header.files:
+            self._attach(file.attachment, "application/yaml", file.text.encode())
+        self._write()
+
+    def time_ns(self, at_s: float) -> int:
+        """The moment of a mission time, ns since 1970."""
+        return self._zero_ns + round(at_s * NS_PER_S)
+
+    def add(
+        self, topic: str, at_s: float, data: bytes, schema: Mapping[str, Any], schema_name: str
+    ) -> None:
+        """The message will be part of the next commit.
+
+        Args:
+            topic: Its topic.
+            at_s: Mission time.
+            data: The message, JSON.
+            schema: JSON Schema of the topic; counts when the topic comes for the first time.
+            schema_name: Name of the schema.
+        """
+        channel = self._channels.get(topic)
+        if channel is None:
+            number = self._writer.register_schema(schema_name, "jsonschema", _json(schema))
+            channel = self._writer.register_channel(topic, "json", number)
+            self._channels[topic] = channel
+        time_ns = self.time_ns(at_s)
+        self._writer.add_message(channel, time_ns, data, time_ns)
+
+    def commit(self) -> None:
+        """What was added is in the file.
+
+        Raises:
+            OSError: It is not; a part of it may be.
+        """
+        self._writer.flush()  # type: ignore[no-untyped-call]
+        self._write()
+
+    def finish(self) -> None:
+        """The recording is complete, with the index that readers look for at the end.
+
+        Raises:
+            OSError: It is not.
+        """
+        self._writer.finish()  # type: ignore[no-untyped-call]
+        self._write()
+
+    def close(self) -> None:
+        """Nothing more is written."""
+        self._sink.close()
+
+    def _attach(self, name: str, media_type: str, data: bytes) -> None:
+        self._writer.add_attachment(self._zero_ns, self._zero_ns, name, media_type, data)
+
+    def _write(self) -> None:
+        data = self._gathered.take()
+        if data:
+            self._sink.write(data)
+
+
+def _json(data: Mapping[str, Any]) -> bytes:
+    return json.dumps(data, ensure_ascii=False, allow_nan=False).encode()

@@ -1,0 +1,137 @@
+"""How values of the engine's alphabet are written in JSON and read again, without any loss.
+
+Python writes the shortest text that reads as the same float64. NaN is ``null`` and the infinities
+are ``"inf"`` and ``"-inf"``, because JSON has none of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf, nan
+from typing import Any, Literal, TypeAlias, get_args, get_origin
+
+JsonSchema: TypeAlias = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """How values of one type are written.
+
+    Attributes:
+        schema: Of the JSON.
+        decode: Makes the value of JSON, or raises ``ValueError``.
+        encode: Makes JSON of a value that holds a NaN or an infinity; None where none can.
+    """
+
+    schema: JsonSchema
+    decode: Callable[[Any], Any]
+    encode: Callable[[Any], Any] | None = None
+
+
+def number_to_json(value: float) -> float | str | None:
+    """The number as JSON can hold it."""
+    if value != value:  # noqa: PLR0124 - NaN, faster than a call
+        return None
+    return value if -inf < value < inf else str(value)
+
+
+def number_from_json(value: Any) -> float:
+    """The number that :func:`number_to_json` was given.
+
+    Raises:
+        ValueError: It is none.
+    """
+    if isinstance(value, float):
+        return value
+    if value is None:
+        return nan
+    if value in {"inf", "-inf"}:
+        return float(value)
+    return whole(value)
+
+
+def whole(value: Any) -> int:
+    """The value, which is a whole number.
+
+    Raises:
+        ValueError: It is not.
+    """
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise ValueError(f"{value!r} is no number")
+    return value
+
+
+def text(value: Any) -> str:
+    """The value, which is text.
+
+    Raises:
+        ValueError: It is not.
+    """
+    if not isinstance(value, str):
+        raise ValueError(f"{value!r} is no text")
+    return value
+
+
+def _word(value: Any) -> str | None:
+    return None if value is None else text(value)
+
+
+def _pairs(schema: JsonSchema, decode: Callable[[Any], Any]) -> Kind:
+    pair = {"type": "array", "prefixItems": [TEXT.schema, schema], "minItems": 2, "maxItems": 2}
+    return Kind(
+        {"type": "array", "items": pair},
+        lambda pairs: tuple((text(name), decode(value)) for name, value in pairs),
+    )
+
+
+_NUMBER = {"type": ["number", "null", "string"], "pattern": "^-?inf$"}
+
+NUMBER = Kind(_NUMBER, number_from_json, number_to_json)
+WHOLE = Kind({"type": "integer"}, whole)
+TEXT = Kind({"type": "string"}, text)
+NUMBERS = Kind(
+    {"type": "array", "items": _NUMBER},
+    lambda values: tuple(number_from_json(value) for value in values),
+    lambda values: [number_to_json(value) for value in values],
+)
+_TEXTS = Kind(
+    {"type": "array", "items": TEXT.schema}, lambda values: tuple(text(value) for value in values)
+)
+_NUMBERS_BY_NAME = _pairs(_NUMBER, number_from_json)
+_WORDS_BY_NAME = _pairs({"type": ["string", "null"]}, _word)
+
+_KINDS: dict[Any, Kind] = {
+    float: NUMBER,
+    int: WHOLE,
+    str: TEXT,
+    tuple[float, ...]: NUMBERS,
+    tuple[str, ...]: _TEXTS,
+    tuple[tuple[str, float], ...]: Kind(
+        _NUMBERS_BY_NAME.schema,
+        _NUMBERS_BY_NAME.decode,
+        lambda pairs: [[name, number_to_json(value)] for name, value in pairs],
+    ),
+    tuple[tuple[str, str | None], ...]: _WORDS_BY_NAME,
+}
+
+
+def kind_of(hint: Any) -> Kind:
+    """How values of this type are written.
+
+    Raises:
+        KeyError: Values of such a type have never been written.
+    """
+    if get_origin(hint) is Literal:
+        words = get_args(hint)
+        return Kind({"type": "string", "enum": list(words)}, _one_of(words))
+    return _KINDS[hint]
+
+
+def _one_of(words: tuple[str, ...]) -> Callable[[Any], str]:
+    def decode(value: Any) -> str:
+        if value not in words:
+            raise ValueError(f"{value!r} is none of {', '.join(words)}")
+        return text(value)
+
+    return decode

@@ -1,0 +1,174 @@
+"""Writes a run down while it goes on, beside it: the run itself only notes what happened.
+
+A thread of its own makes bytes of the notes and waits for the disk, so that neither slows the loop
+down. Whatever breaks there ends the recording, never the run; ``failure`` says so.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from pirate_sm.model.effects import Effect
+from pirate_sm.model.events import Event
+from pirate_sm.recording.alphabet import Abandoned, Input, Started, Topic, Topics
+from pirate_sm.recording.file import RecordingFile
+from pirate_sm.recording.header import RunHeader
+
+COMMIT_S = 0.2
+"""So often what has happened goes to the disk; half a second is promised."""
+
+_BATCH_S = 2.0
+"""So much mission time at most is in one message."""
+
+_MOST_STEPS = 20_000
+"""So many steps at most are in one commit."""
+
+_MOST_WAITING = 200_000
+"""So many notes at most wait for the disk."""
+
+_PATIENCE_S = 20.0
+"""How long a run without a robot, and the end of any run, wait for the disk."""
+
+
+class Note(NamedTuple):
+    """Something that the run has noted."""
+
+    event: Input
+    at_s: float
+    effects: Sequence[Effect]
+
+
+class Recorder:
+    """Is told everything that the engine is given and gives back, and keeps it.
+
+    Args:
+        file: Where to.
+        header: What stands at its beginning.
+        patient: Whether the run waits for a disk that is too slow; else the recording ends.
+
+    Attributes:
+        failure: Why nothing is recorded any more; empty while all is well.
+    """
+
+    def __init__(self, file: RecordingFile, header: RunHeader, *, patient: bool) -> None:
+        self.failure = ""
+        self._file = file
+        self._topics = Topics(header.layout)
+        self._patient = patient
+        self._notes: deque[Note] = deque()
+        self._step = 0
+        self._rows: dict[Topic, list[tuple[Any, ...]]] = {}
+        self._since_s = 0.0
+        self._wake = threading.Event()
+        self._written = threading.Event()
+        self._ending = False
+        self._thread = threading.Thread(target=self._work, name="recorder", daemon=True)
+        self._thread.start()
+
+    # --- the run's side ---------------------------------------------------------------------
+
+    def start(self, seen: Sequence[Event], now_s: float, effects: Sequence[Effect]) -> None:
+        """The start of the engine is noted, with what it was shown."""
+        for event in seen:
+            self._note(Note(event, now_s, ()))
+        self._note(Note(Started(), now_s, effects))
+
+    def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
+        """One step of the engine is noted."""
+        self._note(Note(event, now_s, effects))
+
+    def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
+        """What was done without the engine is noted."""
+        self._note(Note(Abandoned(), now_s, effects))
+
+    def close(self) -> None:
+        """The recording is complete, or ``failure`` says why not."""
+        self._ending = True
+        self._wake.set()
+        self._thread.join(_PATIENCE_S)
+        if self._thread.is_alive():
+            self._fail("the disk does not answer")
+
+    def _note(self, note: Note) -> None:
+        if self.failure:
+            return
+        self._notes.append(note)
+        if len(self._notes) > _MOST_WAITING:
+            self._wait_for_disk()
+
+    def _wait_for_disk(self) -> None:
+        if self._patient:
+            self._written.clear()
+            self._wake.set()
+            if self._written.wait(_PATIENCE_S):
+                return
+        self._fail("the disk is too slow")
+
+    def _fail(self, why: str) -> None:
+        self.failure = self.failure or why
+        self._notes.clear()
+
+    # --- the thread's side ------------------------------------------------------------------
+
+    def _work(self) -> None:
+        try:
+            while not self._ending and not self.failure:
+                self._wake.wait(COMMIT_S)
+                self._wake.clear()
+                self._drain()
+                self._written.set()
+            self._drain()
+            self._file.finish()
+        except OSError as error:
+            self._fail(error.strerror or str(error))
+        except Exception as error:
+            self._fail(f"{type(error).__name__}: {error}")
+        finally:
+            self._written.set()
+            self._shut()
+
+    def _shut(self) -> None:
+        try:
+            self._file.close()
+        except OSError as error:
+            self._fail(error.strerror or str(error))
+
+    def _drain(self) -> None:
+        """Everything noted so far is committed."""
+        notes, steps = self._notes, 0
+        for _ in range(len(notes)):
+            try:
+                note = notes.popleft()
+            except IndexError:  # it has been given up meanwhile
+                return
+            self._add(note)
+            steps += 1
+            if steps >= _MOST_STEPS:
+                self._commit()
+                steps = 0
+        self._commit()
+
+    def _add(self, note: Note) -> None:
+        if note.at_s >= self._since_s + _BATCH_S:
+            self._batch()
+            self._since_s = note.at_s
+        step, at_s, rows, topics = self._step, note.at_s, self._rows, self._topics
+        self._step = step + 1
+        rows.setdefault(topics.of_input(note.event), []).append((step, at_s, note.event))
+        for place, effect in enumerate(note.effects):
+            row = (step, at_s, place, effect)
+            rows.setdefault(topics.of_effect(effect), []).append(row)
+
+    def _batch(self) -> None:
+        """The rows gathered so far are messages of the coming commit."""
+        for topic, rows in self._rows.items():
+            data = topic.encode(rows)
+            self._file.add(topic.name, rows[0][1], data, topic.schema, topic.schema_name)
+        self._rows = {}
+
+    def _commit(self) -> None:
+        self._batch()
+        self._file.commit()
