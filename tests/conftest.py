@@ -10,3 +10,6 @@ from hypothesis import settings
 settings.register_profile("repeatable", derandomize=True, database=None, deadline=None)
 settings.register_profile("explore", max_examples=2_000, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
+
+# Runs leave no recordings behind, those of child processes neither.
+os.environ["PIRATE_SM_RUNS"] = ""

@@ -32,9 +32,9 @@ PLAIN_NAMES = {
     *("acc_x", "acc_y", "acc_z", "mag_x", "mag_y", "mag_z"),
 }
 
-# The name of this software: its package, its two commands and its errors.
+# The name of this software: its package, its two commands, its errors, its environment variables.
 OUR_NAME = re.compile(
-    r"""\bpirate[_-]sm\b|\bpirate-run\b|\bPirateError\b|\bpirate (?=[a-z])|\bpirate:(?=\[| allow|")"""
+    r"""\bpirate[_-]sm\b|\bPIRATE_SM_[A-Z]+\b|\bpirate-run\b|\bPirateError\b|\bpirate (?=[a-z])|\bpirate:(?=\[| allow|")"""
 )
 OUR_COMMAND = re.compile(r"""["'`]pirate["'`]""")
 

@@ -157,6 +157,11 @@ def run(
     check: Annotated[
         bool, typer.Option("--check/--no-check", help="Whether a faulty mission is refused.")
     ] = True,
+    record: Annotated[
+        str | None,
+        typer.Option(metavar="FILE.mcap", help="Where the run is kept, in place of runs/."),
+    ] = None,
+    no_record: Annotated[bool, typer.Option("--no-record", help="Nothing is kept.")] = False,
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="Take the first answer to every question.")
     ] = False,
@@ -175,6 +180,7 @@ def run(
     from pirate_sm.cli.guard import guarded
 
     def work() -> int:
+        from pirate_sm.cli.recording import RecordingWishes
         from pirate_sm.cli.run import Wishes, run_mission
 
         return run_mission(
@@ -202,6 +208,7 @@ def run(
                 json=json,
                 quiet=quiet,
                 debug=debug,
+                recording=RecordingWishes(record, no_record),
             )
         )
 

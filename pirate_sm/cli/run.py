@@ -16,6 +16,7 @@ from pirate_sm.cli.guard import say, say_bug, show_traceback, silence_stdout
 from pirate_sm.cli.jsonl import JsonLines
 from pirate_sm.cli.lines import Lines
 from pirate_sm.cli.reader import watch_pipe
+from pirate_sm.cli.recording import RecordingWishes, recorded
 from pirate_sm.cli.script import read_fire, read_script
 from pirate_sm.cli.situation import Situation
 from pirate_sm.errors import UsageError
@@ -71,6 +72,7 @@ class Wishes:
     json: bool
     quiet: bool
     debug: bool
+    recording: RecordingWishes
 
 
 def run_mission(wishes: Wishes) -> int:
@@ -109,16 +111,17 @@ def _show(
     prepared: Prepared, wishes: Wishes, factor: float, on_terminal: bool, requests: StopRequests
 ) -> int:
     """The run has been shown in the way that was wished, and ended."""
-    situation = Situation(prepared)
     live = on_terminal and not wishes.plain
     with ExitStack() as stack:
+        kept = stack.enter_context(recorded(prepared, wishes.recording, factor))
+        situation = Situation(kept.prepared)
         for companion in prepared.companions:
             if isinstance(companion, AbstractContextManager):
                 stack.enter_context(companion)
         operator, words = _people(prepared, wishes, on_terminal, live, stack)
         output = _output(situation, wishes, live, factor, operator, words)
         pipe = watch_pipe(sys.stdout)
-        companions: list[Companion] = [*prepared.companions]
+        companions: list[Companion] = [*prepared.companions, *kept.companions]
         if not prepared.attended:
             companions.append(operator or _nobody(wishes))
         companions += [words] if words else []
@@ -128,6 +131,7 @@ def _show(
             observers=[output],
             watchers=[each for each in (output, pipe) if isinstance(each, Watcher)],
             companions=companions,
+            tap=kept.tap,
             requests=requests,
             factor=factor,
         )

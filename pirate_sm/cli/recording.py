@@ -1,0 +1,178 @@
+"""The recording of a run: where it goes, what is said of it, how it ends."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from itertools import count
+from math import inf, isinf
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pirate_sm.cli.guard import say
+from pirate_sm.errors import RecordingError, UsageError
+from pirate_sm.loading.folders import shown
+from pirate_sm.model.effects import Effect, Log
+from pirate_sm.model.events import Event
+
+if TYPE_CHECKING:
+    from pirate_sm.engine.state import EngineState
+    from pirate_sm.recording.file import RecordingFile, Sink
+    from pirate_sm.recording.header import RunHeader
+    from pirate_sm.recording.recorder import Recorder
+    from pirate_sm.runtime.companions import Companion
+    from pirate_sm.wiring import Prepared
+
+RUNS = "runs"
+RUNS_VARIABLE = "PIRATE_SM_RUNS"
+"""Names the folder for recordings in place of ``runs``; empty: none unless asked for."""
+
+_FAILED = "the recording ends here, the run goes on: "
+
+
+@dataclass(frozen=True)
+class RecordingWishes:
+    """What the command line says of recording.
+
+    Attributes:
+        record: The file; None for one of the usual name.
+        off: Whether nothing is to be kept.
+    """
+
+    record: str | None = None
+    off: bool = False
+
+
+@dataclass
+class Kept:
+    """A run that is being recorded, or not.
+
+    Attributes:
+        prepared: The run, with what is to be said of its recording.
+        tap: Who keeps it; None where nobody does.
+        companions: Who stands beside the mission for it.
+    """
+
+    prepared: Prepared
+    tap: Recorder | None = None
+    companions: tuple[Companion, ...] = ()
+
+
+@contextmanager
+def recorded(prepared: Prepared, wishes: RecordingWishes, factor: float) -> Iterator[Kept]:
+    """The run is recorded as was wished, until the block ends.
+
+    Args:
+        prepared: The run.
+        wishes: The wishes.
+        factor: Mission seconds per second.
+
+    Raises:
+        RecordingError: It was to go into a file that cannot be made.
+        UsageError: The wishes exclude each other.
+    """
+    if wishes.record is not None and wishes.off:
+        raise UsageError("--record and --no-record exclude each other")
+    began = datetime.now(UTC).astimezone()
+    path = _path(wishes, prepared, began)
+    if path is None:
+        yield Kept(prepared)
+        return
+    from pirate_sm.recording.recorder import Recorder
+
+    header = _header(prepared, factor, began)
+    try:
+        file, path = _open(path, header, anew=wishes.record is None)
+    except FileExistsError:
+        raise RecordingError(f"{shown(path)} exists already; nothing has moved") from None
+    except OSError as error:
+        problem = f"{shown(path)} cannot be written: {error.strerror}"
+        if wishes.record is not None:
+            raise RecordingError(f"{problem}; nothing has moved") from None
+        say(f"warning: nothing is recorded: {problem}")
+        yield Kept(prepared)
+        return
+    recorder = Recorder(file, header, patient=not prepared.backend.real_time)
+    warner = Warner(recorder)
+    notices = (*prepared.notices, f"recording: {shown(path)}")
+    try:
+        yield Kept(replace(prepared, notices=notices), recorder, (warner,))
+    finally:
+        recorder.close()
+        if recorder.failure and not warner.told:
+            say(f"warning: {shown(path)} is incomplete: {recorder.failure}")
+
+
+class Warner:
+    """A companion that tells once, when the recording has ended before the run."""
+
+    listening = False
+
+    def __init__(self, recorder: Recorder) -> None:
+        self._recorder = recorder
+        self.told = False
+
+    @property
+    def due_s(self) -> float:
+        """At once when there is something to tell."""
+        return 0.0 if self._recorder.failure and not self.told else inf
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Nothing is different."""
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """The warning."""
+        self.told = True
+        return (Log("warning", f"{_FAILED}{self._recorder.failure}"),)
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Nothing."""
+        return ()
+
+
+def _path(wishes: RecordingWishes, prepared: Prepared, began: datetime) -> Path | None:
+    """Where the recording goes; None: nowhere."""
+    if wishes.record is not None:
+        return Path(wishes.record)
+    folder = os.environ.get(RUNS_VARIABLE, RUNS)
+    if wishes.off or not folder:
+        return None
+    name = f"{began:%Y-%m-%dT%H-%M-%S}_{prepared.loaded.mission.mission}_{prepared.order.backend}"
+    return Path(folder) / f"{name}.mcap"
+
+
+def _open(path: Path, header: RunHeader, *, anew: bool) -> tuple[RecordingFile, Path]:
+    """A file that was not there before, and its path; ``anew``: of the next free name."""
+    from pirate_sm.recording.file import DiskFile, RecordingFile
+
+    sink: Sink
+    for number in count(2):
+        try:
+            sink = DiskFile(path)
+        except FileExistsError:
+            if not anew:
+                raise
+            path = path.with_stem(f"{path.stem.partition('~')[0]}~{number}")
+        else:
+            return RecordingFile(sink, header), path
+    raise AssertionError("numbers do not end")
+
+
+def _header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
+    from pydantic_core import to_jsonable_python
+
+    from pirate_sm.recording.header import header_of
+
+    options: dict[str, Any] = to_jsonable_python(prepared.order)
+    options["speed"] = "max" if isinf(factor) else factor
+    return header_of(
+        prepared.loaded,
+        backend=prepared.order.backend,
+        nominal=prepared.engine.nominal,
+        detector=prepared.detector,
+        options=options,
+        began=began,
+    )
