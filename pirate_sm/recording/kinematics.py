@@ -9,6 +9,7 @@ ahead towards side A (as in the profiles; sign of thesis section 3-2).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from math import atan2, cos, isfinite, sin
 from typing import NamedTuple
 
@@ -65,7 +66,4 @@ def wheels(
 
 def frames_of(places: Sequence[tuple[float, float]]) -> tuple[Pose, ...]:
     """The frame of each link from the places of the wheels, as a simulator knows them."""
-    return tuple(
-        Pose(ax, ay, atan2(ay - by, ax - bx))
-        for (ax, ay), (bx, by) in zip(places, places[1:], strict=False)
-    )
+    return tuple(Pose(ax, ay, atan2(ay - by, ax - bx)) for (ax, ay), (bx, by) in pairwise(places))

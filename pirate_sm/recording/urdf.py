@@ -1,8 +1,8 @@
 """A robot's URDF from its profile: links, joints with their limits, masses; nothing invented.
 
-The first link's frame is the root. Frames are those of :mod:`pirate_sm.recording.kinematics`: bend
-joints turn about z, the roll joint inside a link about its x axis, wheels about z by their encoder's
-angle. A link with a roll joint becomes two, each half as long.
+The first link's frame is the root. Frames are those of :mod:`pirate_sm.recording.kinematics`:
+bend joints turn about z, the roll joint inside a link about its x axis, wheels about z by their
+encoder's angle. A link with a roll joint becomes two, each half as long.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 import pytest
 
+from pirate_sm.backends.simulator.backend import SimulatorBackend
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import SensorFrame
@@ -99,9 +100,6 @@ def test_forward_kinematics_of_the_file_and_of_the_package_agree(profile):
 
 def test_forward_kinematics_equal_the_simulators_through_the_bend():
     """Every joint angle that the simulator's sensors show puts the wheels where they really are."""
-    pytest.importorskip("numba")
-    from pirate_sm.backends.simulator.backend import SimulatorBackend
-
     loaded = load_mission(ROOT / "sequences" / "mitre_bend.yaml")
     profile, robot = loaded.loaded_robot.profile, loaded.robot
     backend = SimulatorBackend(profile, loaded.pipe, seed=1)

@@ -1,0 +1,217 @@
+"""Two runs side by side: lined up by what the mission has come to, not by the clock.
+
+The marks of a run are the phases that it enters, the commands that are done and the triggers that
+fire. As long as both runs have the same marks in the same order they are on one course; between
+two marks, time counts from the first one as a share of the way to the second. So a robot that is
+slower than its simulation is compared where it does the same.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from math import isnan, sqrt
+
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model import effects as fx
+from pirate_sm.model.events import SensorFrame
+from pirate_sm.recording.reader import Recording
+from pirate_sm.recording.replay import engine_of, rerun
+
+SAMPLES = 50
+"""So many places between two marks are compared."""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Something that a mission has come to."""
+
+    what: str
+    at_s: float
+
+
+@dataclass
+class Course:
+    """A run as it is compared.
+
+    Attributes:
+        times: Of the frames; ``values`` their signals, in the order of ``names``.
+    """
+
+    marks: list[Mark] = field(default_factory=list)
+    names: tuple[str, ...] = ()
+    times: list[float] = field(default_factory=list)
+    values: list[tuple[float, ...]] = field(default_factory=list)
+    ended: fx.Ended | None = None
+    until_s: float = 0.0
+
+    def at(self, time_s: float) -> tuple[float, ...] | None:
+        """The signals as they were last known at a time."""
+        place = bisect_right(self.times, time_s) - 1
+        return self.values[place] if place >= 0 else None
+
+
+@dataclass(frozen=True)
+class Leg:
+    """The way between two marks in both runs, s."""
+
+    mark: str
+    first_s: float
+    second_s: float
+    lasted_first_s: float
+    lasted_second_s: float
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How far a signal of the two runs is apart.
+
+    Attributes:
+        most: The largest distance, in the unit of the signal; ``typical`` its root mean square.
+        where: After which mark it was largest; ``at_s`` when, in the first run.
+        first: Its value there in the first run; ``second`` in the second.
+    """
+
+    name: str
+    most: float
+    typical: float
+    where: str
+    at_s: float
+    first: float
+    second: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two runs side by side.
+
+    Attributes:
+        legs: As long as they are on one course.
+        parted: What each came to where they part, first and second; None: they do not.
+        deviations: Of the signals of both, the farthest apart for their range first.
+    """
+
+    legs: tuple[Leg, ...]
+    parted: tuple[str, str] | None
+    deviations: tuple[Deviation, ...]
+
+
+def course_of(recording: Recording, loaded: LoadedMission) -> Course:
+    """What is compared of a run.
+
+    Raises:
+        RecordingError: The recording is damaged.
+    """
+    engine = engine_of(recording, loaded)
+    found = Course(names=loaded.robot.vocabulary.numbers)
+    for again in rerun(recording, loaded):
+        at_s = again.step.at_s
+        found.until_s = max(found.until_s, at_s)
+        for effect in again.step.effects:
+            what = _mark(effect)
+            if what:
+                found.marks.append(Mark(what, at_s))
+            if isinstance(effect, fx.Ended):
+                found.ended = effect
+        if again.state is not None and isinstance(again.step.event, SensorFrame):
+            found.times.append(at_s)
+            found.values.append(tuple(engine.signals(again.state).values()))
+    return found
+
+
+def _mark(effect: fx.Effect) -> str:
+    match effect:
+        case fx.PhaseChange():
+            return f"phase {effect.phase}"
+        case fx.CommandStatus(status="done" | "failed" | "refused"):
+            return f"{effect.name} {effect.status}"
+        case fx.TriggerFired():
+            return f"{effect.phase}: {effect.trigger} fired"
+        case fx.Ended():
+            return f"{effect.outcome}: {effect.end}" if effect.end else effect.outcome
+    return ""
+
+
+def compare(first: Course, second: Course) -> Comparison:
+    """Where two runs part, how long each leg took, and how far signals are apart on the way."""
+    common = 0
+    for one, other in zip(first.marks, second.marks, strict=False):
+        if one.what != other.what:
+            break
+        common += 1
+    legs = tuple(_legs(first.marks[:common], second.marks[:common]))
+    parted = None
+    if common < max(len(first.marks), len(second.marks)):
+        parted = _next(first, common), _next(second, common)
+    return Comparison(legs, parted, _deviations(first, second, common))
+
+
+def _next(course: Course, place: int) -> str:
+    return course.marks[place].what if place < len(course.marks) else "nothing more"
+
+
+def _legs(one: Sequence[Mark], other: Sequence[Mark]) -> Iterator[Leg]:
+    before = (0.0, 0.0)
+    for a, b in zip(one, other, strict=True):
+        yield Leg(a.what, a.at_s, b.at_s, a.at_s - before[0], b.at_s - before[1])
+        before = (a.at_s, b.at_s)
+
+
+@dataclass
+class _Tally:
+    most: float = -1.0
+    squares: float = 0.0
+    count: int = 0
+    low: float = 0.0
+    high: float = 0.0
+    where: str = ""
+    at_s: float = 0.0
+    values: tuple[float, float] = (0.0, 0.0)
+
+    def add(self, a: float, b: float, where: str, at_s: float) -> None:
+        if isnan(a) or isnan(b):
+            return
+        apart = abs(a - b)
+        self.low, self.high = min(self.low, a, b), max(self.high, a, b)
+        self.squares, self.count = self.squares + apart * apart, self.count + 1
+        if apart > self.most:
+            self.most, self.where, self.at_s, self.values = apart, where, at_s, (a, b)
+
+
+def _deviations(first: Course, second: Course, common: int) -> tuple[Deviation, ...]:
+    shared = [name for name in first.names if name in second.names]
+    here = [first.names.index(name) for name in shared]
+    there = [second.names.index(name) for name in shared]
+    tallies = [_Tally() for _ in shared]
+    for where, a_s, b_s in _places(first, second, common):
+        a, b = first.at(a_s), second.at(b_s)
+        if a is None or b is None:
+            continue
+        for tally, i, k in zip(tallies, here, there, strict=True):
+            tally.add(a[i], b[k], where, a_s)
+    found = [
+        (tally.most / ((tally.high - tally.low) or 1.0), name, tally)
+        for name, tally in zip(shared, tallies, strict=True)
+        if tally.count
+    ]
+    found.sort(key=lambda each: (-each[0], each[1]))
+    return tuple(
+        Deviation(
+            name, tally.most, sqrt(tally.squares / tally.count), tally.where, tally.at_s,
+            *tally.values,
+        )
+        for _, name, tally in found
+    )  # fmt: skip
+
+
+def _places(first: Course, second: Course, common: int) -> Iterator[tuple[str, float, float]]:
+    """Times of both runs at the same shares of the way between the same marks."""
+    marks = list(zip(first.marks[:common], second.marks[:common], strict=True))
+    for (a, b), (next_a, next_b) in pairwise(marks):
+        for number in range(SAMPLES):
+            share = number / SAMPLES
+            a_s = a.at_s + share * (next_a.at_s - a.at_s)
+            b_s = b.at_s + share * (next_b.at_s - b.at_s)
+            yield a.what, a_s, b_s

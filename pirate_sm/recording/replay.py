@@ -1,0 +1,158 @@
+"""A recording is executed again: the engine gets its inputs, what comes out is compared."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import isnan
+from typing import Any, NamedTuple
+
+from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.state import EngineState
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.effects import Effect
+from pirate_sm.model.events import SensorFrame, SignalReport
+from pirate_sm.recording.reader import Recording, Step
+
+
+class Rerun(NamedTuple):
+    """A step of a recording and what the engine makes of it now.
+
+    Attributes:
+        state: The engine's state after it; None before the start.
+        effects: What came of it now; those of the recording where the engine was not asked.
+    """
+
+    step: Step
+    state: EngineState | None
+    effects: tuple[Effect, ...]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """The first step in which something else comes out than was recorded.
+
+    Attributes:
+        recorded: Effects of the recording that the replay does not have at this place.
+        replayed: Effects of the replay in their place.
+        phase: The phase of the mission then; ``place`` its place in the file, if it has one.
+    """
+
+    step: Step
+    recorded: tuple[Effect, ...]
+    replayed: tuple[Effect, ...]
+    phase: str
+    place: str
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """How a replay went.
+
+    Attributes:
+        steps: How many were the same.
+        effects: How many in these.
+        until_s: Time of the last of them.
+        difference: The first difference; None where there is none.
+    """
+
+    steps: int
+    effects: int
+    until_s: float
+    difference: Difference | None
+
+
+def engine_of(recording: Recording, loaded: LoadedMission) -> Engine:
+    """The production engine, as it ran then."""
+    return Engine(loaded.robot, loaded.program, nominal=recording.header.nominal)
+
+
+def rerun(recording: Recording, loaded: LoadedMission) -> Iterator[Rerun]:
+    """Every step of the recording given to the engine again, in order.
+
+    Raises:
+        RecordingError: The recording is damaged.
+    """
+    engine = engine_of(recording, loaded)
+    state: EngineState | None = None
+    seen: list[SensorFrame | SignalReport] = []
+    for step in recording.steps():
+        effects = step.effects
+        if step.by == "seen" and isinstance(step.event, SensorFrame | SignalReport):
+            seen.append(step.event)
+        elif step.by == "start":
+            state, effects = engine.start(step.at_s, seen)
+        elif step.by == "engine" and state is not None and step.event is not None:
+            state, effects = engine.step(state, step.event, step.at_s)
+        yield Rerun(step, state, effects)
+
+
+def replay(recording: Recording, loaded: LoadedMission, *, changed: bool = False) -> Replayed:
+    """The recording has been executed again up to its end or the first difference.
+
+    Args:
+        recording: What was recorded.
+        loaded: The mission; the one in the recording, or another one.
+        changed: Whether it is another one: then lines and columns of its file do not count.
+
+    Raises:
+        RecordingError: The recording is damaged.
+    """
+    steps, told, until_s = 0, 0, 0.0
+    for again in rerun(recording, loaded):
+        step = again.step
+        recorded, now = step.effects, again.effects
+        if changed:
+            recorded, now = _placeless(recorded), _placeless(now)
+        if not same(recorded, now):
+            return Replayed(steps, told, until_s, _difference(again, loaded))
+        steps, told, until_s = steps + 1, told + len(step.effects), step.at_s
+    return Replayed(steps, told, until_s, None)
+
+
+_PLACE = re.compile(r":\d+:\d+")
+
+
+def _placeless(effects: Sequence[Effect]) -> tuple[Any, ...]:
+    """The effects without lines and columns, which another step in a file would move."""
+    return tuple(
+        (
+            type(effect),
+            *(_PLACE.sub("", part) if isinstance(part, str) else part for part in effect),
+        )
+        for effect in effects
+    )
+
+
+def same(one: Any, other: Any) -> bool:
+    """Whether two things of the alphabet are the same; unknown is the same as unknown."""
+    if isinstance(one, float) and isinstance(other, float):
+        return one == other or (isnan(one) and isnan(other))
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return type(one) is type(other) and len(one) == len(other) and all(map(same, one, other))
+    return bool(one == other)
+
+
+def _difference(again: Rerun, loaded: LoadedMission) -> Difference:
+    recorded, replayed = _without_common(again.step.effects, again.effects)
+    phase = place = ""
+    if again.state is not None:
+        pc = again.state.mission.pc
+        phase = loaded.program.phase_of[pc]
+        place = getattr(loaded.program.instructions[pc], "place", "")
+    return Difference(again.step, recorded, replayed, phase, place)
+
+
+def _without_common(
+    one: Sequence[Effect], other: Sequence[Effect]
+) -> tuple[tuple[Effect, ...], tuple[Effect, ...]]:
+    """What is left of both after what they begin and end with alike."""
+    first = 0
+    while first < min(len(one), len(other)) and same(one[first], other[first]):
+        first += 1
+    last = 0
+    most = min(len(one), len(other)) - first
+    while last < most and same(one[-1 - last], other[-1 - last]):
+        last += 1
+    return tuple(one[first : len(one) - last]), tuple(other[first : len(other) - last])

@@ -1,0 +1,130 @@
+"""A recording is executed again on the production engine; a change shows where it first counts."""
+
+from __future__ import annotations
+
+import shutil
+from math import nan
+
+import pytest
+from recording_runs import ROOT, record
+
+from pirate_sm.loading.mission import load_mission
+from pirate_sm.model.effects import CommandStatus, Setpoints
+from pirate_sm.recording.reader import read_recording
+from pirate_sm.recording.reloading import as_recorded, recorded_mission
+from pirate_sm.recording.replay import replay, rerun, same
+from pirate_sm.wiring import Order
+
+SHIPPED = sorted(path.stem for path in (ROOT / "sequences").glob("*.yaml"))
+SHORT = [name for name in SHIPPED if not name.startswith("exp_1") and name != "exp_2a_commands"]
+
+
+@pytest.fixture(scope="module")
+def bend(tmp_path_factory):
+    path = tmp_path_factory.mktemp("runs") / "bend.mcap"
+    return record(path, Order("mitre_bend", seed=5, check=False))
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_every_shipped_mission_comes_out_the_same_in_the_simulator(name, tmp_path):
+    recording = record(tmp_path / "run.mcap", Order(name, seed=1))
+
+    with recorded_mission(recording.header) as loaded:
+        result = replay(recording, loaded)
+
+    assert result.difference is None
+    assert result.steps > 100
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_every_shipped_mission_comes_out_the_same_in_a_trace(name, tmp_path):
+    recording = record(tmp_path / "run.mcap", Order(name, backend="trace"))
+
+    with recorded_mission(recording.header) as loaded:
+        assert replay(recording, loaded).difference is None
+
+
+def test_a_mission_with_files_of_its_own_is_made_again_from_the_recording_alone(tmp_path):
+    folder = tmp_path / "newt"
+    shutil.copytree(ROOT / "tests" / "robots" / "newt", folder)
+    recording = record(tmp_path / "run.mcap", Order(str(folder / "patrol.yaml")))
+    shutil.rmtree(folder)
+
+    with recorded_mission(recording.header) as loaded:
+        result = replay(read_recording(tmp_path / "run.mcap"), loaded)
+
+    assert result.difference is None
+
+
+def changed(tmp_path, file, old, new):
+    """The shipped bend mission and robot with one thing changed."""
+    for name in ("sequences", "hardware_profiles"):
+        shutil.copytree(ROOT / name, tmp_path / name, dirs_exist_ok=True)
+    path = tmp_path / file
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    return load_mission(
+        tmp_path / "sequences" / "mitre_bend.yaml",
+        robot=str(tmp_path / "hardware_profiles" / "pirate_ii"),
+        pipe=str(tmp_path / "sequences" / "pipes" / "mitre_90.yaml"),
+    )
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "phase"),
+    [
+        ("sequences/mitre_bend.yaml", "when: detector == in", "when: detector == past", "prepare"),
+        ("sequences/mitre_bend.yaml", "      - DriveForward\n", "", "enter"),
+        ("hardware_profiles/pirate_ii/profile.yaml", "torque: 500 mNm", "torque: 900 mNm", "enter"),
+    ],
+)
+def test_a_change_shows_the_first_difference(bend, tmp_path, file, old, new, phase):
+    loaded = as_recorded(changed(tmp_path, file, old, new), bend.header)
+
+    result = replay(bend, loaded, changed=True)
+
+    assert result.difference is not None
+    assert result.difference.phase.split("/")[0] == phase
+    assert result.difference.recorded != result.difference.replayed
+    assert result.steps == result.difference.step.number
+
+
+def test_a_changed_chart_shows_the_first_difference(bend, tmp_path):
+    loaded = changed(
+        tmp_path,
+        "hardware_profiles/pirate_ii/chart.yaml",
+        "{event: Brake, target: RearWheelsState.Fixed}",
+        "{event: Brake, target: RearWheelsState.Free}",
+    )
+
+    result = replay(bend, as_recorded(loaded, bend.header), changed=True)
+
+    assert result.difference is not None
+    assert any(
+        isinstance(each, CommandStatus | Setpoints) or "Free" in repr(each)
+        for each in result.difference.replayed
+    )
+
+
+def test_a_rerun_knows_the_engine_after_every_step(bend):
+    with recorded_mission(bend.header) as loaded:
+        states = [again.state for again in rerun(bend, loaded) if again.step.by == "engine"]
+
+    assert states[-1].mission.ended
+    assert all(state is not None for state in states)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "alike"),
+    [
+        (nan, nan, True),
+        ((1.0, (nan, "a")), (1.0, (nan, "a")), True),
+        ((1.0,), (1.0, 2.0), False),
+        (1.0, 1.0000000000000002, False),
+        (CommandStatus("A", "sent"), CommandStatus("A", "done"), False),
+        (CommandStatus("A", "sent"), ("A", "sent", "", ""), False),
+    ],
+)
+def test_unknown_is_the_same_as_unknown_and_nothing_else_is_rounded(one, other, alike):
+    assert same(one, other) is alike
