@@ -27,9 +27,9 @@ from pirate_sm.model.events import Tick
 
 MOST_NODES = 50_000
 
-MOST_WORK = 150_000
+MOST_WORK = 100_000
 """Of what one exploration may take: steps of the engine, with what they asked and what came of
-them; some ten seconds."""
+them; some seven seconds."""
 
 _EFFECTS_A_STEP = 20
 _TESTS_A_STEP = 50

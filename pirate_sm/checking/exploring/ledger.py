@@ -136,7 +136,8 @@ def _begun(book: Ledger, number: int, line: str) -> None:
 
 def _command(visits: Visits, number: int, effect: CommandStatus) -> None:
     visits.name = effect.name
-    visits.reasons.setdefault(number, effect.reason)
+    if effect.status == "refused":
+        visits.reasons.setdefault(number, effect.reason)
     match effect.status:
         case "sent":
             visits.given.append(number)
