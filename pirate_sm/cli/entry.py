@@ -17,6 +17,7 @@ from pirate_sm.cli.checking import check, diff, explain
 from pirate_sm.cli.connecting import calibrate, doctor
 from pirate_sm.cli.drawing import graph
 from pirate_sm.cli.emulating import bay
+from pirate_sm.cli.keeping import compare, export, replay
 
 
 class Backends(str, Enum):  # noqa: UP042 - a StrEnum would show its members in capitals
@@ -263,6 +264,9 @@ commands.command("graph")(graph)
 commands.command("doctor")(doctor)
 commands.command("calibrate")(calibrate)
 commands.command("bay")(bay)
+commands.command("replay")(replay)
+commands.command("compare")(compare)
+commands.command("export")(export)
 
 
 @new.command("mission")
