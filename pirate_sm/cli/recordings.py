@@ -85,7 +85,7 @@ def run_compare(first: str, second: str) -> int:
         _say(f"here they part: A comes to '{result.parted[0]}', B to '{result.parted[1]}'")
     _say("")
     if result.deviations:
-        _say("farthest apart, for the range of each signal:")
+        _say("farthest apart, for what signals of their kind span:")
     for each in result.deviations[:_MOST_SIGNALS]:
         kind = loadeds[0].robot.vocabulary.types[each.name]
         dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS

@@ -38,10 +38,12 @@ class Course:
 
     Attributes:
         times: Of the frames; ``values`` their signals, in the order of ``names``.
+        kinds: What each signal is, such as a current; for ranges that signals share.
     """
 
     marks: list[Mark] = field(default_factory=list)
     names: tuple[str, ...] = ()
+    kinds: tuple[str, ...] = ()
     times: list[float] = field(default_factory=list)
     values: list[tuple[float, ...]] = field(default_factory=list)
     ended: fx.Ended | None = None
@@ -90,7 +92,8 @@ class Comparison:
     Attributes:
         legs: As long as they are on one course.
         parted: What each came to where they part, first and second; None: they do not.
-        deviations: Of the signals of both, the farthest apart for their range first.
+        deviations: Of the signals of both, those first that are typically the farthest apart
+            for what signals of their kind span.
     """
 
     legs: tuple[Leg, ...]
@@ -105,7 +108,9 @@ def course_of(recording: Recording, loaded: LoadedMission) -> Course:
         RecordingError: The recording is damaged.
     """
     engine = engine_of(recording, loaded)
-    found = Course(names=loaded.robot.vocabulary.numbers)
+    vocabulary = loaded.robot.vocabulary
+    kinds = tuple(str(vocabulary.types[name]) for name in vocabulary.numbers)
+    found = Course(names=vocabulary.numbers, kinds=kinds)
     for again in rerun(recording, loaded):
         at_s = again.step.at_s
         found.until_s = max(found.until_s, at_s)
@@ -170,6 +175,14 @@ class _Tally:
     at_s: float = 0.0
     values: tuple[float, float] = (0.0, 0.0)
 
+    @property
+    def typical(self) -> float:
+        return sqrt(self.squares / self.count)
+
+    def deviation(self, name: str) -> Deviation:
+        a, b = self.values
+        return Deviation(name, self.most, self.typical, self.where, self.at_s, a, b)
+
     def add(self, a: float, b: float, where: str, at_s: float) -> None:
         if isnan(a) or isnan(b):
             return
@@ -191,19 +204,17 @@ def _deviations(first: Course, second: Course, common: int) -> tuple[Deviation, 
             continue
         for tally, i, k in zip(tallies, here, there, strict=True):
             tally.add(a[i], b[k], where, a_s)
+    kinds = [first.kinds[index] if first.kinds else "" for index in here]
+    spans: dict[str, float] = {}
+    for kind, tally in zip(kinds, tallies, strict=True):
+        spans[kind] = max(spans.get(kind, 0.0), tally.high - tally.low)
     found = [
-        (tally.most / ((tally.high - tally.low) or 1.0), name, tally)
-        for name, tally in zip(shared, tallies, strict=True)
+        (tally.typical / (spans[kind] or 1.0), tally.deviation(name))
+        for name, kind, tally in zip(shared, kinds, tallies, strict=True)
         if tally.count
     ]
-    found.sort(key=lambda each: (-each[0], each[1]))
-    return tuple(
-        Deviation(
-            name, tally.most, sqrt(tally.squares / tally.count), tally.where, tally.at_s,
-            *tally.values,
-        )
-        for _, name, tally in found
-    )  # fmt: skip
+    found.sort(key=lambda each: (-each[0], each[1].name))
+    return tuple(deviation for _, deviation in found)
 
 
 def _places(first: Course, second: Course, common: int) -> Iterator[tuple[str, float, float]]:
