@@ -13,6 +13,7 @@ from pirate_sm.checking.examples import Examples
 from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.kinds import Kind
 from pirate_sm.checking.mission import check_mission
+from pirate_sm.checking.rehearsal import Rehearsal, Rehearse, rehearsed
 from pirate_sm.checking.robot import check_robot
 from pirate_sm.checking.targets import Target, find_targets
 from pirate_sm.errors import UsageError
@@ -20,7 +21,7 @@ from pirate_sm.loading import library
 from pirate_sm.loading.calibration import load_calibration
 from pirate_sm.loading.chart_outline import outline_chart
 from pirate_sm.loading.folders import PROFILE_FILE, shown
-from pirate_sm.loading.pipe import load_pipe
+from pirate_sm.loading.pipe import check_pipe, load_pipe
 from pirate_sm.loading.problems import LoadError, Place, Problems
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.source import LARGEST_FILE, Document, read_document
@@ -45,10 +46,12 @@ class Report:
     Attributes:
         findings: By place, each once; allowed ones too.
         files: What was looked at.
+        rehearsals: What came of running missions, where that was wanted.
     """
 
     findings: tuple[Finding, ...]
     files: tuple[CheckedFile, ...]
+    rehearsals: tuple[Rehearsal, ...] = ()
 
     @property
     def open(self) -> tuple[Finding, ...]:
@@ -75,6 +78,7 @@ class Wishes:
         settings: Values of parameters, for every mission that has them.
         keep_going: Whether a fault of this program becomes a finding.
         counterexamples: The folder that counterexamples are written to; None: they are not.
+        rehearse: Runs a mission in the simulator; None: none is run.
     """
 
     robot: str | None = None
@@ -82,6 +86,7 @@ class Wishes:
     settings: Mapping[str, str] = field(default_factory=dict)
     keep_going: bool = True
     counterexamples: Path | None = None
+    rehearse: Rehearse | None = None
 
 
 Progress = Callable[[int, int, str], None]
@@ -124,6 +129,7 @@ class _Check:
         self._files: list[CheckedFile] = []
         self._texts: dict[str, str] = {}
         self._set: set[str] = set()  # settings that some mission has taken
+        self._rehearsals: list[Rehearsal] = []
         self._examples = wishes.counterexamples and Examples(wishes.counterexamples)
 
     def take(self, target: Target) -> None:
@@ -156,7 +162,7 @@ class _Check:
         ordered = sorted(settled, key=lambda each: each.order)
         if self._examples:
             ordered = self._examples.write(ordered)
-        return Report(tuple(ordered), tuple(self._files))
+        return Report(tuple(ordered), tuple(self._files), tuple(self._rehearsals))
 
     def robot(self, target: Target) -> None:
         """A robot: its profile and its chart."""
@@ -178,7 +184,11 @@ class _Check:
 
     def pipe(self, target: Target) -> None:
         """A pipe by itself; whether a robot fits it is said of the missions that use it."""
-        self._keep([load_pipe(target.path)[1]])
+        pipe, document = load_pipe(target.path)
+        self._keep([document])
+        problems = Problems(document)
+        check_pipe(pipe, document, problems)
+        self.findings += map(finding_of, problems.all)
 
     def mission(self, target: Target) -> None:
         """A mission, with its robot, its pipe and what it calls."""
@@ -196,6 +206,10 @@ class _Check:
         self.findings += checked.findings
         if self._examples:
             self._examples.remember(checked, target.path, _options(self._wishes, settings))
+        if self._wishes.rehearse is not None:
+            rehearsal, found = rehearsed(checked, target.path, self._wishes.rehearse)
+            self._rehearsals.append(rehearsal)
+            self.findings += found
 
     def calibration(self, target: Target) -> None:
         """A calibration, held against its robot where that is known."""

@@ -11,6 +11,7 @@ from pathlib import Path
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.project import Report, Wishes, check_paths
+from pirate_sm.checking.rehearsal import Rehearse
 from pirate_sm.checking.reports.text import explained, listed, text_report
 from pirate_sm.errors import UsageError
 from pirate_sm.showing.visible import visible
@@ -38,6 +39,8 @@ class CheckWishes:
     pipe: str | None = None
     settings: Sequence[str] = ()
     counterexamples: str | None = None
+    rehearse: bool = False
+    seeds: int = 1
     debug: bool = False
 
 
@@ -45,7 +48,8 @@ def run_check(wishes: CheckWishes) -> int:
     """The report stands on standard output; the exit code says whether anything was found.
 
     Raises:
-        UsageError: A path leads nowhere, or an option does not fit.
+        UsageError: A path leads nowhere, an option does not fit, or the simulator is wanted and
+            not installed.
     """
     fail_on = Severity[wishes.fail_on.upper()]
     asked = Wishes(
@@ -54,6 +58,7 @@ def run_check(wishes: CheckWishes) -> int:
         settings=_settings(wishes),
         keep_going=not wishes.debug,
         counterexamples=None if wishes.counterexamples is None else Path(wishes.counterexamples),
+        rehearse=_rehearse(wishes),
     )
     progress = _Progress() if _is_terminal(sys.stderr) else None
     try:
@@ -80,6 +85,16 @@ def run_explain(code: str | None) -> int:
         raise UsageError(f"there is no code '{code[:100]}': {hint}")
     _say(explained(code))
     return 0
+
+
+def _rehearse(wishes: CheckWishes) -> Rehearse | None:
+    if not wishes.rehearse:
+        if wishes.seeds != 1:
+            raise UsageError("--seeds is for --rehearse")
+        return None
+    from pirate_sm.cli.rehearsing import rehearsing
+
+    return rehearsing(wishes.seeds)
 
 
 def _settings(wishes: CheckWishes) -> dict[str, str]:

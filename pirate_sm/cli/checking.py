@@ -59,6 +59,10 @@ def check(
         str | None,
         typer.Option(metavar="DIR", help="Write how a finding comes about, as files to run."),
     ] = None,
+    rehearse: Annotated[
+        bool, typer.Option("--rehearse", help="Run each mission in the simulator.")
+    ] = False,
+    seeds: Annotated[int, typer.Option(min=1, help="How often each is rehearsed.")] = 1,
     debug: Annotated[bool, _DEBUG] = False,
 ) -> None:
     """Find what is wrong with robots, missions and pipes before anything moves.
@@ -82,6 +86,8 @@ def check(
                 pipe=pipe,
                 settings=settings or [],
                 counterexamples=counterexamples,
+                rehearse=rehearse,
+                seeds=seeds,
                 debug=debug,
             )
         )

@@ -1,4 +1,7 @@
-"""`pirate diff`: what two versions of a mission can do, compared."""
+"""`pirate diff`: what two versions of a mission can do, compared.
+
+The JSON is described by ``docs/schemas/diff.schema.json``.
+"""
 
 from __future__ import annotations
 

@@ -17,7 +17,8 @@ from pirate_sm.spelling import nearest
 
 _HERE = Path(__file__).parent
 _FILES = (
-    "missions", "geometry", "names", "charts", "robots", "robot_sense", "pipes", "form", "project",
+    "missions", "geometry", "rehearsal", "names", "charts", "robots", "robot_sense", "pipes",
+    "form", "project",
 )  # fmt: skip
 
 

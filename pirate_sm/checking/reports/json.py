@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from typing import Any
 
 from pirate_sm import __version__
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.project import Report
+from pirate_sm.checking.rehearsal import Rehearsal
 from pirate_sm.checking.reports.marking import end_column, excerpt
 from pirate_sm.loading.problems import Place
 
@@ -26,6 +28,7 @@ def json_report(report: Report) -> str:
         "version": __version__,
         "files": [{"file": each.name, "kind": each.kind.value} for each in report.files],
         "findings": [_finding(each) for each in report.findings],
+        "rehearsals": [_rehearsal(each) for each in report.rehearsals],
         "summary": {**counts, "allowed": len(report.allowed)},
     }
     return json.dumps(whole, indent=1)
@@ -48,6 +51,15 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "story": list(finding.story),
         "example": finding.example,
         "allowed": finding.allowed,
+    }
+
+
+def _rehearsal(rehearsal: Rehearsal) -> dict[str, Any]:
+    return {
+        "file": rehearsal.file,
+        "skipped": rehearsal.skipped,
+        "runs": [asdict(each) for each in rehearsal.runs],
+        "nearly": [asdict(each) for each in rehearsal.nearly],
     }
 
 

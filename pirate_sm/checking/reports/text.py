@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from textwrap import wrap
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.project import Report
+from pirate_sm.checking.rehearsal import Rehearsal, RehearsedRun
 from pirate_sm.checking.reports.marking import marked
 
 _WIDTH = 100
+
+_MOST_CALLS = 3
 
 Paint = Callable[[str, str], str]
 """Text as a terminal may show it, in the colour of a role."""
@@ -33,6 +36,11 @@ def text_report(report: Report, paint: Paint) -> str:
         for each in report.allowed:
             lines.append(f"  {paint('place', str(each.place))} {paint('', each.code)}")
             lines.append(f"    {paint('', f'{each.message}; because {each.allowed}')}")
+        lines.append("")
+    if report.rehearsals:
+        lines.append(paint("label", "rehearsed in the simulator, and what nearly happened:"))
+        for rehearsal in report.rehearsals:
+            lines += _rehearsal(rehearsal, paint)
         lines.append("")
     lines.append(paint("", summary(report)))
     return "\n".join(lines)
@@ -59,6 +67,28 @@ def _finding(finding: Finding, paint: Paint) -> Iterator[str]:
     for label, text in said:
         if text:
             yield from _wrapped(f"  {label + ': ':6}", text, paint)
+
+
+def _rehearsal(rehearsal: Rehearsal, paint: Paint) -> Iterator[str]:
+    """How a mission's runs ended, and the closest calls of them."""
+    said = f"not run: {rehearsal.skipped}" if rehearsal.skipped else _runs(rehearsal.runs)
+    yield f"  {paint('place', rehearsal.file)}: {paint('', said)}"
+    for each in rehearsal.nearly[:_MOST_CALLS]:
+        which = f", seed {each.seed}" if len(rehearsal.runs) > 1 else ""
+        label = f"    {each.share:4.0%} at {each.at_s:.1f} s{which}: "
+        yield from _wrapped(label, each.text, paint)
+
+
+def _runs(runs: Sequence[RehearsedRun]) -> str:
+    good = [run for run in runs if run.succeeded]
+    if len(runs) == 1:
+        (run,) = runs
+        return f"{run.outcome} after {run.time_s:.1f} s: {run.message}"
+    times = [run.time_s for run in good or runs]
+    return (
+        f"{len(good)} of {len(runs)} runs succeeded"
+        f"{f', after {min(times):.1f} s to {max(times):.1f} s' if good else ''}"
+    )
 
 
 def _wrapped(label: str, text: str, paint: Paint) -> Iterator[str]:

@@ -7,9 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import pytest
 
 from pirate_sm.checking.abilities import abilities_of
+
+from .conftest import ROOT
+
+SCHEMA = json.loads((ROOT / "docs" / "schemas" / "diff.schema.json").read_text("utf-8"))
 
 MISSION = """\
 format: 1
@@ -60,6 +65,7 @@ def test_for_programs_it_is_json(pirate: Any) -> None:
     result = pirate("diff", "old.yaml", "new.yaml", "--format", "json")
 
     whole = json.loads(result.stdout)
+    jsonschema.validate(whole, SCHEMA)
     assert (result.exit_code, whole["same"], whole["cut_off"]) == (1, False, [])
     assert whole["changes"][0] == {
         "kind": "gained",
