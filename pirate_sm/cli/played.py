@@ -8,16 +8,9 @@ from pathlib import Path
 
 from pirate_sm.cli.script import read_script
 from pirate_sm.drawing.highlight import Stop as Reached
-from pirate_sm.drawing.model import EdgeKind
+from pirate_sm.drawing.way import Way
 from pirate_sm.errors import UsageError
-from pirate_sm.model.effects import (
-    CommandStatus,
-    Effect,
-    Ended,
-    Fault,
-    PhaseChange,
-    TriggerFired,
-)
+from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 from pirate_sm.runtime.course import CoursePlayer
 from pirate_sm.runtime.loop import MissionRun
@@ -43,46 +36,13 @@ def played_path(mission: Path, script: Path, settings: dict[str, str]) -> list[R
         raise UsageError(f"'{script}' lays down no course of events")
     order = Order(str(mission), backend="trace", settings=settings, course=course)
     prepared = prepare(order)
-    requests, way = StopRequests(), _Way()
+    requests, way = StopRequests(), Way()
     players = [each for each in prepared.companions if isinstance(each, CoursePlayer)]
     MissionRun(
         prepared.engine, prepared.backend, observers=[way], requests=requests,
         companions=(*prepared.companions, *(_Whistle(each, requests) for each in players)),
     ).execute()  # fmt: skip
     return way.stops
-
-
-class _Way:
-    """Notes what a run reaches, and how."""
-
-    def __init__(self) -> None:
-        self.stops: list[Reached] = []
-        self._here = ""
-        self._kind: EdgeKind | None = None
-
-    def see(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Phases and the end are noted."""
-        for effect in effects:
-            match effect:
-                case PhaseChange(phase=phase):
-                    self._reach(phase)
-                case Ended(end=end) if end:
-                    self._reach(end)
-                case TriggerFired(trigger=trigger):
-                    self._kind = EdgeKind.WITHIN if trigger == "within" else EdgeKind.TRIGGER
-                case CommandStatus(status="failed" | "refused"):
-                    self._kind = EdgeKind.FAILURE
-                case Fault():
-                    self._kind = EdgeKind.FAULT
-                case CommandStatus(status="sent" | "skipped"):
-                    self._kind = None
-
-    def _reach(self, name: str) -> None:
-        if self._here and self._kind is not None:
-            self.stops.append((self._here, name, self._kind))
-        else:
-            self.stops.append(name)
-        self._here, self._kind = name, None
 
 
 class _Whistle:
