@@ -6,8 +6,9 @@ from typing import ClassVar
 
 from pirate_sm.checking.allowances import settle
 from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.kinds import Kind
 from pirate_sm.checking.mission import MissionCheck, check_loaded
-from pirate_sm.checking.project import Report
+from pirate_sm.checking.project import CheckedFile, Report
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.errors import PirateError
 from pirate_sm.loading.mission import LoadedMission
@@ -18,9 +19,10 @@ class CheckError(PirateError):
 
     exit_code: ClassVar[int] = 2
 
-    def __init__(self, findings: tuple[Finding, ...]) -> None:
+    def __init__(self, name: str, findings: tuple[Finding, ...]) -> None:
         self.findings = findings
-        said = text_report(Report(findings, ()), lambda role, text: text)
+        report = Report(findings, (CheckedFile(name, Kind.MISSION),))
+        said = text_report(report, lambda role, text: text)
         super().__init__(f"{said}\nnothing has moved; --no-check runs the mission all the same")
 
 
@@ -38,5 +40,5 @@ def pass_or_raise(loaded: LoadedMission) -> MissionCheck:
     settled = settle(check.findings, texts)
     faults = tuple(each for each in settled if each.severity is Severity.ERROR and not each.allowed)
     if faults:
-        raise CheckError(faults)
+        raise CheckError(loaded.documents[0].name, faults)
     return check

@@ -1,0 +1,57 @@
+"""What is certainly wrong with a mission keeps it from being run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.checking.gate import CheckError, pass_or_raise
+from pirate_sm.loading.mission import load_mission
+
+MISSION = """\
+format: 1
+mission: m
+robot: pirate_ii
+start: a
+phases:
+  a: {do: [ClampFront], go: e}
+ends:
+  e: {succeed: ok}
+"""
+
+
+def passes(folder: Path, text: str) -> None:
+    (folder / "m.yaml").write_text(text, encoding="utf-8")
+    pass_or_raise(load_mission(folder / "m.yaml"))
+
+
+def test_a_clean_mission_passes(tmp_path: Path) -> None:
+    passes(tmp_path, MISSION)
+
+
+def test_an_error_is_told_whole_and_stops_it(tmp_path: Path) -> None:
+    with pytest.raises(CheckError) as caught:
+        passes(tmp_path, MISSION.replace("[ClampFront]", "[ClampFront, ClampFront]"))
+
+    assert caught.value.exit_code == 2
+    assert [each.code for each in caught.value.findings] == ["step.unneeded"]
+    text = str(caught.value)
+    assert "m.yaml:6:24: error [step.unneeded]" in text
+    assert text.endswith(
+        "\n1 mission checked: 1 error\n"
+        "nothing has moved; --no-check runs the mission all the same"
+    )  # fmt: skip
+
+
+def test_a_warning_does_not_stop_it(tmp_path: Path) -> None:
+    passes(tmp_path, MISSION.replace("phases:\n", "phases:\n  lost: {go: e}\n"))
+
+
+def test_what_is_allowed_does_not_stop_it(tmp_path: Path) -> None:
+    wrong = "{do: [ClampFront, ClampFront], on_failure: e, go: e}"
+    text = MISSION.replace("{do: [ClampFront], go: e}", wrong)
+    with pytest.raises(CheckError):
+        passes(tmp_path, text)
+
+    passes(tmp_path, text.replace(wrong, f"{wrong}  # pirate: allow step.unneeded: so"))
