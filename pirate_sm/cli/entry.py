@@ -163,6 +163,9 @@ def run(
         typer.Option(metavar="FILE.mcap", help="Where the run is kept, in place of runs/."),
     ] = None,
     no_record: Annotated[bool, typer.Option("--no-record", help="Nothing is kept.")] = False,
+    live: Annotated[
+        bool, typer.Option("--live", help="Let Foxglove or Lichtblick look on, on this machine.")
+    ] = False,
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="Take the first answer to every question.")
     ] = False,
@@ -209,7 +212,7 @@ def run(
                 json=json,
                 quiet=quiet,
                 debug=debug,
-                recording=RecordingWishes(record, no_record),
+                recording=RecordingWishes(record, no_record, live),
             )
         )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from itertools import count
@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from pirate_sm.recording.file import RecordingFile, Sink
     from pirate_sm.recording.header import RunHeader
     from pirate_sm.recording.recorder import Recorder
+    from pirate_sm.recording.side_channel import SideChannel
     from pirate_sm.runtime.companions import Companion
+    from pirate_sm.runtime.loop import MissionRun
     from pirate_sm.wiring import Prepared
 
 RUNS = "runs"
@@ -40,10 +42,12 @@ class RecordingWishes:
     Attributes:
         record: The file; None for one of the usual name.
         off: Whether nothing is to be kept.
+        live: Whether viewers are served while the run goes on.
     """
 
     record: str | None = None
     off: bool = False
+    live: bool = False
 
 
 @dataclass
@@ -59,6 +63,24 @@ class Kept:
     prepared: Prepared
     tap: Recorder | None = None
     companions: tuple[Companion, ...] = ()
+    side: SideChannel | None = None
+
+    def follow(self, run: MissionRun) -> None:
+        """Viewers are shown this run."""
+        if self.side is None:
+            return
+        from pirate_sm.recording.viewing import Snapshot
+
+        truth, reckoned = self.prepared.truth, self.prepared.reckoned
+
+        def look() -> Snapshot | None:
+            if run.state is None:
+                return None
+            if truth is not None:
+                return Snapshot(run.state, truth(), True)
+            return Snapshot(run.state, reckoned() if reckoned else None, False)
+
+        self.side.follow(look)
 
 
 @contextmanager
@@ -78,32 +100,76 @@ def recorded(prepared: Prepared, wishes: RecordingWishes, factor: float) -> Iter
         raise UsageError("--record and --no-record exclude each other")
     began = datetime.now(UTC).astimezone()
     path = _path(wishes, prepared, began)
-    if path is None:
+    if path is None and not wishes.live:
         yield Kept(prepared)
         return
+    from pirate_sm.recording.file import Nowhere, RecordingFile
     from pirate_sm.recording.recorder import Recorder
 
     header = _header(prepared, factor, began)
+    with ExitStack() as stack:
+        side, served = _side(prepared, wishes, stack)
+        file: RecordingFile | None = None
+        if path is not None:
+            file, path = _begun(path, header, asked=wishes.record is not None)
+        if file is None and not wishes.live:
+            yield Kept(prepared)
+            return
+        name = shown(path) if file and path else ""
+        said = (f"recording: {name}",) if name else ()
+        file = file or RecordingFile(Nowhere(), header)
+        recorder = Recorder(file, header, patient=not prepared.backend.real_time, side=side)
+        warner = Warner(recorder)
+        try:
+            notices = (*prepared.notices, *served, *said)
+            yield Kept(replace(prepared, notices=notices), recorder, (warner,), side)
+        finally:
+            recorder.close()
+            if recorder.failure and not warner.told:
+                say(f"warning: {name or 'live'} is incomplete: {recorder.failure}")
+            if side.failure:
+                say(f"warning: viewers see less than there is: {side.failure}")
+
+
+def _side(
+    prepared: Prepared, wishes: RecordingWishes, stack: ExitStack
+) -> tuple[SideChannel, tuple[str, ...]]:
+    """What viewers are shown, and what is to be said of it."""
+    from pirate_sm.recording.side_channel import SideChannel
+    from pirate_sm.recording.viewing import Viewer
+
+    viewer = Viewer(prepared.loaded, prepared.order.start_at_m)
+    if not wishes.live:
+        return SideChannel(viewer), ()
+    from pirate_sm.recording.live import Live
+
+    live = Live()
+    stack.callback(live.close)
+    return SideChannel(viewer, live), (f"live: open {live.address} in Foxglove or Lichtblick",)
+
+
+def _begun(path: Path, header: RunHeader, *, asked: bool) -> tuple[RecordingFile | None, Path]:
+    """The recording with its beginning written, and its path; none where that cannot be.
+
+    Args:
+        path: Where to.
+        header: Its beginning.
+        asked: Whether the file was asked for, so that there is no run without it, and no other
+            name will do.
+
+    Raises:
+        RecordingError: It was asked for and cannot be made.
+    """
     try:
-        file, path = _open(path, header, anew=wishes.record is None)
+        return _open(path, header, anew=not asked)
     except FileExistsError:
         raise RecordingError(f"{shown(path)} exists already; nothing has moved") from None
     except OSError as error:
         problem = f"{shown(path)} cannot be written: {error.strerror}"
-        if wishes.record is not None:
+        if asked:
             raise RecordingError(f"{problem}; nothing has moved") from None
         say(f"warning: nothing is recorded: {problem}")
-        yield Kept(prepared)
-        return
-    recorder = Recorder(file, header, patient=not prepared.backend.real_time)
-    warner = Warner(recorder)
-    notices = (*prepared.notices, f"recording: {shown(path)}")
-    try:
-        yield Kept(replace(prepared, notices=notices), recorder, (warner,))
-    finally:
-        recorder.close()
-        if recorder.failure and not warner.told:
-            say(f"warning: {shown(path)} is incomplete: {recorder.failure}")
+        return None, path
 
 
 class Warner:

@@ -137,6 +137,7 @@ def _show(
         )
         situation.run = run
         prepared.follow(run)
+        kept.follow(run)
         try:
             output.begin()
         except OSError as error:

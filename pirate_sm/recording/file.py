@@ -77,6 +77,16 @@ class DiskFile:
                 os.close(handle)
 
 
+class Nowhere:
+    """Keeps nothing, for a run that is only looked at."""
+
+    def write(self, data: bytes, /) -> None:
+        """The bytes are gone."""
+
+    def close(self) -> None:
+        """Nothing changes."""
+
+
 class _Gathered(BytesIO):
     """What the library writes to: memory, until it is taken."""
 

@@ -16,6 +16,7 @@ from pirate_sm.model.events import Event
 from pirate_sm.recording.alphabet import Abandoned, Input, Started, Topic, Topics
 from pirate_sm.recording.file import RecordingFile
 from pirate_sm.recording.header import RunHeader
+from pirate_sm.recording.side_channel import Sample, SideChannel
 
 COMMIT_S = 0.2
 """So often what has happened goes to the disk; half a second is promised."""
@@ -48,17 +49,26 @@ class Recorder:
         file: Where to.
         header: What stands at its beginning.
         patient: Whether the run waits for a disk that is too slow; else the recording ends.
+        side: What is written for viewers besides.
 
     Attributes:
         failure: Why nothing is recorded any more; empty while all is well.
     """
 
-    def __init__(self, file: RecordingFile, header: RunHeader, *, patient: bool) -> None:
+    def __init__(
+        self,
+        file: RecordingFile,
+        header: RunHeader,
+        *,
+        patient: bool,
+        side: SideChannel | None = None,
+    ) -> None:
         self.failure = ""
         self._file = file
         self._topics = Topics(header.layout)
         self._patient = patient
-        self._notes: deque[Note] = deque()
+        self._side = side
+        self._notes: deque[Note | Sample] = deque()
         self._step = 0
         self._rows: dict[Topic, list[tuple[Any, ...]]] = {}
         self._since_s = 0.0
@@ -96,6 +106,11 @@ class Recorder:
         if self.failure:
             return
         self._notes.append(note)
+        side = self._side
+        if side is not None and note.at_s >= side.due_s:
+            sample = side.look(note.at_s)
+            if sample is not None:
+                self._notes.append(sample)
         if len(self._notes) > _MOST_WAITING:
             self._wait_for_disk()
 
@@ -144,7 +159,10 @@ class Recorder:
                 note = notes.popleft()
             except IndexError:  # it has been given up meanwhile
                 return
-            self._add(note)
+            if isinstance(note, Sample):
+                self._show(note)
+            else:
+                self._add(note)
             steps += 1
             if steps >= _MOST_STEPS:
                 self._commit()
@@ -161,6 +179,12 @@ class Recorder:
         for place, effect in enumerate(note.effects):
             row = (step, at_s, place, effect)
             rows.setdefault(topics.of_effect(effect), []).append(row)
+        if note.effects and self._side is not None:
+            self._side.tell(self._file, note.at_s, note.effects)
+
+    def _show(self, sample: Sample) -> None:
+        if self._side is not None:
+            self._side.show(self._file, sample)
 
     def _batch(self) -> None:
         """The rows gathered so far are messages of the coming commit."""
