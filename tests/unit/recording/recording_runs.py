@@ -5,6 +5,16 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from pathlib import Path
 
+from pirate_sm.backends.pico.assembly import read_plan
+from pirate_sm.backends.pico.backend import SerialBackend
+from pirate_sm.backends.pico.virtual_port import VirtualPort
+from pirate_sm.bay.switches import Switches
+from pirate_sm.bay.texts import message_texts
+from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.detectors.choice import detecting
+from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.robot_state import at_rest_in
+from pirate_sm.loading.mission import load_mission
 from pirate_sm.recording.file import DiskFile, RecordingFile
 from pirate_sm.recording.header import header_of
 from pirate_sm.recording.reader import Recording, read_recording
@@ -35,4 +45,39 @@ def record(path: Path, order: Order) -> Recording:
     run.execute()
     recorder.close()
     assert not recorder.failure
+    return read_recording(path)
+
+
+def record_serial(path: Path, mission: str, switches: Switches, seed: int = 0) -> Recording:
+    """The mission has been run against the emulated bay in virtual time and kept in the file."""
+    loaded = load_mission(ROOT / "sequences" / f"{mission}.yaml")
+    profile, robot = loaded.loaded_robot.profile, loaded.robot
+    assert profile.serial is not None
+    assert loaded.pipe is not None
+    folder = loaded.loaded_robot.folder
+    at_start = loaded.program.start_configuration
+    start = None if at_start == robot.table.initial else at_rest_in(robot, at_start).values
+    bay = VirtualBay(
+        profile,
+        loaded.pipe,
+        message_texts(folder, profile),
+        switches,
+        seed,
+        start,
+    )
+    backend = SerialBackend(read_plan(folder, profile, robot), VirtualPort(bay))
+    engine = Engine(robot, loaded.program, nominal=False)
+    says = detecting(None, usual="odometry", profile=profile, robot=robot, pipe=loaded.pipe)
+    header = header_of(
+        loaded,
+        began=datetime(2026, 1, 2, 3, 4, 5, tzinfo=UTC),
+        backend=backend.name,
+        nominal=False,
+        detector=says.kind,
+        options={},
+    )
+    recorder = Recorder(RecordingFile(DiskFile(path), header), header, patient=True)
+    companions = [*says.companions, FirstChoice("a test")]
+    MissionRun(engine, backend, companions=companions, tap=recorder).execute()
+    recorder.close()
     return read_recording(path)

@@ -6,8 +6,9 @@ import shutil
 from math import nan
 
 import pytest
-from recording_runs import ROOT, record
+from recording_runs import ROOT, record, record_serial
 
+from pirate_sm.bay.switches import Switches
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model.effects import CommandStatus, Setpoints
 from pirate_sm.recording.reader import read_recording
@@ -39,6 +40,25 @@ def test_every_shipped_mission_comes_out_the_same_in_the_simulator(name, tmp_pat
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_shipped_mission_comes_out_the_same_in_a_trace(name, tmp_path):
     recording = record(tmp_path / "run.mcap", Order(name, backend="trace"))
+
+    with recorded_mission(recording.header) as loaded:
+        assert replay(recording, loaded).difference is None
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_every_shipped_mission_comes_out_the_same_over_the_serial_link(name, tmp_path):
+    recording = record_serial(tmp_path / "run.mcap", name, Switches())
+
+    with recorded_mission(recording.header) as loaded:
+        result = replay(recording, loaded)
+
+    assert result.difference is None
+    assert result.steps > 100
+
+
+def test_a_run_over_a_bad_line_comes_out_the_same(tmp_path):
+    switches = Switches(loss_in=0.2, loss_out=0.2, corruption=0.01, reset_at_s=(9.0,))
+    recording = record_serial(tmp_path / "run.mcap", "mitre_bend", switches, seed=3)
 
     with recorded_mission(recording.header) as loaded:
         assert replay(recording, loaded).difference is None
