@@ -27,7 +27,15 @@ _UNITS = {"duty": "duty", "angle": "rad"}
 
 
 class Started(NamedTuple):
-    """The engine has started; it knew of the sensors' words that came before this."""
+    """The engine has started; it was shown what the sensors had said before this.
+
+    Attributes:
+        paused: Whether the operator had the robot first.
+        body: What an earlier mission had commanded the robot to, as JSON; empty without one.
+    """
+
+    paused: bool = False
+    body: str = ""
 
 
 class Abandoned(NamedTuple):

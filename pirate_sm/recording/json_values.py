@@ -62,6 +62,17 @@ def whole(value: Any) -> int:
     return value
 
 
+def truth(value: Any) -> bool:
+    """The value, which is true or false.
+
+    Raises:
+        ValueError: It is neither.
+    """
+    if not isinstance(value, bool):
+        raise ValueError(f"{value!r} is neither true nor false")
+    return value
+
+
 def text(value: Any) -> str:
     """The value, which is text.
 
@@ -104,6 +115,7 @@ _WORDS_BY_NAME = _pairs({"type": ["string", "null"]}, _word)
 _KINDS: dict[Any, Kind] = {
     float: NUMBER,
     int: WHOLE,
+    bool: Kind({"type": "boolean"}, truth),
     str: TEXT,
     tuple[float, ...]: NUMBERS,
     tuple[str, ...]: _TEXTS,

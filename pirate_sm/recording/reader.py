@@ -17,11 +17,13 @@ from typing import Any, Final, Literal, NamedTuple
 
 from mcap.records import Attachment, Chunk, Message
 
+from pirate_sm.engine.robot_state import RobotState
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.folders import shown
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import ALPHABET_VERSION, Event
 from pirate_sm.recording.alphabet import IN, OUT, Abandoned, Started, Topic, Topics
+from pirate_sm.recording.bodies import body_from_text
 from pirate_sm.recording.header import FORMAT, PROFILE, RUN, RunHeader, header_from_json
 from pirate_sm.recording.mcap_records import (
     Content,
@@ -46,6 +48,8 @@ class Step(NamedTuple):
         effects: What it gave back; those of the program around it where it was not asked.
         by: ``seen``: shown to the engine at its start, which comes after it. ``start``: the start
             itself. ``engine``: a step of it. ``runtime``: the engine was given up.
+        body: Of a start: what an earlier mission had commanded the robot to.
+        paused: Of a start: whether the operator had the robot first.
     """
 
     number: int
@@ -53,6 +57,8 @@ class Step(NamedTuple):
     event: Event | None
     effects: tuple[Effect, ...]
     by: Literal["seen", "start", "engine", "runtime"]
+    body: RobotState | None = None
+    paused: bool = False
 
 
 class Shown(NamedTuple):
@@ -136,13 +142,16 @@ class Recording:
                 raise _damaged(self.path, str(error)) from None
         if inputs.keys() != set(range(first, first + len(inputs))) or effects.keys() - inputs:
             raise _damaged(self.path, f"steps are missing after the first {first}")
-        return [_step(number, *inputs[number], effects[number]) for number in sorted(inputs)]
+        try:
+            return [_step(number, *inputs[number], effects[number]) for number in sorted(inputs)]
+        except ValueError as error:
+            raise _damaged(self.path, str(error)) from None
 
 
 def _step(number: int, at_s: float, made: Any, effects: list[tuple[int, Effect]]) -> Step:
     given = tuple(effect for _, effect in sorted(effects, key=lambda each: each[0]))
     if isinstance(made, Started):
-        return Step(number, at_s, None, given, "start")
+        return Step(number, at_s, None, given, "start", body_from_text(made.body), made.paused)
     if isinstance(made, Abandoned):
         return Step(number, at_s, None, given, "runtime")
     return Step(number, at_s, made, given, "engine")

@@ -11,9 +11,11 @@ from collections import deque
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from pirate_sm.engine.robot_state import RobotState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 from pirate_sm.recording.alphabet import Abandoned, Input, Started, Topic, Topics
+from pirate_sm.recording.bodies import body_to_text
 from pirate_sm.recording.file import RecordingFile
 from pirate_sm.recording.header import RunHeader
 from pirate_sm.recording.side_channel import Sample, SideChannel
@@ -80,11 +82,19 @@ class Recorder:
 
     # --- the run's side ---------------------------------------------------------------------
 
-    def start(self, seen: Sequence[Event], now_s: float, effects: Sequence[Effect]) -> None:
-        """The start of the engine is noted, with what it was shown."""
+    def start(
+        self,
+        seen: Sequence[Event],
+        now_s: float,
+        effects: Sequence[Effect],
+        *,
+        body: RobotState | None = None,
+        paused: bool = False,
+    ) -> None:
+        """The start of the engine is noted, with what it was given."""
         for event in seen:
             self._note(Note(event, now_s, ()))
-        self._note(Note(Started(), now_s, effects))
+        self._note(Note(Started(paused, body_to_text(body)), now_s, effects))
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
         """One step of the engine is noted."""

@@ -66,7 +66,15 @@ class CloseCalls:
         """The nearest call of each kind, the nearest first."""
         return sorted(self._calls.values(), key=lambda call: -call.share)
 
-    def start(self, seen: Sequence[Event], now_s: float, effects: Sequence[Effect]) -> None:
+    def start(
+        self,
+        seen: Sequence[Event],
+        now_s: float,
+        effects: Sequence[Effect],
+        *,
+        body: RobotState | None = None,
+        paused: bool = False,
+    ) -> None:
         """The run has begun."""
         self._look(None, now_s, effects)
 

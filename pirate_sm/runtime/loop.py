@@ -177,7 +177,7 @@ class MissionRun:
         self._heard.update((each.board, each) for each in seen if isinstance(each, SensorFrame))
         self.state, effects = self._engine.start(self.now_s, seen, body=body, paused=self._paused)
         if self._tap is not None:
-            self._tap.start(seen, self.now_s, effects)
+            self._tap.start(seen, self.now_s, effects, body=body, paused=self._paused)
         self._perform(effects)
         for event in events:
             if not isinstance(event, SensorFrame | SignalReport):

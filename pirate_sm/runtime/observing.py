@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
+
+if TYPE_CHECKING:
+    from pirate_sm.engine.robot_state import RobotState
 
 PULSE_S = 0.05
 
@@ -31,8 +34,16 @@ class Watcher(Protocol):
 class Tap(Protocol):
     """Is told everything that the engine is given and gives back, in order; never raises."""
 
-    def start(self, seen: Sequence[Event], now_s: float, effects: Sequence[Effect]) -> None:
-        """It knows how the engine started, and what it was shown for that."""
+    def start(
+        self,
+        seen: Sequence[Event],
+        now_s: float,
+        effects: Sequence[Effect],
+        *,
+        body: RobotState | None = None,
+        paused: bool = False,
+    ) -> None:
+        """It knows how the engine started, and what it was given for that."""
         ...
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
