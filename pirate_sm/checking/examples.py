@@ -30,8 +30,9 @@ class Examples:
             path: The mission's file.
             options: That a run needs to be as the check was.
         """
-        for book in check.explored:
-            self._checks[id(book.found)] = (check, path, options)
+        for finding in check.findings:
+            for found, _ in finding.course:
+                self._checks[id(found)] = (check, path, options)
 
     def write(self, findings: Iterable[Finding]) -> list[Finding]:
         """Every finding that nobody allows and a course of events leads to has its files.
