@@ -65,8 +65,8 @@ clean:
 
 # One environment; each set of extras is installed once, and again when pyproject.toml changes.
 $(VENV)/.ready-sim: EXTRAS := sim
-$(VENV)/.ready-dev: EXTRAS := dev,sim,serial
-$(VENV)/.ready-bench: EXTRAS := bench,sim
+$(VENV)/.ready-dev: EXTRAS := dev,sim,serial,console
+$(VENV)/.ready-bench: EXTRAS := bench,sim,console
 $(VENV)/.ready-soak: EXTRAS := sim,serial
 
 $(VENV)/.ready-%: pyproject.toml | $(VENV)/.created

@@ -18,6 +18,7 @@ from pirate_sm.cli.connecting import calibrate, doctor
 from pirate_sm.cli.drawing import graph
 from pirate_sm.cli.emulating import bay
 from pirate_sm.cli.keeping import compare, export, replay
+from pirate_sm.cli.operating import console
 
 
 class Backends(str, Enum):  # noqa: UP042 - a StrEnum would show its members in capitals
@@ -264,6 +265,7 @@ commands.command("check")(check)
 commands.command("explain")(explain)
 commands.command("diff")(diff)
 commands.command("graph")(graph)
+commands.command("console")(console)
 commands.command("doctor")(doctor)
 commands.command("calibrate")(calibrate)
 commands.command("bay")(bay)

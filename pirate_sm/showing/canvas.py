@@ -51,6 +51,14 @@ class Canvas:
                 if hypot(column - x, row - y) <= radius:
                     self.dot(column, row, style)
 
+    def erase(self, x: float, y: float, radius: float) -> None:
+        """Nothing is drawn in this disc any more."""
+        reach = int(radius) + 1
+        for row in range(max(0, round(y) - reach), min(self.height, round(y) + reach + 1)):
+            for column in range(max(0, round(x) - reach), min(self.width, round(x) + reach + 1)):
+                if hypot(column - x, row - y) <= radius:
+                    self._bits[row // DOWN][column // ACROSS] &= ~_BITS[row % DOWN][column % ACROSS]
+
     def circle(self, x: float, y: float, radius: float, style: str) -> None:
         """There is a ring."""
         count = max(8, round(4 * pi * radius))

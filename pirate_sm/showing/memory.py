@@ -58,6 +58,7 @@ class Memory:
     """
 
     def __init__(self, robot: RobotSpec, *, nominal: bool = False) -> None:
+        self._nominal = nominal
         self._teller = Teller(robot, with_setpoints=False, short=True, nominal=nominal)
         self.phase = Visit("", 0.0)
         self.spent_s: dict[str, float] = {}
@@ -71,16 +72,26 @@ class Memory:
         self.ended: fx.Ended | None = None
         self._told = 0
 
+    def begin(self, robot: RobotSpec) -> None:
+        """Another mission begins; the lines told so far stay."""
+        fresh = Memory(robot, nominal=self._nominal)
+        fresh.recent, fresh._told, fresh.alarm = self.recent, self._told, self.alarm
+        self.__dict__.update(fresh.__dict__)
+
     def see(self, effects: Sequence[fx.Effect], now_s: float) -> None:
         """It has taken note."""
         for effect in effects:
             self._note(effect, now_s)
             for line in self._teller.lines(effect):
-                self._told += 1
-                told = Told(self._told, now_s, line)
-                self.recent.append(told)
-                if line.topic in _ALARMING:
-                    self.alarm = told
+                self.tell(line, now_s)
+
+    def tell(self, line: Line, now_s: float) -> None:
+        """The line is one of those that were told."""
+        self._told += 1
+        told = Told(self._told, now_s, line)
+        self.recent.append(told)
+        if line.topic in _ALARMING:
+            self.alarm = told
 
     def story(self) -> Story:
         """All of it as it is now, not to change any more."""

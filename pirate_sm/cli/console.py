@@ -1,0 +1,95 @@
+"""Opens the console, and sees to it that every way out of it leads through the safe state."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from pirate_sm.cli.guard import say, say_bug
+from pirate_sm.cli.run import is_terminal
+from pirate_sm.errors import UsageError
+from pirate_sm.runtime.outcome import BUG, SUCCEEDED
+from pirate_sm.runtime.stopping import CaughtSignals
+from pirate_sm.wiring import Order, Prepared, load, prepare
+
+if TYPE_CHECKING:
+    from pirate_sm.console.app import Console
+    from pirate_sm.console.session import Session
+
+_LOOK_EVERY_S = 0.1
+
+
+def open_console(order: Order, factor: float, debug: bool) -> int:
+    """The exit code of a console that was opened and left again.
+
+    Args:
+        order: What is wanted; without a mission the robot is driven by hand.
+        factor: Mission seconds per second of the wall.
+        debug: Whether tracebacks are shown.
+
+    Raises:
+        LoadError: Everything that is wrong with the files; nothing has moved.
+        UsageError: An argument does not fit; nothing has moved.
+    """
+    if not (is_terminal() and sys.stdin.isatty()):
+        raise UsageError("the console needs a terminal; `pirate run` does without")
+    try:
+        from pirate_sm.console.app import Console
+    except ModuleNotFoundError as error:
+        if error.name != "textual":
+            raise
+        raise UsageError(
+            "the console needs textual, which is not installed: pip install 'pirate-sm[console]'"
+        ) from None
+    from pirate_sm.console.driver import StopDriver
+    from pirate_sm.console.session import Session
+
+    session = Session(_prepared(order), factor=factor)
+    app = Console(session, driver_class=StopDriver)
+    with CaughtSignals(session.quitting):
+        try:
+            app.run()
+        except Exception as error:
+            app.failure = app.failure or error
+        finally:
+            session.quit()
+            while not session.join(_LOOK_EVERY_S):
+                pass  # a signal may insist meanwhile
+    return _conclude(app, session, debug)
+
+
+def _prepared(order: Order) -> Prepared:
+    from pirate_sm.console.shelf import without_mission
+    from pirate_sm.loading.by_hand import BY_HAND
+
+    if order.mission:
+        return prepare(order, load(order), say=say)
+    if order.settings:
+        raise UsageError("--set needs a mission")
+    by_hand = replace(order, mission=BY_HAND, check=False)
+    prepared = prepare(by_hand, without_mission(order), say=say)
+    return replace(prepared, order=replace(by_hand, check=order.check))
+
+
+def _conclude(app: Console, session: Session, debug: bool) -> int:
+    """How it ended has been said in a sentence; the exit code."""
+    result, stop = session.result, session.quitting.stop
+    how = result.ended.message if result is not None else "nothing has moved"
+    if app.failure is not None and not _gone(app.failure, session):
+        say_bug(app.failure, debug)
+        say(f"{how}; the robot was brought to its safe state")
+        return BUG
+    if result is None:
+        return SUCCEEDED
+    if result.ended.outcome != "interrupted":
+        say(how)
+        return result.exit_code
+    say(f"{how}: safe state, wheels stopped and clamps held")
+    return stop.exit_code if stop is not None else SUCCEEDED
+
+
+def _gone(failure: Exception, session: Session) -> bool:
+    """Whether it failed only because the terminal has gone."""
+    stop = session.quitting.stop
+    return isinstance(failure, OSError) and stop is not None and stop.exit_code > BUG

@@ -1,0 +1,112 @@
+"""The command `pirate console` and its options."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Annotated
+
+import typer
+
+
+class Worlds(str, Enum):  # noqa: UP042 - a StrEnum would show its members in capitals
+    """What the robot is in."""
+
+    SERIAL = "serial"
+    SIM = "sim"
+    TRACE = "trace"
+
+
+def console(
+    mission: Annotated[
+        str | None,
+        typer.Argument(metavar="[MISSION]", help="A shipped mission's name, or a file."),
+    ] = None,
+    backend: Annotated[
+        Worlds,
+        typer.Option(
+            help="sim: the kinematic simulator; trace: nothing moves; serial: the real robot."
+        ),
+    ] = Worlds.SIM,
+    robot: Annotated[
+        str | None, typer.Option(metavar="NAME", help="In place of the mission's own.")
+    ] = None,
+    pipe: Annotated[
+        str | None, typer.Option(metavar="NAME", help="In place of the mission's own.")
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="A parameter's value. Repeatable."),
+    ] = None,
+    states: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--state", metavar="REGION=STATE", help="The robot is in this state. Repeatable."
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of everything random.")] = 0,
+    speed: Annotated[
+        str,
+        typer.Option(metavar="max|realtime|FACTOR", help="Mission time over wall time."),
+    ] = "realtime",
+    defects: Annotated[
+        list[str] | None,
+        typer.Option("--defect", metavar="NAME", help="Switch on a known defect. Repeatable."),
+    ] = None,
+    port: Annotated[
+        str | None,
+        typer.Option(metavar="PORT", help="Of the real robot: /dev/ttyACM0, or a pyserial URL."),
+    ] = None,
+    baud: Annotated[
+        int | None, typer.Option(min=1, help="In place of the robot's own rate.")
+    ] = None,
+    detector: Annotated[
+        str | None,
+        typer.Option(
+            metavar="sim|odometry|operator|socket:ADDRESS",
+            help="Who says where the robot is. For sim: sim, for serial: odometry.",
+        ),
+    ] = None,
+    start_at: Annotated[
+        str | None,
+        typer.Option(metavar="LENGTH", help="Where odometry takes the first wheel to begin."),
+    ] = None,
+    calibration: Annotated[
+        bool,
+        typer.Option("--calibration/--no-calibration", help="Whether its joint zeros are used."),
+    ] = True,
+    check: Annotated[
+        bool, typer.Option("--check/--no-check", help="Whether a faulty mission is refused.")
+    ] = True,
+    debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
+) -> None:
+    """See the robot and steer it: by hand, or with a mission that one can take over.
+
+    A mission begins paused. Space brings the robot to its safe state at any time, and so does
+    every way out of the console.
+    """
+    from pirate_sm.cli.guard import guarded
+
+    def work() -> int:
+        from pirate_sm.cli.console import open_console
+        from pirate_sm.cli.run import read_length, read_pairs, read_speed
+        from pirate_sm.wiring import Order
+
+        order = Order(
+            mission=mission or "",
+            backend=backend.value,
+            robot=robot,
+            pipe=pipe,
+            settings=read_pairs("--set", settings or [], "NAME=VALUE"),
+            states=read_pairs("--state", states or [], "REGION=STATE") or None,
+            seed=seed,
+            defects=tuple(dict.fromkeys(defects or [])),
+            port=port,
+            baud=baud,
+            detector=detector,
+            start_at_m=read_length("--start-at", start_at),
+            calibration=calibration,
+            check=check,
+        )
+        return open_console(order, read_speed(speed, 1.0), debug)
+
+    raise typer.Exit(guarded(work, debug))

@@ -1,0 +1,248 @@
+"""The console as a whole: it asks the session, and shows what the session's snapshots say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import ClassVar, TypeVar
+
+from textual.app import App, ComposeResult, SystemCommand
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.events import Resize
+from textual.screen import Screen
+from textual.widget import Widget
+from textual.widgets import Footer
+
+from pirate_sm.console import panels, reasons
+from pirate_sm.console.asking import Asking
+from pirate_sm.console.body import body
+from pirate_sm.console.dialogs import Help
+from pirate_sm.console.driver import STOP_KEY
+from pirate_sm.console.helping import help_lines
+from pirate_sm.console.keys import letters_for
+from pirate_sm.console.session import Session
+from pirate_sm.console.snapshot import Snapshot
+from pirate_sm.console.widgets import EventLog, Lines, Picture, Row
+from pirate_sm.runtime.stopping import Stop
+
+_W = TypeVar("_W", bound=Widget)
+
+FRAMES_PER_S = 25
+_WORDS_EVERY = 3
+"""Words change with every third frame: faster nobody can read them."""
+
+_WIDE, _HIGH = 120, 36
+"""From this size on everything is visible at once."""
+
+CRASHED = Stop("a fault in the console", 4)
+
+
+class Console(Asking, App[None]):
+    """The operator's console.
+
+    Args:
+        session: What runs. It is started when there is something to be seen.
+
+    Attributes:
+        failure: What broke in here; None: nothing.
+    """
+
+    CSS_PATH = "console.tcss"
+    TITLE = "pirate console"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding(STOP_KEY, "stop", "STOP", priority=True),
+        Binding("R", "control('go')", "Start"),
+        Binding("P", "control('pause')", "Pause"),
+        Binding("N", "control('step')", "Step"),
+        Binding("K", "control('skip')", "Skip"),
+        Binding("H", "control('hand_back')", "Hand"),
+        Binding("X", "control('abort')", "Abort"),
+        Binding("M", "missions", "Missions"),
+        Binding("question_mark", "help", "Help", key_display="?"),
+        Binding("q", "leave", "Quit"),
+        Binding("ctrl+q", "leave", "Quit", show=False),
+        Binding("ctrl+c", "leave", "Quit", show=False, priority=True),
+        Binding("tab", "page(1)", "Page", show=False, priority=True),
+        Binding("shift+tab", "page(-1)", "Page back", show=False, priority=True),
+        Binding("pageup", "look_back(1)", "Earlier lines", show=False),
+        Binding("pagedown", "look_back(-1)", "Later lines", show=False),
+        Binding("escape", "seen", "Seen", show=False),
+        Binding("T", "other_theme", "Light or dark", show=False),
+        *(Binding(str(digit), f"answer({digit})", "Answer", show=False) for digit in range(1, 10)),
+    ]
+
+    def __init__(self, session: Session, **options: object) -> None:
+        super().__init__(**options)  # type: ignore[arg-type]
+        self.session = session
+        self.failure: Exception | None = None
+        self._frame = 0
+        self._page = 0
+        scene = session.latest.scene
+        names = list(scene.loaded.loaded_robot.profile.commands)
+        self.letters = letters_for([*names, *scene.robot.detector_words])
+        self._rows = {name: Row(name, self.letters.get(name, ""), 15) for name in names}
+        self._controls = {
+            each.name: Row(each.name, each.key, 15)
+            for each in reasons.controls(session.latest, None)
+        }
+
+    # --- what there is ------------------------------------------------------------------------
+
+    def compose(self) -> ComposeResult:
+        """Every panel, each once; the stylesheet says which are visible at which size."""
+        yield Lines(id="header")
+        yield Lines(id="alarm")
+        yield Lines(id="pages")
+        with Horizontal(id="main"):
+            with Vertical(id="left"):
+                with Vertical(id="commands", classes="panel") as commands:
+                    commands.border_title = "Commands"
+                    yield from self._rows.values()
+                with Vertical(id="controls", classes="panel") as controls:
+                    controls.border_title = "Mission control"
+                    yield from self._controls.values()
+                yield _panel("now", "Now")
+            with Vertical(id="centre"):
+                yield Picture(id="picture")
+                yield _panel("states", "States")
+                yield _panel("body", "Joints and wheels")
+            with Vertical(id="right"):
+                yield _panel("phases", "Phases")
+                yield _panel("link", "Link")
+        log = EventLog(id="log", title="Log")
+        log.add_class("panel")
+        yield log
+        yield Lines(id="question")
+        yield Footer(show_command_palette=False, compact=True)
+
+    def on_mount(self) -> None:
+        """The session runs, and is shown."""
+        for name, letter in self.letters.items():
+            known = name in self._rows
+            self.bind(letter, f"command('{name}')" if known else f"word('{name}')", show=False)
+        self.theme_changed_signal.subscribe(self, lambda theme: self._restyle())
+        self.session.start()
+        self.set_interval(1 / FRAMES_PER_S, self.show)
+
+    def _restyle(self) -> None:
+        self.query_one(Picture).restyle()
+
+    def on_resize(self, event: Resize) -> None:
+        """Everything is visible, or one page of it."""
+        self._lay_out(event.size.width, event.size.height)
+
+    def _lay_out(self, width: int, height: int) -> None:
+        base = self.screen_stack[0]
+        base.set_class(width < _WIDE or height < _HIGH, "-paged")
+        for number, (name, _) in enumerate(PAGES):
+            base.set_class(number == self._page, f"-{name}")
+
+    # --- what it shows ------------------------------------------------------------------------
+
+    def show(self) -> None:
+        """The newest snapshot is on the screen."""
+        snapshot = self.session.latest
+        self._frame += 1
+        if self.is_visible("#picture"):
+            self.on_base(Picture, "picture").show(snapshot)
+        if self._frame % _WORDS_EVERY == 1 or snapshot.over:
+            self.show_words(snapshot)
+        self.keep_up(snapshot)
+        if snapshot.over and self.session.quitting.stop is not None:
+            self.exit()
+
+    def show_words(self, snapshot: Snapshot) -> None:
+        """Everything but the picture."""
+        self.on_base(Lines, "header").show([panels.header(snapshot, self.size.width)])
+        self._show_bar("alarm", panels.alarm(snapshot, self.seen))
+        self._show_bar("question", panels.question(snapshot))
+        self.on_base(Lines, "pages").show([_tabs(self._page)])
+        self._show_rows(snapshot)
+        for name, lines in (("now", panels.now), ("states", panels.states), ("body", body)):
+            if self.is_visible(f"#{name}"):
+                panel = self.on_base(Lines, name)
+                panel.show(lines(snapshot, panel.content_size.width))
+        phases = self.on_base(Lines, "phases")
+        width, rows = phases.content_size
+        phases.border_title = snapshot.scene.mission or "Phases"
+        phases.show(panels.phases(snapshot, width, max(rows, 1)))
+        self.on_base(Lines, "link").show(panels.link(snapshot))
+        self.on_base(EventLog, "log").tell(snapshot)
+
+    def _show_rows(self, snapshot: Snapshot) -> None:
+        motion = snapshot.state.robot.motion if snapshot.state is not None else None
+        doing = snapshot.scene.robot.commands[motion.command].name if motion else ""
+        for name, row in self._rows.items():
+            row.show(name, reasons.command_reason(snapshot, name), under_way=name == doing)
+        for control in reasons.controls(snapshot, self.entries(snapshot)):
+            self._controls[control.name].show(control.label, control.reason)
+
+    def _show_bar(self, name: str, content: Content | None) -> None:
+        bar = self.on_base(Lines, name)
+        bar.set_class(content is not None, "on")
+        if content is not None:
+            bar.show([content])
+
+    def on_base(self, kind: type[_W], name: str) -> _W:
+        """A widget of the console itself, also while a dialog lies over it."""
+        return self.screen_stack[0].query_one(f"#{name}", kind)
+
+    def is_visible(self, selector: str) -> bool:
+        """Whether there is room for it on the screen."""
+        return bool(self.screen_stack[0].query_one(selector).size)
+
+    # --- what does not move the robot ---------------------------------------------------------
+
+    def action_page(self, by: int) -> None:
+        """Another page is shown, where there is not room for all."""
+        if len(self.screen_stack) > 1:
+            (self.screen.focus_next if by > 0 else self.screen.focus_previous)()
+            return
+        self._page = (self._page + by) % len(PAGES)
+        self._lay_out(*self.size)
+
+    def action_look_back(self, pages: int) -> None:
+        """The log shows earlier or later lines."""
+        self.on_base(EventLog, "log").look_back(pages)
+
+    def action_other_theme(self) -> None:
+        """Light becomes dark, dark becomes light."""
+        self.theme = "textual-light" if self.current_theme.dark else "textual-dark"
+
+    def action_help(self) -> None:
+        """Every key is explained."""
+        self.push_screen(Help(help_lines(self.letters, self.session.latest)))
+
+    def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
+        """The command palette knows everything that the keys do."""
+        yield from self.palette()
+        yield SystemCommand("Help", "Every key and sign", self.action_help)
+        yield SystemCommand("Light or dark", "The other theme", self.action_other_theme)
+        yield SystemCommand("Quit", "Safe state, then leave", self.action_leave)
+
+    # --- when something breaks ----------------------------------------------------------------
+
+    def _handle_exception(self, error: Exception) -> None:
+        """The robot is on its way to its safe state before anybody looks at what broke."""
+        self.session.quit(CRASHED)
+        self.failure = self.failure or error
+        super()._handle_exception(error)
+        self._exit_renderables.clear()  # it is told in one sentence by whoever opened the console
+
+
+PAGES = (("drive", "Drive"), ("mission", "Mission"), ("body", "Body"), ("log", "Log"))
+
+
+def _tabs(page: int) -> Content:
+    parts: list[panels.Part] = [" "]
+    for number, (_, title) in enumerate(PAGES):
+        here = number == page
+        parts.append((f"[{title}]" if here else f" {title} ", "bold reverse" if here else ""))
+    return panels.line(*parts, ("  Tab: next page", panels.MUTED))
+
+
+def _panel(name: str, title: str) -> Lines:
+    panel = Lines(id=name, title=title)
+    panel.add_class("panel")
+    return panel

@@ -1,0 +1,260 @@
+"""What the operator asks for, and what must be settled before the session is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from textual.app import SystemCommand
+from textual.worker import Worker, WorkerState
+
+from pirate_sm.console import reasons
+from pirate_sm.console.dialogs import Choice, Confirm, Pick
+from pirate_sm.console.driver import STOP_KEY
+from pirate_sm.console.shelf import Listed, load_listed, shelf
+from pirate_sm.console.snapshot import Snapshot
+from pirate_sm.errors import PirateError
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.events import Answer, DetectorWord, Event, OperatorCommand, Pause, Skip, Step
+
+if TYPE_CHECKING:
+    from textual.app import App
+
+    from pirate_sm.console.session import Session
+
+    _Base = App[None]
+else:
+    _Base = object
+
+_WORDS_HEARD_FROM = {"operator", "none"}
+
+
+class Asking(_Base):
+    """The half of the console that acts; every refusal is told with the engine's reason.
+
+    Attributes:
+        seen: Number of the last alarm that the operator has seen.
+    """
+
+    session: Session
+    letters: dict[str, str]
+
+    seen = 0
+    _agreed = False
+    _situation: reasons.Situation | None = None
+    _entries: reasons.Entries | None = None
+    _picking: Pick | None = None
+
+    # --- the stop -----------------------------------------------------------------------------
+
+    def stop_now(self) -> None:
+        """The robot is on its way to its safe state; may be called from any thread."""
+        self.session.stop()
+
+    def action_stop(self) -> None:
+        """The same."""
+        self.stop_now()
+
+    def action_leave(self) -> None:
+        """Safe state, then the end; asked twice, at once."""
+        quitting = self.session.quitting
+        if quitting.stop is not None:
+            quitting.insist()
+        self.session.quit()
+        if self.session.latest.over:
+            self.exit()
+
+    # --- commands and words -------------------------------------------------------------------
+
+    def on_row_asked(self, message: object) -> None:
+        """A row was clicked."""
+        name = str(getattr(message, "name", ""))
+        known = name in self.session.latest.scene.robot.table.command_index
+        (self.action_command if known else self.action_control)(name)
+
+    def action_command(self, name: str) -> None:
+        """The robot has the command, if the engine takes it."""
+        snapshot = self.session.latest
+        reason = reasons.command_reason(snapshot, name)
+        if reason:
+            self._refuse(name, reason)
+            return
+        give = partial(self._move, OperatorCommand(name))
+        robot, state = snapshot.scene.robot, snapshot.state
+        lets_go = robot.commands[robot.table.command_index[name]].lets_go
+        if lets_go and state is not None and robot.held[state.robot.configuration]:
+            question = f"{name} lets go of the pipe: nothing holds the robot then. Let go?"
+            self.push_screen(Confirm(question, "Let go"), lambda yes: give() if yes else None)
+        else:
+            give()
+
+    def action_word(self, word: str) -> None:
+        """The operator has said one of the detector's words."""
+        prepared = self.session.prepared
+        if prepared.detector not in _WORDS_HEARD_FROM:
+            self._refuse(word, f"the detector speaks for itself ({prepared.detector})")
+            return
+        valid_for_s = prepared.loaded.loaded_robot.profile.detector.valid_for
+        self.session.tell(DetectorWord(word, valid_for_s))
+
+    def action_answer(self, number: int) -> None:
+        """The mission has its answer."""
+        _, offered = reasons.choices(self.session.latest)
+        if 1 <= number <= len(offered):
+            self.session.tell(Answer(offered[number - 1]))
+
+    # --- the mission --------------------------------------------------------------------------
+
+    def action_control(self, name: str) -> None:
+        """The mission starts, pauses, goes on, as far as it can."""
+        snapshot = self.session.latest
+        control = next(
+            each for each in reasons.controls(snapshot, self.entries(snapshot)) if each.name == name
+        )
+        if control.reason:
+            self._refuse(control.label, control.reason)
+        elif name == "hand_back":
+            self._choose_phase(snapshot)
+        elif name == "abort":
+            self.session.stop()
+        elif name == "pause":
+            self.session.tell(Pause())
+        else:
+            events: dict[str, Event] = {"step": Step(), "skip": Skip()}
+            self._move(events.get(name) or reasons.going_on(snapshot))
+
+    def _choose_phase(self, snapshot: Snapshot) -> None:
+        pick = Pick("Hand back at", self._phase_choices(snapshot), wide=22)
+        self._picking = pick
+        self.push_screen(pick, self._hand_back)
+
+    def _phase_choices(self, snapshot: Snapshot) -> list[Choice]:
+        entries, phases = self.entries(snapshot), snapshot.scene.loaded.mission.phases
+        return [
+            Choice(
+                name,
+                name,
+                getattr(phases.get(name), "description", ""),
+                reasons.phase_reason(snapshot, name, entries),
+            )
+            for name in snapshot.scene.loaded.program.phases
+        ]
+
+    def _hand_back(self, phase: str | None) -> None:
+        self._picking = None
+        if phase is not None:
+            self._move(reasons.hand_back(self.session.latest, phase))
+
+    def _move(self, event: Event) -> None:
+        """The engine has the event, once somebody has agreed that the robot may move at all."""
+        question = self.session.prepared.confirmation
+        if self._agreed or not question:
+            self.session.tell(event)
+            return
+
+        def answered(yes: bool | None) -> None:
+            self._agreed = bool(yes)
+            if yes:
+                self.session.tell(event)
+
+        self.push_screen(Confirm(f"{question}. Is it free to?", "It is free"), answered)
+
+    def _refuse(self, what: str, reason: str) -> None:
+        self.notify(f"{what}: {reason}", severity="warning", timeout=4, markup=False)
+
+    # --- where a mission can be handed back ----------------------------------------------------
+
+    def entries(self, snapshot: Snapshot) -> reasons.Entries | None:
+        """Why not at which phase, as the robot is; None while that is being looked at."""
+        situation = reasons.situation_of(snapshot)
+        return self._entries if situation is not None and situation == self._situation else None
+
+    def keep_up(self, snapshot: Snapshot) -> None:
+        """A new situation is being looked at, beside everything else."""
+        situation = reasons.situation_of(snapshot)
+        if situation is not None and situation != self._situation and snapshot.state is not None:
+            self._situation, self._entries = situation, None
+            look = partial(reasons.look_at_entries, snapshot.scene, snapshot.state.robot)
+            self.run_worker(look, thread=True, group="entries", exclusive=True, exit_on_error=False)
+        if self._picking is not None and self._picking.is_mounted:
+            self._picking.replace(self._phase_choices(snapshot))
+
+    def on_worker_state_changed(self, event: Worker.StateChanged) -> None:
+        """What was looked at is known, or a mission has been loaded."""
+        worker, error = event.worker, event.worker.error
+        if event.state is WorkerState.ERROR and isinstance(error, PirateError):
+            self.notify(str(error), severity="error", timeout=10, markup=False)
+        elif event.state is WorkerState.ERROR and isinstance(error, Exception):
+            self._handle_exception(error)
+        elif event.state is WorkerState.SUCCESS:
+            self._take_in(worker.group, worker.result)
+
+    def _take_in(self, what: str, found: Any) -> None:
+        if what == "entries":
+            self._entries = found
+        elif what == "missions":
+            self._choose_mission(found)
+        elif what == "load":
+            self._take_up(found)
+
+    # --- which mission ------------------------------------------------------------------------
+
+    def action_missions(self) -> None:
+        """The list of missions is about to be shown."""
+        look = partial(shelf, Path.cwd())
+        self.run_worker(look, thread=True, group="missions", exclusive=True, exit_on_error=False)
+
+    def _choose_mission(self, missions: list[Listed]) -> None:
+        robot = self.session.latest.scene.loaded.loaded_robot.folder.name
+        choices = [
+            Choice(
+                str(each.path),
+                each.name,
+                each.description,
+                "" if each.robot == robot else f"it is for {each.robot}",
+            )
+            for each in missions
+        ]
+        self.push_screen(Pick("Missions", choices), self._load)
+
+    def _load(self, path: str | None) -> None:
+        if path is None:
+            return
+        self.notify(f"loading {Path(path).stem} …", timeout=2, markup=False)
+        load = partial(load_listed, self.session.prepared.order, Path(path))
+        self.run_worker(load, thread=True, group="load", exclusive=True, exit_on_error=False)
+
+    def _take_up(self, loaded: LoadedMission) -> None:
+        reason = reasons.why_not_mission(self.session.latest, loaded)
+        if reason:
+            self._refuse(loaded.mission.mission, reason)
+            return
+        self.session.change(loaded)
+        written_for = loaded.pipe_name
+        here = self.session.prepared.loaded.pipe_name
+        if written_for != here:
+            name, pipe = loaded.mission.mission, written_for or "no pipe"
+            text = f"{name} is written for {pipe}; the robot is in {here or 'a pipe not named'}"
+            self.notify(text, severity="warning", timeout=8, markup=False)
+
+    def action_seen(self) -> None:
+        """The alarm has been seen."""
+        alarm = self.session.latest.story.alarm
+        self.seen = alarm.number if alarm is not None else self.seen
+
+    def palette(self) -> Iterable[SystemCommand]:
+        """Everything that can be asked for, by its name, with the reason where it cannot."""
+        snapshot = self.session.latest
+        yield SystemCommand("Stop", f"Safe state at once ({STOP_KEY})", self.action_stop)
+        ask: Callable[[str], None] = self.action_command
+        for name in snapshot.scene.loaded.loaded_robot.profile.commands:
+            reason = reasons.command_reason(snapshot, name)
+            yield SystemCommand(name, reason or "Command", partial(ask, name))
+        for control in reasons.controls(snapshot, self.entries(snapshot)):
+            go = partial(self.action_control, control.name)
+            yield SystemCommand(control.label, control.reason or "Mission", go)
+        yield SystemCommand("Missions", "Choose a mission", self.action_missions)
+        for word in snapshot.scene.robot.detector_words:
+            yield SystemCommand(f"Detector: {word}", "Say it", partial(self.action_word, word))

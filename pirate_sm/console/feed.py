@@ -1,0 +1,131 @@
+"""Stands between the run, in its own thread, and the console: snapshots out, events in."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from math import inf, isnan
+
+from pirate_sm.console.snapshot import Scene, Snapshot
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import Effect, Ended, Log
+from pirate_sm.model.events import Answer, Event
+from pirate_sm.runtime.companions import Answered
+from pirate_sm.showing.memory import Memory
+from pirate_sm.showing.telling import Line
+from pirate_sm.wiring import Prepared
+
+LOOK_EVERY_S = 0.02
+"""So late an event of the operator reaches the engine at most."""
+
+TREND_EVERY_S = 0.5
+TREND_LENGTH = 120
+
+
+class Feed:
+    """An observer, watcher and companion of the runs of one session, one after the other.
+
+    Attributes:
+        latest: The newest snapshot; replaced, never changed.
+        asked: How many events of the operator the present run has been given.
+    """
+
+    listening = False
+
+    def __init__(self, scene: Scene, prepared: Prepared) -> None:
+        self._scene = scene
+        self._prepared = prepared
+        self._memory = Memory(scene.robot, nominal=scene.engine.nominal)
+        self._waiting: deque[Event] = deque()
+        self._state: EngineState | None = None
+        self._due_s = 0.0
+        self._trend_s = -inf
+        self._trends: dict[str, tuple[float, ...]] = {}
+        self._over = False
+        self.asked = 0
+        self.latest = self._snapshot(0.0)
+
+    # --- from the console's thread ------------------------------------------------------------
+
+    def tell(self, event: Event) -> None:
+        """The engine will be given the event at the next turn of the loop."""
+        self._waiting.append(event)
+
+    # --- from the run's thread ----------------------------------------------------------------
+
+    def begin(self, scene: Scene, prepared: Prepared) -> None:
+        """Another run begins; what was told stays to be read."""
+        self._waiting.clear()
+        self._scene, self._prepared = scene, prepared
+        self._memory.begin(scene.robot)
+        self._due_s, self.asked = -inf, 0
+        for notice in prepared.notices:
+            self._memory.tell(Line("console", notice), self.latest.now_s)
+
+    def end(self, now_s: float) -> None:
+        """Nothing can happen any more."""
+        self._over = True
+        self.latest = self._snapshot(now_s)
+
+    @property
+    def due_s(self) -> float:
+        """At once when the operator wants something."""
+        return -inf if self._waiting else self._due_s
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """What has happened is noted by :meth:`see`."""
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """There is a new snapshot; an answer is told, with who gave it."""
+        self._state, self._due_s = state, now_s + LOOK_EVERY_S
+        self._sample(state, now_s)
+        self.latest = self._snapshot(now_s)
+        return [
+            Answered("info", f"answered '{event.choice}' (operator)")
+            for event in tuple(self._waiting)
+            if isinstance(event, Answer)
+        ]
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """What the operator wants."""
+        said = []
+        while self._waiting:
+            said.append(self._waiting.popleft())
+        self.asked += len(said)
+        return said
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        """It has taken note."""
+        self._memory.see(effects, now_s)
+        for effect in effects:
+            if isinstance(effect, Ended):
+                self._memory.tell(Line("ended", f"{effect.outcome}: {effect.message}"), now_s)
+
+    def pulse(self, now_s: float) -> None:
+        """There is a new snapshot, also while mission time stands still."""
+        self.latest = self._snapshot(now_s)
+
+    def _snapshot(self, now_s: float) -> Snapshot:
+        prepared = self._prepared
+        truth, reckoned = None, False
+        if prepared.truth is not None:
+            truth = prepared.truth()
+        elif prepared.reckoned is not None:
+            truth, reckoned = prepared.reckoned(), True
+        link = prepared.link() if prepared.link and self._state is not None else None
+        return Snapshot(
+            self._scene, now_s, self._state, self._memory.story(), truth, reckoned, link,
+            self._trends, self._over,
+        )  # fmt: skip
+
+    def _sample(self, state: EngineState, now_s: float) -> None:
+        if now_s < self._trend_s + TREND_EVERY_S:
+            return
+        self._trend_s = now_s
+        signals = self._scene.engine.signals(state)
+        trends = self._trends
+        self._trends = {
+            name: (*trends.get(name, ()), 0.0 if isnan(value) else value)[-TREND_LENGTH:]
+            for name in self._scene.anatomy.followed
+            if (value := signals.get(name)) is not None
+        }

@@ -1,0 +1,57 @@
+"""The help page, written from what this robot has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from textual.content import Content
+
+from pirate_sm.console.panels import MUTED, line
+from pirate_sm.console.reasons import controls
+from pirate_sm.console.snapshot import Snapshot
+
+_ALWAYS = (
+    ("Space", "STOP: wheels stop, clamps hold. Works at any time, also over a dialog."),
+    ("M", "Choose a mission. It begins paused: the robot is yours first."),
+    ("1 … 9", "Answer what the mission asks."),
+    ("Tab", "Next page, where the terminal is too small for all at once."),
+    ("PgUp PgDn", "Earlier and later lines of the log."),
+    ("Esc", "The warning has been seen; leave a dialog."),
+    ("^p", "Command palette: everything by name."),
+    ("T", "Light or dark."),
+    ("q", "Safe state, then leave."),
+)
+
+_SIGNS = (
+    ("▶ ‖ ■ ◆", "running, paused, ending or over, no mission: by hand"),
+    ("● ○", "a state that has been confirmed; one that was only commanded"),
+    ("✕ =", "cannot be done now; is so already: the words are the engine's own"),
+    ("full disc, ring", "a wheel that touches a wall, one that does not"),
+    ("full, outline", "a part of the robot that is held, one that is not"),
+    ("rays", "a light that is on"),
+    ("!", "near a limit"),
+)
+
+
+def help_lines(letters: Mapping[str, str], snapshot: Snapshot) -> list[Content]:
+    """The page."""
+    robot = snapshot.scene.robot
+    commands = snapshot.scene.loaded.loaded_robot.profile.commands
+    lines = [line(("Always", "bold"))]
+    lines += [_row(key, text) for key, text in _ALWAYS]
+    lines += [line(""), line(("A mission", "bold"))]
+    lines += [_row(each.key, each.label) for each in controls(snapshot, None)]
+    lines += [line(""), line((f"Commands of {robot.name}", "bold"))]
+    lines += [
+        _row(letters.get(name, "^p"), f"{name}  {each.description}")
+        for name, each in commands.items()
+    ]
+    if robot.detector_words:
+        lines += [line(""), line(("You as the detector, where nobody else is", "bold"))]
+        lines += [_row(letters.get(word, "^p"), word) for word in robot.detector_words]
+    lines += [line(""), line(("Signs", "bold"))]
+    return lines + [_row(sign, text) for sign, text in _SIGNS]
+
+
+def _row(key: str, text: str) -> Content:
+    return line((f"{key:>16}  ", "bold"), (text, MUTED if not text else ""))

@@ -1,0 +1,165 @@
+"""The robot in its pipe, to scale, in braille dots; every meaning has a shape beside its colour.
+
+Walls are lines, their contact with a wheel is a thick piece; a wheel that touches is a full disc
+with its number, one that does not is a ring; a part that is held is drawn full, one that is not as
+an outline; a light is a fan of rays.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import atan2, cos, floor, hypot, log, sin
+
+from pirate_sm.console.anatomy import Anatomy
+from pirate_sm.console.pose import SIDES, Place, Pose, contact, pose_of
+from pirate_sm.console.snapshot import Snapshot
+from pirate_sm.showing.canvas import ACROSS, DOWN, Canvas
+
+WALL, TOUCH, BODY, HELD, WHEEL, FREE, LIGHT, NOTE = (
+    "wall", "touch", "body", "held", "wheel", "free", "light", "note",
+)  # fmt: skip
+
+_ROOM = 1.18
+_STEP = 1.12
+"""The scale goes in steps, so that the picture does not breathe while the robot bends."""
+
+_BAR_M = 0.1
+_BESIDE_M = 0.018
+
+
+def draw(snapshot: Snapshot, columns: int, rows: int) -> Canvas:
+    """The picture in so many characters."""
+    canvas = Canvas(columns, rows)
+    if columns >= 10 and rows >= 4:
+        pose = pose_of(snapshot)
+        drawing = _Drawing(canvas, pose, snapshot.scene.anatomy)
+        drawing.walls()
+        drawing.lights(_lit(snapshot))
+        drawing.body()
+        drawing.wheels()
+        drawing.notes(pose.origin)
+    return canvas
+
+
+def _lit(snapshot: Snapshot) -> set[bool]:
+    """Which ends have a light that is on: True for the front."""
+    state = snapshot.state
+    if state is None:
+        return set()
+    values = state.robot.values
+    return {forward for slot, forward in snapshot.scene.anatomy.lights if values[slot] > 0}
+
+
+class _Drawing:
+    """Puts one pose on a canvas."""
+
+    def __init__(self, canvas: Canvas, pose: Pose, anatomy: Anatomy) -> None:
+        self._canvas = canvas
+        self._pose = pose
+        self._radius_m = anatomy.wheel_radius_m
+        self._thick_m = anatomy.half_thickness_m
+        xs, ys = zip(*pose.wheels, strict=True)
+        margin_m = 2.2 * self._radius_m
+        wide_m = (max(xs) - min(xs) + 2 * margin_m) * _ROOM
+        high_m = (max(ys) - min(ys) + 2 * margin_m) * _ROOM
+        scale = min(canvas.width / wide_m, canvas.height / high_m)
+        self._scale: float = _STEP ** floor(log(scale) / log(_STEP))
+        self._left = (min(xs) + max(xs)) / 2 - canvas.width / self._scale / 2
+        self._top = (min(ys) + max(ys)) / 2 + canvas.height / self._scale / 2
+
+    def _at(self, place: Place) -> Place:
+        return (place[0] - self._left) * self._scale, (self._top - place[1]) * self._scale
+
+    def walls(self) -> None:
+        """The walls, and which is which."""
+        for side, wall in enumerate(self._pose.walls):
+            for one, other in pairwise(wall):
+                self._canvas.line(*self._at(one), *self._at(other), WALL)
+            self._name_wall(side, wall)
+
+    def _name_wall(self, side: int, wall: tuple[Place, ...]) -> None:
+        """Its letter stands outside the pipe, beside the piece nearest the middle of the robot."""
+        wheels = self._pose.wheels
+        middle = len(wheels) // 2
+        (x0, y0), (x1, y1) = wheels[middle - 1], wheels[middle]
+        x, y = (x0 + x1) / 2, (y0 + y1) / 2
+        one, other = min(
+            pairwise(wall), key=lambda ends: _away((x, y), ends[0]) + _away((x, y), ends[1])
+        )
+        length = _away(one, other) or 1.0
+        tx, ty = (other[0] - one[0]) / length, (other[1] - one[1]) / length
+        share = (x - one[0]) * tx + (y - one[1]) * ty
+        foot = one[0] + share * tx, one[1] + share * ty
+        outward = 1 if side == 0 else -1
+        place = foot[0] - outward * ty * _BESIDE_M, foot[1] + outward * tx * _BESIDE_M
+        self._canvas.write(*self._at(place), SIDES[side], NOTE)
+
+    def body(self) -> None:
+        """The links: full where they are held, an outline where they are not."""
+        for (one, other), held in zip(pairwise(self._pose.wheels), self._pose.held, strict=True):
+            (x0, y0), (x1, y1) = self._at(one), self._at(other)
+            length = hypot(x1 - x0, y1 - y0) or 1.0
+            nx, ny = -(y1 - y0) / length, (x1 - x0) / length
+            half = self._thick_m * self._scale * 0.8
+            offsets = [-half, half] if half >= 1.0 else [0.0]
+            if held:
+                count = max(1, round(2 * half))
+                offsets = [-half + 2 * half * n / count for n in range(count + 1)]
+            for off in offsets:
+                ends = (x0 + nx * off, y0 + ny * off, x1 + nx * off, y1 + ny * off)
+                self._canvas.line(*ends, HELD if held else BODY)
+
+    def wheels(self) -> None:
+        """The wheels with their numbers, and where they touch."""
+        radius = self._radius_m * self._scale
+        for number, place in enumerate(self._pose.wheels):
+            x, y = self._at(place)
+            touches = self._pose.touching[number] >= 0
+            if touches:
+                self._canvas.disc(x, y, radius, WHEEL)
+            else:
+                self._canvas.erase(x, y, radius)
+                self._canvas.circle(x, y, radius, FREE)
+            self._touch(number)
+            if radius >= 3:
+                self._canvas.write(x, y, str(number + 1), WHEEL if touches else FREE)
+
+    def _touch(self, number: int) -> None:
+        point = contact(self._pose, number)
+        if point is None:
+            return
+        (wx, wy), (px, py) = self._pose.wheels[number], point
+        away = hypot(px - wx, py - wy) or 1.0
+        ox, oy = (px - wx) / away, -(py - wy) / away  # outward, in dots
+        x, y = self._at(point)
+        reach = 0.8 * self._radius_m * self._scale
+        for out in (0.0, 1.0):
+            self._canvas.line(
+                x + out * ox - oy * reach, y + out * oy + ox * reach,
+                x + out * ox + oy * reach, y + out * oy - ox * reach, TOUCH,
+            )  # fmt: skip
+
+    def lights(self, lit: set[bool]) -> None:
+        """A fan of rays before the front, behind the rear, or both."""
+        wheels = self._pose.wheels
+        for forward in lit:
+            tip, before = (wheels[0], wheels[1]) if forward else (wheels[-1], wheels[-2])
+            heading = atan2(tip[1] - before[1], tip[0] - before[0])
+            for turn in (-0.35, 0.0, 0.35):
+                angle = heading + turn
+                near, far = 1.5 * self._radius_m, 3.4 * self._radius_m
+                ends = [(tip[0] + r * cos(angle), tip[1] + r * sin(angle)) for r in (near, far)]
+                self._canvas.line(*self._at(ends[0]), *self._at(ends[1]), LIGHT)
+
+    def notes(self, origin: str) -> None:
+        """A bar that gives the scale, and where the picture comes from."""
+        canvas, length = self._canvas, round(_BAR_M * self._scale / ACROSS)
+        bar = "├" + "─" * max(length - 2, 0) + "┤"
+        canvas.write(0, canvas.height - DOWN, f"{bar} {_BAR_M * 1000:.0f} mm", NOTE)
+        if origin:
+            place = canvas.width - ACROSS * len(origin)
+            canvas.write(place, canvas.height - DOWN, origin, NOTE)
+
+
+def _away(one: Place, other: Place) -> float:
+    return hypot(one[0] - other[0], one[1] - other[1])

@@ -1,0 +1,198 @@
+"""What the operator may ask for now, and why not the rest: the engine's words, collected."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from pirate_sm.checking.entries import why_not_from
+from pirate_sm.console.snapshot import Scene, Snapshot
+from pirate_sm.engine.operating import why_not_command
+from pirate_sm.engine.pausing import why_not_on, why_not_to
+from pirate_sm.engine.program import Question, Wait
+from pirate_sm.engine.robot_state import RobotState, state_change
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.events import GoTo, Resume
+
+OVER = "the run is over"
+OPENING = "the backend is being opened"
+NO_MISSION = "no mission is chosen: press M"
+LOOKING = "being looked at"
+
+Entries = Mapping[str, str]
+"""Per phase why the mission cannot be handed back there, as far as that has been looked at."""
+
+
+class Control(NamedTuple):
+    """Something that the operator can do with a mission; ``reason`` is empty when he can."""
+
+    name: str
+    key: str
+    label: str
+    reason: str
+
+
+class Situation(NamedTuple):
+    """All that decides where a mission can be handed back."""
+
+    mission: int
+    configuration: int
+    unconfirmed: tuple[str, ...]
+
+
+def situation_of(snapshot: Snapshot) -> Situation | None:
+    """The situation, while nothing is under way; None where there is no question."""
+    state = snapshot.state
+    program = snapshot.scene.loaded.program
+    if state is None or not snapshot.scene.mission:
+        return None
+    if why_not_to(program, state, program.phase_of[program.start]):
+        return None
+    change = state_change(snapshot.scene.robot, state.robot)
+    return Situation(id(snapshot.scene), state.robot.configuration, change.unconfirmed)
+
+
+def look_at_entries(scene: Scene, body: RobotState) -> Entries:
+    """Where the mission can be handed back, phase by phase; takes some milliseconds each."""
+    return {phase: why_not_from(scene.loaded, phase, body) for phase in scene.loaded.program.phases}
+
+
+def command_reason(snapshot: Snapshot, command: str) -> str:
+    """Why the engine would refuse the command now; empty: it would not."""
+    if snapshot.over:
+        return OVER
+    if snapshot.state is None:
+        return OPENING
+    index = snapshot.scene.robot.table.command_index[command]
+    return why_not_command(snapshot.scene.robot, snapshot.state, index)
+
+
+def phase_reason(snapshot: Snapshot, phase: str, entries: Entries | None) -> str:
+    """Why the mission cannot be handed back at the phase now; empty: it can."""
+    state = snapshot.state
+    if snapshot.over or state is None:
+        return OVER if snapshot.over else OPENING
+    obstacle = why_not_to(snapshot.scene.loaded.program, state, phase)
+    if obstacle:
+        return obstacle
+    return LOOKING if entries is None else entries.get(phase, LOOKING)
+
+
+def untouched(snapshot: Snapshot) -> bool:
+    """Whether the mission has not begun."""
+    state = snapshot.state
+    start = snapshot.scene.loaded.program.start
+    return state is not None and state.mission.pc == start and not state.mission.begun
+
+
+def hand_back(snapshot: Snapshot, phase: str) -> GoTo:
+    """The event that hands the mission back there, as the robot is in this snapshot."""
+    assert snapshot.state is not None
+    change = state_change(snapshot.scene.robot, snapshot.state.robot)
+    return GoTo(phase, change.states, change.unconfirmed)
+
+
+def going_on(snapshot: Snapshot) -> GoTo | Resume:
+    """The event that starts the mission, or lets it go on."""
+    program = snapshot.scene.loaded.program
+    if untouched(snapshot):
+        return hand_back(snapshot, program.phase_of[program.start])
+    return Resume()
+
+
+def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[Control, ...]:
+    """Everything that can be done with a mission, in the order of its keys."""
+    fresh = untouched(snapshot)
+    return (
+        Control("go", "R", "Start" if fresh else "Resume", _why_not_go(snapshot, entries)),
+        Control("pause", "P", "Pause", _why_not_pause(snapshot)),
+        Control("step", "N", "Next step", _why_not_step(snapshot)),
+        Control("skip", "K", "Skip the wait", _why_not_skip(snapshot)),
+        Control(
+            "hand_back", "H", "Hand back at …", _general(snapshot) or _why_not_paused(snapshot)
+        ),
+        Control("abort", "X", "Abort", _why_not_abort(snapshot)),
+    )
+
+
+def _general(snapshot: Snapshot) -> str:
+    if snapshot.over:
+        return OVER
+    if snapshot.state is None:
+        return OPENING
+    return "" if snapshot.scene.mission else NO_MISSION
+
+
+def _why_not_paused(snapshot: Snapshot) -> str:
+    assert snapshot.state is not None
+    return "" if snapshot.state.mission.paused else "pause the mission first"
+
+
+def _why_not_go(snapshot: Snapshot, entries: Entries | None) -> str:
+    general = _general(snapshot)
+    if general or snapshot.state is None:
+        return general
+    if not snapshot.state.mission.paused:
+        return "it is running"
+    if untouched(snapshot):
+        program = snapshot.scene.loaded.program
+        return phase_reason(snapshot, program.phase_of[program.start], entries)
+    return why_not_on(snapshot.state)
+
+
+def _why_not_step(snapshot: Snapshot) -> str:
+    general = _general(snapshot)
+    if general or snapshot.state is None:
+        return general
+    return why_not_on(snapshot.state) if snapshot.state.mission.paused else ""
+
+
+def _why_not_pause(snapshot: Snapshot) -> str:
+    general = _general(snapshot)
+    if general or snapshot.state is None:
+        return general
+    mission = snapshot.state.mission
+    return "it is paused" if mission.paused or mission.pause_wanted else ""
+
+
+def _why_not_skip(snapshot: Snapshot) -> str:
+    general = _general(snapshot)
+    if general or snapshot.state is None:
+        return general
+    mission = snapshot.state.mission
+    if mission.paused:
+        return "nothing is passed over while paused"
+    waits = isinstance(snapshot.scene.loaded.program.instructions[mission.pc], Wait)
+    return "" if waits and mission.begun else "nothing is waited for"
+
+
+def _why_not_abort(snapshot: Snapshot) -> str:
+    general = _general(snapshot)
+    if general:
+        return general
+    return "it has not begun" if untouched(snapshot) else ""
+
+
+def choices(snapshot: Snapshot) -> tuple[str, tuple[str, ...]]:
+    """What the mission asks the operator now, and the answers; both empty when nothing."""
+    state = snapshot.state
+    if state is None or snapshot.over or state.mission.paused or not state.mission.begun:
+        return "", ()
+    here = snapshot.scene.loaded.program.instructions[state.mission.pc]
+    if isinstance(here, Question):
+        return here.text, tuple(choice for choice, _ in here.choices)
+    if isinstance(here, Wait):
+        words = tuple(trigger.answer for trigger in here.triggers if trigger.answer)
+        return ("The mission waits for your word" if words else ""), words
+    return "", ()
+
+
+def why_not_mission(snapshot: Snapshot, loaded: LoadedMission) -> str:
+    """Why the mission cannot be taken up with the robot as it is; empty: it can."""
+    scene, state = snapshot.scene, snapshot.state
+    if loaded.loaded_robot.folder != scene.loaded.loaded_robot.folder:
+        return f"it is for another robot, {loaded.robot.name}"
+    held = state is not None and bool(scene.robot.held[state.robot.configuration])
+    if held and loaded.robot.polarity != scene.robot.polarity:
+        return f"it wants {loaded.robot.polarity} polarity, and the robot holds on in the other"
+    return ""

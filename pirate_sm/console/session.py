@@ -1,0 +1,194 @@
+"""One backend held open, and one run after the other on it, in a thread of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager, ExitStack
+from threading import Thread
+
+from pirate_sm.console.anatomy import anatomy_of
+from pirate_sm.console.feed import Feed
+from pirate_sm.console.snapshot import Scene, Snapshot
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.effects import Ended
+from pirate_sm.model.events import Event
+from pirate_sm.runtime.clock import Clock
+from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.loop import UNCONFIRMED, MissionRun
+from pirate_sm.runtime.outcome import BUG, Result
+from pirate_sm.runtime.stopping import Stop, StopRequests
+from pirate_sm.wiring import Prepared, again
+
+BY_OPERATOR = Stop("stopped by the operator", 0)
+CHANGED = Stop("another mission was chosen", 0)
+LEFT = Stop("the console was left", 0)
+
+_SHORT_S = 1.0
+_MOST_SHORT = 3
+"""So many runs in a row that end by a fault at once: there is nothing left to be run."""
+
+
+class Quitting(StopRequests):
+    """Requests that end the session and with it whatever run there is; signals write them too."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.run = StopRequests()
+
+    def begin(self) -> StopRequests:
+        """The requests of the next run, which has been asked to stop if the session has."""
+        self.run = StopRequests()
+        if self.stop is not None:
+            self.run.ask(self.stop)
+        return self.run
+
+    def ask(self, stop: Stop) -> None:
+        """The present run ends through the engine's safe stop, and none follows."""
+        super().ask(stop)
+        self.run.ask(stop)
+
+    def insist(self) -> None:
+        """It ends at once, with the safe array sent by the loop itself."""
+        super().insist()
+        self.run.insist()
+
+
+class Session:
+    """Everything that the console can ask for. Nothing here waits, but :meth:`join`.
+
+    Args:
+        prepared: The first mission, its engine, and the backend that stays open.
+        factor: Mission seconds per second of the wall.
+        clock: The wall's.
+        ended: Is called, in the session's thread, when nothing can happen any more.
+
+    Attributes:
+        quitting: What ends the session.
+        result: How the last run ended; None before.
+    """
+
+    def __init__(
+        self,
+        prepared: Prepared,
+        *,
+        factor: float = 1.0,
+        clock: Clock | None = None,
+        ended: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.quitting = Quitting()
+        self.result: Result | None = None
+        self.prepared = prepared
+        self._factor = factor
+        self._clock = clock
+        self._ended = ended
+        self._next: LoadedMission | None = None
+        self._short = 0
+        self._thread = Thread(target=self._work, name="run", daemon=True)
+        self._feed = Feed(_scene(prepared), prepared)
+
+    @property
+    def latest(self) -> Snapshot:
+        """The newest snapshot."""
+        return self._feed.latest
+
+    def start(self) -> None:
+        """The backend is being opened; the mission begins paused."""
+        self._thread.start()
+
+    def join(self, within_s: float | None = None) -> bool:
+        """Whether the robot has come to its safe state and the backend is closed, within a time."""
+        if self._thread.ident is not None:
+            self._thread.join(within_s)
+        return not self._thread.is_alive()
+
+    def tell(self, event: Event) -> None:
+        """The engine is about to be given the event."""
+        self._feed.tell(event)
+
+    def stop(self) -> None:
+        """The robot goes to its safe state, now; its mission can be handed back afterwards."""
+        self.quitting.run.ask(BY_OPERATOR)
+
+    def change(self, loaded: LoadedMission) -> None:
+        """The present mission ends in the safe state, the other one begins paused.
+
+        Raises:
+            UsageError: It is for another robot.
+        """
+        again(self.prepared, loaded)
+        self._next = loaded
+        self.quitting.run.ask(CHANGED)
+
+    def quit(self, stop: Stop = LEFT) -> None:
+        """Nothing runs any more, the robot is in its safe state."""
+        self.quitting.ask(stop)
+
+    # --- in its own thread --------------------------------------------------------------------
+
+    def _work(self) -> None:
+        try:
+            with ExitStack() as stack:
+                for companion in self.prepared.companions:
+                    if isinstance(companion, AbstractContextManager):
+                        stack.enter_context(companion)
+                self._run_all()
+        except Exception as error:
+            message = f"a fault in this program: {type(error).__name__}: {error}"
+            self.result = Result(Ended("fault", message), BUG, self.latest.now_s, error)
+        finally:
+            self.prepared.backend.close()
+            self._note_unconfirmed()
+            self._feed.end(self.latest.now_s)
+            self._ended()
+
+    def _run_all(self) -> None:
+        run: MissionRun | None = None
+        while True:
+            run = self._run(run)
+            self.result = run.execute()
+            stopped = self.quitting.stop is not None or not run.open
+            if stopped or run.state is None or self._hopeless(self.result, run):
+                return
+            loaded, self._next = self._next or self.prepared.loaded, None
+            self.prepared = again(self.prepared, loaded)
+
+    def _run(self, before: MissionRun | None) -> MissionRun:
+        prepared = self.prepared
+        self._feed.begin(_scene(prepared), prepared)
+        attended = [FirstChoice()] if prepared.attended else []
+        run = MissionRun(
+            prepared.engine,
+            prepared.backend,
+            observers=[self._feed],
+            watchers=[self._feed],
+            companions=[*prepared.companions, *attended, self._feed],
+            requests=self.quitting.begin(),
+            clock=self._clock,
+            factor=self._factor,
+            after=before,
+            paused=True,
+            keep_open=True,
+        )
+        self._began_s = run.now_s
+        prepared.follow(run)
+        return run
+
+    def _hopeless(self, result: Result, run: MissionRun) -> bool:
+        """Whether run after run ends by a fault before anybody has asked for anything."""
+        at_once = result.now_s < self._began_s + _SHORT_S and not self._feed.asked
+        self._short = self._short + 1 if at_once and result.ended.outcome == "fault" else 0
+        return self._short >= _MOST_SHORT
+
+    def _note_unconfirmed(self) -> None:
+        result = self.result
+        if result is None or getattr(self.prepared.backend, "confirmed", True):
+            return
+        if UNCONFIRMED not in result.ended.message:
+            ended = result.ended._replace(message=f"{result.ended.message} ({UNCONFIRMED})")
+            self.result = result._replace(ended=ended)
+
+
+def _scene(prepared: Prepared) -> Scene:
+    loaded = prepared.loaded
+    anatomy = anatomy_of(loaded.loaded_robot.profile, loaded.robot)
+    return Scene(loaded, prepared.engine, anatomy, prepared.order.backend)

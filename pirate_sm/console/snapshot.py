@@ -1,0 +1,76 @@
+"""What the console draws: one moment of a run, wherever it comes from; nothing in it changes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from pirate_sm.backends.pico.health import LinkHealth
+from pirate_sm.console.anatomy import Anatomy
+from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.state import EngineState
+from pirate_sm.loading.by_hand import BY_HAND
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.truth import Truth
+from pirate_sm.showing.memory import Story
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What stays the same while one mission is at hand.
+
+    Attributes:
+        loaded: The mission.
+        engine: What runs it, or ran it.
+        anatomy: What the robot is made of.
+        backend: What it runs on.
+    """
+
+    loaded: LoadedMission
+    engine: Engine
+    anatomy: Anatomy
+    backend: str
+
+    @property
+    def robot(self) -> RobotSpec:
+        """The robot."""
+        return self.loaded.robot
+
+    @property
+    def mission(self) -> str:
+        """Name of the mission; empty while there is none."""
+        name = self.loaded.mission.mission
+        return "" if name == BY_HAND else name
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """One moment.
+
+    Attributes:
+        now_s: Mission time.
+        state: The engine's; None before it has begun.
+        story: What has happened.
+        truth: Where the robot is; None where that is not known.
+        reckoned: Whether that is reckoned from odometry, not known.
+        link: How the link is; None where there is none.
+        trends: The last values of the signals that the anatomy follows, oldest first.
+        over: Whether nothing can happen any more.
+    """
+
+    scene: Scene
+    now_s: float
+    state: EngineState | None
+    story: Story
+    truth: Truth | None = None
+    reckoned: bool = False
+    link: LinkHealth | None = None
+    trends: Mapping[str, tuple[float, ...]] | None = None
+    over: bool = False
+
+    @cached_property
+    def signals(self) -> Mapping[str, float]:
+        """Every signal in SI, NaN where unknown."""
+        return {} if self.state is None else self.scene.engine.signals(self.state)
