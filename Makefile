@@ -65,7 +65,7 @@ clean:
 
 # One environment; each set of extras is installed once, and again when pyproject.toml changes.
 $(VENV)/.ready-sim: EXTRAS := sim
-$(VENV)/.ready-dev: EXTRAS := dev,sim,serial,console
+$(VENV)/.ready-dev: EXTRAS := dev,sim,serial,report,console
 $(VENV)/.ready-bench: EXTRAS := bench,sim,console
 $(VENV)/.ready-soak: EXTRAS := sim,serial
 

@@ -148,10 +148,11 @@ class _Chart:
     def traps(self) -> Iterator[Finding]:
         """States that no transition leaves, and combinations in which nothing can be done."""
         left = {each.source for each in self.outline.transitions if each.source != each.target}
+        reached = [set(names) for names in zip(*self.table.configurations, strict=True)]
         trapped = set()
-        for region, states in self._states.items():
+        for (region, states), seen in zip(self._states.items(), reached, strict=True):
             for state in states if len(states) > 1 else ():
-                if f"{region}.{state}" not in left:
+                if f"{region}.{state}" not in left and state in seen:
                     trapped.add(f"{region}.{state}")
                     place = self.document.place_of(self.outline.place_of(region, state), key=True)
                     yield self._at(

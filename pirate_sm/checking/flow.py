@@ -3,28 +3,40 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from math import isfinite
 
-from pirate_sm.checking.exploring.explorer import Exploration
+from pirate_sm.checking.exploring.explorer import Exploration, Node
 from pirate_sm.checking.exploring.ledger import Ledger
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.effects import PhaseChange
+
+_MISHAPS = {"rejected", "failed", "fault"}
+"""Moves that nobody plans for."""
 
 
 def flow_findings(
-    books: Sequence[Ledger], loaded: LoadedMission, places: Places
+    books: Sequence[Ledger], seen: Sequence[Ledger], loaded: LoadedMission, places: Places
 ) -> Iterator[Finding]:
-    """What is wrong with the ways through the mission."""
-    if not all(book.found.complete for book in books):
+    """What is wrong with the ways through the mission.
+
+    Args:
+        books: What can happen.
+        seen: That, and what can happen once other faults are mended.
+        loaded: The mission.
+        places: Of its parts.
+    """
+    if not all(book.found.complete for book in seen):
         yield from _round_and_round(books, loaded, places)
         yield from _rules(books, places)
         return
-    yield from _unreachable(books, loaded, places)
+    yield from _unreachable(seen, loaded, places)
     endless = list(_endless(books, loaded, places))
     yield from endless
     yield from _round_and_round(books, loaded, places)
-    reached = {end for book in books for end in book.ends}
+    reached = {end for book in seen for end in book.ends}
     succeeds = [name for name, end in loaded.mission.ends.items() if end.succeed is not None]
     if not any(outcome == "succeeded" for outcome, _ in reached):
         message = "no path leads to an end that succeeds"
@@ -35,16 +47,16 @@ def flow_findings(
 
 
 def _unreachable(
-    books: Sequence[Ledger], loaded: LoadedMission, places: Places
+    seen: Sequence[Ledger], loaded: LoadedMission, places: Places
 ) -> Iterator[Finding]:
-    entered = {phase for book in books for phase in book.phases}
+    entered = {phase for book in seen for phase in book.phases}
     for name in loaded.mission.phases:
         if name not in entered:
             yield places.finding(
                 places.of(("phases", name), key=True), "phase.unreachable", Severity.WARNING,
                 f"nothing leads to the phase '{name}'",
             )  # fmt: skip
-    ends = {end for book in books for _, end in book.ends}
+    ends = {end for book in seen for _, end in book.ends}
     for name in loaded.mission.ends:
         if name not in ends:
             yield places.finding(
@@ -54,8 +66,10 @@ def _unreachable(
 
 
 def _endless(books: Sequence[Ledger], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
-    """Phases from which no end can be reached, but by a fault or from outside."""
+    """Phases from which no end can be reached, but by a failure, a fault or from outside."""
     found = books[-1].found
+    if isfinite(loaded.program.time_limit_s):
+        return
     lost = _cannot_end(found)
     if not lost:
         return
@@ -74,24 +88,38 @@ def _endless(books: Sequence[Ledger], loaded: LoadedMission, places: Places) -> 
     yield places.finding(
         places.of(("phases", own), key=True), "loop.endless",
         Severity.ERROR if sure else Severity.POSSIBLE,
-        f"from the phase '{own}' no end can be reached{also}",
+        f"from the phase '{own}' no end can be reached{also} unless something fails",
         happens=(found, found.nodes[first].step), playable=len(books) == 1,
     )  # fmt: skip
 
 
 def _cannot_end(found: Exploration) -> set[int]:
-    """Nodes from which no node is reached in which the run is over."""
-    before: dict[int, list[int]] = defaultdict(list)
+    """Nodes from which only a failure or a fault leads to an end, and not to one that succeeds."""
+    usual: dict[int, list[int]] = defaultdict(list)
+    every: dict[int, list[int]] = defaultdict(list)
     for step in found.steps:
-        before[step.target].append(step.source)
-    can = {index for index, node in enumerate(found.nodes) if node.over}
-    pending = list(can)
+        every[step.target].append(step.source)
+        if step.move.kind not in _MISHAPS:
+            usual[step.target].append(step.source)
+    over = {index for index, node in enumerate(found.nodes) if node.over}
+    good = {index for index in over if _succeeds(found.nodes[index])}
+    return set(range(len(found.nodes))) - _leading_to(over, usual) - _leading_to(good, every)
+
+
+def _succeeds(node: Node) -> bool:
+    ending = node.state.mission.ending
+    return ending is not None and ending.outcome == "succeeded"
+
+
+def _leading_to(targets: set[int], before: Mapping[int, Sequence[int]]) -> set[int]:
+    """The nodes from which one of these is reached, and these."""
+    can, pending = set(targets), list(targets)
     while pending:
-        for source in before[pending.pop()]:
+        for source in before.get(pending.pop(), ()):
             if source >= 0 and source not in can:
                 can.add(source)
                 pending.append(source)
-    return set(range(len(found.nodes))) - can
+    return can
 
 
 def _round_and_round(
@@ -100,15 +128,17 @@ def _round_and_round(
     for book in books:
         if not book.round_and_round:
             continue
-        number = book.round_and_round[0]
-        step = book.found.steps[number]
-        state = book.found.nodes[step.target].state
-        phase = book.found.program.phase_of[state.mission.pc].split("/", 1)[0]
+        step = book.found.steps[book.round_and_round[0]]
+        entered = [each.phase for each in step.effects if isinstance(each, PhaseChange)]
+        circle = list(dict.fromkeys(entered[entered.index(entered[-1]) :]))
+        first = next((each for each in entered if each in circle), "")
+        phase = first.split("/", 1)[0]
         path = ("phases", phase) if phase in loaded.mission.phases else ("phases",)
+        way = " → ".join([*circle[circle.index(first) :], *circle[: circle.index(first)], first])
         yield places.finding(
             places.of(path, key=True), "loop.instant",
             Severity.ERROR if step.sure else Severity.POSSIBLE,
-            "the phases go round without ever waiting",
+            f"{way}: this goes round without ever waiting",
         )  # fmt: skip
         return
 

@@ -17,7 +17,7 @@ from pirate_sm.checking.parameters import check_parameters
 from pirate_sm.checking.places import Places
 from pirate_sm.checking.refusals import refusal_findings
 from pirate_sm.checking.waits import wait_findings
-from pirate_sm.engine.program import Do, Program, Require
+from pirate_sm.engine.program import Do, Program, Raise, Require, Say
 from pirate_sm.loading.mission import TOLERABLE, LoadedMission, read_mission
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.source import Document
@@ -83,11 +83,12 @@ def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> Missi
         told: What loading has found already.
     """
     books = _explored(loaded)
+    seen = [*books, *_beyond(books, loaded)]
     places = Places(loaded)
-    findings = [*told, *_cut_off(books, places)]
-    findings += refusal_findings(books, loaded, places)
-    findings += wait_findings(books, loaded, places)
-    findings += flow_findings(books, loaded, places)
+    findings = [*told, *_cut_off(seen, places)]
+    findings += refusal_findings(books, seen, loaded, places)
+    findings += wait_findings(books, seen, loaded, places)
+    findings += flow_findings(books, seen, loaded, places)
     findings += check_geometry(loaded)
     findings += check_parameters(loaded.mission, loaded.documents[0])
     unique = {(each.code, each.place, each.message): each for each in findings}
@@ -128,14 +129,51 @@ def _explored(loaded: LoadedMission) -> list[Ledger]:
 
 
 def _without(program: Program, places: set[str]) -> Program:
-    """The program with the steps at these places left out."""
+    """The program with the steps at these places left out; of a call all that it does."""
     instructions = tuple(
-        Require((), "", each.next, each.failed, "")
+        Require((), "", _after(program, index), each.failed, "")
         if isinstance(each, Do | Require) and each.place in places
         else each
-        for each in program.instructions
+        for index, each in enumerate(program.instructions)
     )
     return replace(program, instructions=instructions)
+
+
+def _after(program: Program, index: int) -> int:
+    """Where it goes on after a step; a call is followed by what each of its ends leads to."""
+    step = program.instructions[index]
+    assert isinstance(step, Do | Require)
+    if isinstance(step, Do):
+        return step.next
+    for end in program.instructions[index + 1 :]:
+        if isinstance(end, Say):
+            return end.next
+        if not isinstance(end, Raise):
+            break
+    return step.next  # it has no end that succeeds
+
+
+def _beyond(books: Sequence[Ledger], loaded: LoadedMission) -> list[Ledger]:
+    """What can happen once steps that are refused on some path, and broken rules, are mended.
+
+    What is reached, needed or fired only then is no fault of its own: it is told of nothing that
+    it never is.
+    """
+    last = books[-1]
+    refused = {place for book in books for place, visits in book.visits.items() if visits.refused}
+    broken = any(book.broken for book in books)
+    if not last.found.complete or not (refused or broken):
+        return []
+    program = last.found.program
+    instructions = tuple(
+        each._replace(failed=_after(program, index))
+        if isinstance(each, Do | Require) and each.place in refused
+        else each
+        for index, each in enumerate(program.instructions)
+    )
+    mended = replace(program, instructions=instructions, rules=() if broken else program.rules)
+    left = MOST_WORK - sum(book.found.work for book in books)
+    return [ledger(explore(loaded.robot, mended, conditions_of(loaded), most_work=left))]
 
 
 def _cut_off(books: Sequence[Ledger], places: Places) -> list[Finding]:

@@ -1,9 +1,9 @@
-"""Parameters that a mission declares and nothing in it uses."""
+"""Parameters that a mission declares and nothing in it uses, or nothing sets."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 from pydantic import BaseModel
 
@@ -27,6 +27,25 @@ def check_parameters(mission: Mission, document: Document) -> tuple[Finding, ...
             place = document.place_of(("parameters", name), key=True)
             message = f"nothing in this mission uses the parameter '{name}'"
             found.append(at(document, place, "parameter.unused", Severity.WARNING, message))
+    return tuple(found)
+
+
+def check_settings(
+    mission: Mission, document: Document, settings: Collection[str]
+) -> tuple[Finding, ...]:
+    """A warning for each parameter without a default that the settings leave without a value.
+
+    It is of use only where no other mission calls this one.
+    """
+    found = []
+    for name, definition in mission.parameters.items():
+        if definition.default is None and name not in settings:
+            place = document.place_of(("parameters", name), key=True)
+            message = f"nothing sets the parameter '{name}'"
+            mend = f"give it a default, or run the mission with --set {name}=…"
+            found.append(
+                at(document, place, "mission.parameter", Severity.WARNING, message, mend=mend)
+            )
     return tuple(found)
 
 

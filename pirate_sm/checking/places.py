@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import re
+
 from pirate_sm.checking.exploring.explorer import Exploration
 from pirate_sm.checking.exploring.story import story
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
+
+_LONGEST_STEP = 10
+"""Lines of a step, of which one says the command."""
 
 
 class Places:
@@ -18,7 +23,19 @@ class Places:
 
     def __init__(self, loaded: LoadedMission) -> None:
         self._own = loaded.documents[0]
+        self._aliases = loaded.loaded_robot.profile.aliases
         self._documents = {document.name: document for document in loaded.documents}
+
+    def written(self, text: str, command: str) -> str:
+        """A command in the word that the step at ``file:line:col`` has for it."""
+        others = [alias for alias, name in self._aliases.items() if name == command]
+        place = self.read(text)
+        if not others or place.file not in self._documents:
+            return command
+        lines = self._documents[place.file].lines[place.line - 1 : place.line + _LONGEST_STEP]
+        names = "|".join([command, *others])
+        word = re.search(rf"\b(?:{names})\b", "\n".join(lines)[place.column - 1 :])
+        return command if word is None or word[0] == command else f"{word[0]} ({command})"
 
     def read(self, text: str) -> Place:
         """The place that ``file:line:col`` names."""
@@ -59,7 +76,7 @@ class Places:
         """
         document = self._documents.get(place.file)
         excerpt = document.excerpt(place.line) if document else ""
-        told = story(*happens) if happens else ()
+        told = story(*happens, self.written) if happens else ()
         sure = playable and severity is not Severity.POSSIBLE
         return Finding(
             code, severity, place, message, mend=mend, excerpt=excerpt, related=related,

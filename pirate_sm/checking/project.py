@@ -12,7 +12,8 @@ from pirate_sm.checking.allowances import settle
 from pirate_sm.checking.examples import Examples
 from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.kinds import Kind
-from pirate_sm.checking.mission import check_mission
+from pirate_sm.checking.mission import MissionCheck, check_mission
+from pirate_sm.checking.parameters import check_settings
 from pirate_sm.checking.rehearsal import Rehearsal, Rehearse, rehearsed
 from pirate_sm.checking.robot import check_robot
 from pirate_sm.checking.targets import Target, find_targets
@@ -129,6 +130,8 @@ class _Check:
         self._files: list[CheckedFile] = []
         self._texts: dict[str, str] = {}
         self._set: set[str] = set()  # settings that some mission has taken
+        self._unset: dict[str, tuple[Finding, ...]] = {}  # parameters of missions, by their files
+        self._called: set[str] | None = set()  # files that others use; None: not all are known
         self._rehearsals: list[Rehearsal] = []
         self._examples = wishes.counterexamples and Examples(wishes.counterexamples)
 
@@ -158,6 +161,9 @@ class _Check:
             raise UsageError(f"no mission here has a parameter '{min(unused)}'")
         for name in {each.place.file for each in self.findings} | {f.name for f in self._files}:
             self._read(name)
+        for name, found in self._unset.items():
+            if self._called is not None and name not in self._called:
+                self.findings += found
         settled = settle(_each_once(self.findings), self._texts)
         ordered = sorted(settled, key=lambda each: each.order)
         if self._examples:
@@ -193,23 +199,28 @@ class _Check:
     def mission(self, target: Target) -> None:
         """A mission, with its robot, its pipe and what it calls."""
         settings = self._settings(target)
-        try:
-            checked = check_mission(
-                target.path, robot=self._wishes.robot, pipe=self._wishes.pipe, settings=settings
-            )
-        except UsageError as error:
-            if settings:
-                raise
-            self._add("mission.parameter", shown(target.path), str(error))
-            return
+        checked = check_mission(
+            target.path, robot=self._wishes.robot, pipe=self._wishes.pipe, settings=settings
+        )
         self._keep(checked.documents)
         self.findings += checked.findings
+        self._remember(checked, shown(target.path), settings)
         if self._examples:
             self._examples.remember(checked, target.path, _options(self._wishes, settings))
         if self._wishes.rehearse is not None:
             rehearsal, found = rehearsed(checked, target.path, self._wishes.rehearse)
             self._rehearsals.append(rehearsal)
             self.findings += found
+
+    def _remember(self, checked: MissionCheck, name: str, settings: Mapping[str, str]) -> None:
+        """What nothing sets is known, and what this mission calls."""
+        if checked.loaded is None:
+            self._called = None
+            return
+        own = checked.loaded.documents[0]
+        self._unset[name] = check_settings(checked.loaded.mission, own, settings)
+        if self._called is not None:
+            self._called |= {each.name for each in checked.documents} - {name}
 
     def calibration(self, target: Target) -> None:
         """A calibration, held against its robot where that is known."""

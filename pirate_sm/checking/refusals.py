@@ -13,9 +13,16 @@ from pirate_sm.loading.mission import LoadedMission
 
 
 def refusal_findings(
-    books: Sequence[Ledger], loaded: LoadedMission, places: Places
+    books: Sequence[Ledger], seen: Sequence[Ledger], loaded: LoadedMission, places: Places
 ) -> Iterator[Finding]:
-    """One finding for each step that is refused on some path, from where it is first seen."""
+    """One finding for each step that is refused on some path, from where it is first seen.
+
+    Args:
+        books: What can happen.
+        seen: That, and what can happen once other faults are mended.
+        loaded: The mission.
+        places: Of its parts.
+    """
     steps = {
         each.place: each
         for each in loaded.program.instructions
@@ -31,7 +38,10 @@ def refusal_findings(
                 continue
             done.add(place)
             step = steps[place]
-            found = _judge(book, visits, step, phases[place] & handlers)
+            if _needed(place, seen) and not visits.refused:
+                continue
+            name = places.written(place, visits.name)
+            found = _judge(book, visits, name, step, phases[place] & handlers)
             if found is None:
                 continue
             code, severity, message, step_number, mend = found
@@ -66,13 +76,18 @@ def _phases(program: Program) -> dict[str, set[str]]:
     return found
 
 
+def _needed(place: str, seen: Sequence[Ledger]) -> bool:
+    """Whether the step is given anywhere."""
+    return any(place in book.visits and book.visits[place].given for book in seen)
+
+
 def _judge(
-    book: Ledger, visits: Visits, step: Do | Require, handling: set[str]
+    book: Ledger, visits: Visits, name: str, step: Do | Require, handling: set[str]
 ) -> tuple[str, Severity, str, int, str] | None:
     """Code, severity, message, step to be told, and how to mend it; None where all is well."""
     complete = book.found.complete
     if isinstance(step, Do) and not visits.given and not visits.refused and complete:
-        message = f"{visits.name} is never needed: it is so already whenever its turn comes"
+        message = f"{name} is never needed: it is so already whenever its turn comes"
         return "step.never_needed", Severity.WARNING, message, -1, "leave the step out"
     if not visits.refused:
         return None
@@ -84,7 +99,7 @@ def _judge(
     reason = visits.reasons[first]
     code = _code(visits, step, first, handling, "" if always else "maybe_")
     word = "is refused" if always else "can be refused"
-    message = f"{visits.name} {word} as {reason}"
+    message = f"{name} {word} as {reason}"
     if always and len({visits.reasons[each] for each in visits.refused}) > 1:
         message += ", or for another reason, on every path"
     return code, severity, message, first, _mend(visits, step, first, always=always)

@@ -4,36 +4,55 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from pirate_sm.checking.exploring.conditions import Conditions
+from pirate_sm.checking.exploring.conditions import Conditions, Fact
 from pirate_sm.checking.exploring.ledger import Ledger
 from pirate_sm.checking.exploring.ranges import ranges
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
-from pirate_sm.engine.program import Branch, TriggerSpec, Wait
+from pirate_sm.engine.program import Branch, Program, TriggerSpec, Wait
 from pirate_sm.expressions import Expression, tree
 from pirate_sm.loading.mission import LoadedMission
 
 
 def wait_findings(
-    books: Sequence[Ledger], loaded: LoadedMission, places: Places
+    books: Sequence[Ledger], seen: Sequence[Ledger], loaded: LoadedMission, places: Places
 ) -> Iterator[Finding]:
-    """What is wrong with triggers and with conditions of steps."""
+    """What is wrong with triggers and with conditions of steps.
+
+    Args:
+        books: What can happen.
+        seen: That, and what can happen once other faults are mended.
+        loaded: The mission.
+        places: Of its parts.
+    """
     spans = ranges(loaded.loaded_robot.profile, loaded.robot)
     judge = _Judge(
-        books, loaded, Conditions(loaded.robot.vocabulary, spans, len(loaded.robot.regions))
+        books, seen, loaded, Conditions(loaded.robot.vocabulary, spans, len(loaded.robot.regions))
     )
-    if all(book.found.complete for book in books):
+    told: set[str] = set()
+    if all(book.found.complete for book in seen):
         for place, (code, severity, message, mend) in judge.triggers().items():
+            told.add(place)
             yield places.finding(places.read(place), code, severity, message, mend=mend)
-    for each in loaded.program.instructions:
+    for place, condition, if_false in _conditions(loaded.program):
+        said = judge.constant(condition)
+        if said and place not in told:
+            yield places.finding(
+                places.read(place), "condition.constant", Severity.WARNING,
+                f"'{condition.text}' is always {said}",
+                mend="leave the condition out" if said.startswith("true") else if_false,
+            )  # fmt: skip
+
+
+def _conditions(program: Program) -> Iterator[tuple[str, Expression, str]]:
+    """Place and condition of what is asked, and how to mend one that is never true."""
+    for each in program.instructions:
         if isinstance(each, Branch):
-            said = judge.constant(each.condition)
-            if said:
-                yield places.finding(
-                    places.read(each.place), "condition.constant", Severity.WARNING,
-                    f"'{each.condition.text}' is always {said}",
-                    mend="leave the condition out" if said == "true" else "leave the step out",
-                )  # fmt: skip
+            yield each.place, each.condition, "leave the step out"
+        elif isinstance(each, Wait):
+            for trigger in each.triggers:
+                if trigger.condition is not None:
+                    yield trigger.place, trigger.condition, "leave the trigger out"
 
 
 _Said = tuple[str, Severity, str, str]
@@ -41,9 +60,14 @@ _Said = tuple[str, Severity, str, str]
 
 class _Judge:
     def __init__(
-        self, books: Sequence[Ledger], loaded: LoadedMission, conditions: Conditions
+        self,
+        books: Sequence[Ledger],
+        seen: Sequence[Ledger],
+        loaded: LoadedMission,
+        conditions: Conditions,
     ) -> None:
         self._books = books
+        self._seen = seen
         self._table = loaded.robot.table
         self._program = loaded.program
         self._conditions = conditions
@@ -62,28 +86,49 @@ class _Judge:
                     fine.add(trigger.place)
                 else:
                     found.setdefault(trigger.place, said)
-        return {place: said for place, said in found.items() if place not in fine}
+        idle = {
+            trigger.place
+            for wait in self._program.instructions
+            if isinstance(wait, Wait)
+            and any(found.get(each.place, ("",))[0] == "trigger.at_once" for each in wait.triggers)
+            for trigger in wait.triggers
+            if found.get(trigger.place, ("",))[0] == "trigger.shadowed"
+        }
+        return {place: said for place, said in found.items() if place not in fine | idle}
 
     def _trigger(self, wait: Wait, number: int, trigger: TriggerSpec) -> _Said | None:
-        armed = sum(len(book.waits[wait.phase].armed) for book in self._books)
-        if not armed:
+        if not any(book.waits[wait.phase].armed for book in self._books):
             return None  # that its phase is never reached is said there
-        fired = sum(len(book.waits[wait.phase].fired[trigger.name]) for book in self._books)
+        armed = sum(len(book.waits[wait.phase].armed) for book in self._seen)
+        fired = sum(len(book.waits[wait.phase].fired[trigger.name]) for book in self._seen)
         if fired:
-            at_once = sum(book.waits[wait.phase].at_once[trigger.name] for book in self._books)
-            if at_once < armed or trigger.condition is None:
+            at_once = sum(book.waits[wait.phase].at_once[trigger.name] for book in self._seen)
+            if trigger.condition is None or not at_once:
+                return None
+            if at_once < armed and self._can_be(wait, [(trigger.condition.tree, False)]):
                 return None
             message = f"'{trigger.text}' is true already whenever the wait begins"
             return "trigger.at_once", Severity.WARNING, message, "go there without a wait"
         late = self._late(wait, trigger)
         if late:
             return "trigger.never", Severity.ERROR, f"{late}: it can never fire", ""
-        if trigger.condition is not None and not self._can_hold(wait, trigger.condition):
+        if trigger.condition is not None and not self._can_be(
+            wait, [(trigger.condition.tree, True)]
+        ):
             message = f"nothing can make '{trigger.condition.text}' true here"
             return "trigger.never", Severity.ERROR, message, ""
-        earlier = wait.triggers[number - 1].text if number else "another"
-        message = f"'{trigger.text}' can never fire: '{earlier}', listed before it, always does"
+        message = f"'{trigger.text}' can never fire: {self._ahead(wait, number)} always does"
         return "trigger.shadowed", Severity.WARNING, message, "list it first, or leave it out"
+
+    def _ahead(self, wait: Wait, number: int) -> str:
+        """What fires wherever this trigger would."""
+        own = wait.triggers[number].condition
+        for trigger in wait.triggers[:number]:
+            if own is None or trigger.condition is None:
+                continue
+            if not self._can_be(wait, [(own.tree, True), (trigger.condition.tree, False)]):
+                return f"'{trigger.text}', listed before it,"
+        return "another one"
 
     @staticmethod
     def _late(wait: Wait, trigger: TriggerSpec) -> str:
@@ -101,19 +146,22 @@ class _Judge:
         took = "must be held for" if trigger.after_s is None else "comes after"
         return f"it {took} {own_s:g} s, and {what} ends the wait after {least_s:g} s"
 
-    def _can_hold(self, wait: Wait, condition: Expression) -> bool:
+    def _can_be(self, wait: Wait, facts: Sequence[Fact]) -> bool:
+        """Whether all of this can be so in a configuration of the wait."""
         reached = {
-            configuration for book in self._books for configuration in book.waits[wait.phase].states
+            configuration for book in self._seen for configuration in book.waits[wait.phase].states
         }
         return any(
-            self._conditions.ask(
-                [(condition.tree, True)], self._table.configurations[each]
-            ).possible
+            self._conditions.ask(facts, self._table.configurations[each]).possible
             for each in reached
         )
 
     def constant(self, condition: Expression) -> str:
-        """``true`` or ``false`` where the condition is that in every configuration."""
+        """``true`` or ``false`` where the condition is that in every configuration.
+
+        What is true of every value of its signals counts as true: asking whether they are known
+        is :class:`~pirate_sm.expressions.tree.Known`'s.
+        """
         if condition.tree not in self._constant:
             regions = self._conditions.regions(condition.tree)
             every = {
@@ -121,8 +169,22 @@ class _Judge:
                 for states in self._table.configurations
             }
             self._constant[condition.tree] = ""
-            for fact, said in ((False, "true"), (True, "false")):
-                asked = [(condition.tree, fact)]
-                if not any(self._conditions.ask(asked, states).possible for states in every):
+            known: list[Fact] = [(tree.Known(each), True) for each in _numbers(condition.tree)]
+            questions: list[tuple[str, list[Fact]]] = [
+                ("true", [(condition.tree, False)]),
+                ("false", [(condition.tree, True)]),
+                ("true where its signals are known", [(condition.tree, False), *known]),
+            ]
+            for said, facts in questions:
+                if not any(self._conditions.ask(facts, states).possible for states in every):
                     self._constant[condition.tree] = said
+                    break
         return self._constant[condition.tree]
+
+
+def _numbers(node: tree.Node) -> list[tree.Signal]:
+    """The numeric signals of a condition that is about their values."""
+    parts = dict.fromkeys(tree.walk(node))
+    if any(isinstance(each, tree.Known) for each in parts):
+        return []
+    return [each for each in parts if isinstance(each, tree.Signal) and each.kind == "number"]

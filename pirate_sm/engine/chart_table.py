@@ -57,5 +57,5 @@ class ChartTable:
         return self.following[configuration][command]
 
     def why_not(self, configuration: int, command: int) -> str:
-        """Why the chart does not move: the guard that says no, or that nothing knows it here."""
+        """Why the chart does not move: what it needs that is not so."""
         return self.reasons[self.refusals[configuration][command]]

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import ast
 import json
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pirate_sm.engine.chart_table import ChartTable, Configuration
 from pirate_sm.loading.chart_outline import ChartOutline
 from pirate_sm.loading.problems import Problems
-from pirate_sm.spelling import one_of
 
 if TYPE_CHECKING:
     from pirate_sm.loading.source import Document
@@ -94,16 +94,33 @@ def _names(outline: ChartOutline, values: tuple[str, ...]) -> Configuration:
 
 
 def _reason(outline: ChartOutline, states: Configuration, command: str) -> str:
-    """Which guard says no, or that no state machine knows the command here."""
+    """What the command needs and is not so, or the states that take it."""
     active = {f"{region}.{state}" for region, state in zip(outline.regions, states, strict=True)}
-    denials: list[str] = []
+    needs = [
+        _denials(ast.parse(transition.guard, mode="eval").body, active)
+        for transition in outline.transitions
+        if transition.event == command and transition.source in active and transition.guard
+    ]
+    ways = dict.fromkeys(map(_joined, filter(None, needs)))
+    return f"it needs {', or '.join(ways or _sources(outline, command))}"
+
+
+def _sources(outline: ChartOutline, command: str) -> Iterator[str]:
+    """The states that take a command, as a mission would write them."""
+    found: dict[str, dict[str, None]] = {}
     for transition in outline.transitions:
-        if transition.event == command and transition.source in active and transition.guard:
-            denials += _denials(ast.parse(transition.guard, mode="eval").body, active)
-    if denials:
-        return f"{one_of(dict.fromkeys(denials)).removeprefix('one of ')} says no"
-    moves = sorted({t.source for t in outline.transitions if t.event == command})
-    return f"no state machine knows it here (only from {', '.join(moves)})"
+        if transition.event == command:
+            state = transition.source.partition(".")[2]
+            found.setdefault(transition.region, {})[state] = None
+    for region, states in found.items():
+        some = len(states) > 1
+        yield f"{region} in ({', '.join(states)})" if some else f"{region} == {next(iter(states))}"
+
+
+def _joined(parts: Sequence[str]) -> str:
+    if len(parts) == 1:
+        return parts[0]
+    return " and ".join(f"({part})" if " or " in part else part for part in parts)
 
 
 def _denials(guard: ast.expr, active: set[str]) -> list[str]:
@@ -111,7 +128,7 @@ def _denials(guard: ast.expr, active: set[str]) -> list[str]:
     parts = (
         guard.values if isinstance(guard, ast.BoolOp) and isinstance(guard.op, ast.And) else [guard]
     )
-    return [f"guard {_said(part)}" for part in parts if not _holds(part, active)]
+    return [_said(part) for part in parts if not _holds(part, active)]
 
 
 def _said(node: ast.expr) -> str:

@@ -101,6 +101,7 @@ def _regions(data: Any, problems: Problems) -> tuple[str, Mapping[str, Any]] | N
         problems.add(
             "chart.shape", ("states", name),
             "the chart's one state needs `parallel: true` and `states`, one per state machine",
+            key=True,
         )  # fmt: skip
         return None
     _refuse_unknown(body, ("parallel", "states"), ("states", name), problems)

@@ -122,7 +122,7 @@ def read_mission(
     chosen, pipe_name, pipe_document = _pipe(pipe, mission, document, folder, problems)
     if chosen is not None:
         check_fit(chosen, loaded.profile, pipe_document, problems)
-    values = _values(mission, settings or {}, problems)
+    values = _values(mission, settings or {}, problems, assumed=bool(tolerated))
     spec = loaded.oriented(mission.polarity or "normal")
     if start_phase is not None and start_phase not in mission.phases:
         raise _unknown("phase", start_phase, mission.phases)
@@ -174,7 +174,10 @@ def _pipe(
     return found, found.pipe or mission.pipe, source
 
 
-def _values(mission: Mission, settings: Mapping[str, str], problems: Problems) -> parameters.Values:
+def _values(
+    mission: Mission, settings: Mapping[str, str], problems: Problems, *, assumed: bool
+) -> parameters.Values:
+    """The parameters; one that has no value has a sensible one where it may be assumed."""
     values = parameters.defaults(mission.parameters, problems)
     for name, text in settings.items():
         if name not in mission.parameters:
@@ -185,7 +188,9 @@ def _values(mission: Mission, settings: Mapping[str, str], problems: Problems) -
             raise UsageError(f"--set {name}={text}: {error}") from None
         values[name] = parameters.Value(value, text)
     for name in mission.parameters.keys() - values.keys():
-        if mission.parameters[name].default is None:
+        if assumed:
+            values[name] = parameters.sample(mission.parameters[name])
+        elif mission.parameters[name].default is None:
             raise UsageError(f"parameter '{name}' has no default: give it with --set {name}=…")
     return values
 

@@ -112,6 +112,17 @@ def stand_in(definition: ParameterDefinition) -> Value:
     return Value(Quantity(1.0, DIMENSIONS[definition.type]), "")
 
 
+def sample(definition: ParameterDefinition) -> Value:
+    """A value that a parameter without a default may be given: one of its limits, else one."""
+    for limit in (definition.min, definition.max):
+        try:
+            if limit is not None:
+                return Value(read_value(definition, limit), str(limit))
+        except QuantityError:
+            break  # which has been said
+    return stand_in(definition)
+
+
 def given(
     definitions: Mapping[str, ParameterDefinition],
     arguments: Mapping[str, Value | ParameterValue],

@@ -45,13 +45,20 @@ def reach(profile: Profile) -> tuple[float, float]:
     return least, min(largest)
 
 
+def check_pipe(pipe: Pipe, document: Document, problems: Problems) -> None:
+    """A pipe that cannot be built is a problem."""
+    at, about = _part_of(document), problems.about(document)
+    before = len(problems.errors)
+    _check_shape(pipe, at, about)
+    if len(problems.errors) == before:  # else there is no telling where its legs lie
+        _check_crossing(pipe, at, about)
+    _check_places(pipe, at, about)
+
+
 def check_fit(pipe: Pipe, profile: Profile, document: Document, problems: Problems) -> None:
     """A pipe that cannot be built, or that the robot cannot clamp, is a problem."""
-    at: At = ("pipe",) if "pipe" in document.data and "phases" in document.data else ()
-    about = problems.about(document)
-    _check_shape(pipe, at, about)
-    _check_crossing(pipe, at, about)
-    _check_places(pipe, at, about)
+    check_pipe(pipe, document, problems)
+    at, about = _part_of(document), problems.about(document)
     least, largest = reach(profile)
     if not least < pipe.diameter <= largest:
         about.add(
@@ -60,6 +67,11 @@ def check_fit(pipe: Pipe, profile: Profile, document: Document, problems: Proble
             f"{profile.robot} cannot clamp an inner diameter of {_mm(pipe.diameter)}",
             expected=f"more than {_mm(least)} and at most {_mm(largest)}: l sin(end stop / 2) + 2r",
         )
+
+
+def _part_of(document: Document) -> At:
+    """Where the pipe stands in its file, which may be a mission's."""
+    return ("pipe",) if "pipe" in document.data and "phases" in document.data else ()
 
 
 def _check_shape(pipe: Pipe, at: At, problems: Problems) -> None:

@@ -345,7 +345,8 @@ class _PhaseWriter:
         source = self.compiler.source(step.call, scope, (*path, "call"))
         if source is None:
             return
-        self._check_call(source, (*path, "call"))
+        if not self._check_call(source, (*path, "call")):
+            return
         failed = self._failure(step, path, after)
         values = self._arguments(step, source, path)
         inside = replace(
@@ -382,7 +383,8 @@ class _PhaseWriter:
             )
         return values
 
-    def _check_call(self, source: Source, path: Path) -> None:
+    def _check_call(self, source: Source, path: Path) -> bool:
+        """Whether the called mission is for this robot, so that its names mean something."""
         mission, own = source.mission, self.scope.source
         polarity = self.scope.robot.polarity
         if mission.polarity not in {None, polarity}:
@@ -391,6 +393,7 @@ class _PhaseWriter:
                 f"'{mission.mission}' is {mission.polarity}, this mission is {polarity}",
             )  # fmt: skip
         if _robot_of(source) != _robot_of(own):
-            self.scope.problems.add(
-                "mission.robot", path, f"'{mission.mission}' is for the robot '{mission.robot}'"
-            )
+            message = f"'{mission.mission}' is for the robot '{mission.robot}'"
+            self.scope.problems.add("mission.robot", path, message)
+            return False
+        return True

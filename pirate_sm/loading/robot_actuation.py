@@ -69,7 +69,7 @@ def _write(
         if abs(setpoint.angle_rad) > slot.high:
             problems.add("robot.setpoint", path, f"beyond the limit of '{slot.name}'")
         return Write(index, "set", sign * setpoint.angle_rad + 0.0)
-    if slot.loop is None or slot.angle < 0:
+    if slot.loop is None:
         problems.add(
             "robot.setpoint", path,
             f"'{slot.name}' takes a duty cycle: its motor has no position loop to hold an angle",
@@ -99,5 +99,5 @@ def _check_slots(
         if owners.setdefault(slot, region) != region:
             problems.add(
                 "robot.actuation", ("actuation", region),
-                f"'{slots.specs[slot].name}' is written by {owners[slot]} too",
+                f"'{slots.specs[slot].name}' is written by {owners[slot]} too", key=True,
             )  # fmt: skip

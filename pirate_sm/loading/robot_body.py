@@ -52,6 +52,7 @@ def _check_chain(body: Body, problems: Problems) -> None:
         problems.add(
             "robot.link", ("body", "links"),
             f"{len(body.wheels)} wheels are joined by {needed} links, got {len(body.links)}",
+            key=True,
         )  # fmt: skip
     _refuse_twice([wheel.name for wheel in body.wheels], ("body", "wheels"), problems)
     _refuse_twice([joint.name for joint in body.joints], ("body", "joints"), problems)
@@ -202,6 +203,8 @@ def _must_be(
     key: bool = False,
 ) -> None:
     names = list(valid)
+    if len(set(names)) < len(names):
+        return  # one that stands twice is told of, and hides the one that is missing
     if name not in names:
         problems.add(
             f"robot.{kind.rpartition(' ')[2]}", path, f"there is no {kind} '{name}'",

@@ -167,10 +167,11 @@ def _criterion(  # noqa: C901 - one case per kind
                 signals.number(name, (*path, "signals", number))
                 for number, name in enumerate(done.signals)
             )
-            for name in done.signals:
-                kind = signals.vocabulary.types.get(name)
+            kinds = {name: signals.vocabulary.types.get(name) for name in done.signals}
+            for name, kind in kinds.items():
                 if isinstance(kind, NumberType) and kind.dimension != done.limit.dimension:
                     problems.add("robot.criterion", (*path, "limit"), f"'{name}' is {kind}")
+                    break  # the others are compared with the same limit
             return BelowSpec(numbers, done.limit.value, done.for_s)
 
 

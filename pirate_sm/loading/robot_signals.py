@@ -238,13 +238,15 @@ def _check_name(
 
 def _derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
     profile = signals.profile
+    told = [c.signal for board in profile.boards for c in board.channels if c.signal]
+    hidden = len(set(told)) < len(told)  # one that is told twice hides the one that is missing
     for name, derived in profile.derived.items():
         path: Path = ("derived", name)
         if name in types:
             signals.problems.add("robot.signal", path, f"'{name}' is told twice", key=True)
         for source in _sources(derived):
             valid = _valid_sources(profile, derived, types)
-            if source not in valid:
+            if source not in valid and not hidden:
                 signals.problems.add(
                     "robot.signal", path, f"'{source}' is not known here",
                     expected=one_of(sorted(valid)), suggestion=nearest(source, valid) or "",

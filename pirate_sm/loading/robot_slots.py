@@ -53,11 +53,11 @@ def _slot(
             expected=one_of(profile.motors), suggestion=nearest(slot.motor, profile.motors) or "",
         )  # fmt: skip
         motor = model.Motor(kind="none")
-    _check_targets(profile, slot, path, problems)
+    known = _check_targets(profile, slot, path, problems)
     link = profile.link
     if slot.unit == "angle":
         limit = slot.limit if slot.limit is not None else inf
-        angle = signals.number(slot.roll, (*path, "roll"), ANGLE) if slot.roll else -1
+        angle = signals.number(slot.roll, (*path, "roll"), ANGLE) if slot.roll and known else -1
         return SlotSpec(slot.name, "angle", -limit, limit, link.angle_resolution, angle)
     if slot.joint is None:
         return SlotSpec(slot.name, "duty", -1.0, 1.0, link.duty_resolution)
@@ -73,7 +73,7 @@ def _slot(
         )  # fmt: skip
     return SlotSpec(
         slot.name, "duty", -1.0, 1.0, link.duty_resolution,
-        angle=signals.number(slot.joint, (*path, "joint"), ANGLE),
+        angle=signals.number(slot.joint, (*path, "joint"), ANGLE) if known else -1,
         rate=signals.rate_of(slot.joint),
         torque=signals.number(torque, torque_path, TORQUE) if torque else -1,
         loop=loop,
@@ -82,7 +82,9 @@ def _slot(
 
 def _check_targets(
     profile: model.Profile, slot: model.Slot, path: Path, problems: Problems
-) -> None:
+) -> bool:
+    """Whether what the slot drives is there."""
+    known = True
     valid = {
         "joint": [joint.name for joint in profile.body.joints],
         "wheel": [wheel.name for wheel in profile.body.wheels],
@@ -91,7 +93,9 @@ def _check_targets(
     for kind, names in valid.items():
         name = getattr(slot, kind)
         if name is not None and name not in names:
+            known = False
             problems.add(
                 f"robot.{kind}", (*path, kind), f"the body has no {kind} '{name}'",
                 expected=one_of(names), suggestion=nearest(name, names) or "",
             )  # fmt: skip
+    return known

@@ -146,7 +146,10 @@ class Scope:
         return names
 
     def command(self, name: str, path: Path) -> int | None:
-        """The index of a command, also by an alias; None and a problem when there is none."""
+        """The index of a command, also by an alias; None and a problem when there is none.
+
+        A misspelt command counts as the one that was most likely meant, for what follows from it.
+        """
         profile, table = self.profile, self.robot.table
         name = profile.aliases.get(name, name)
         if name in table.command_index:
@@ -155,8 +158,10 @@ class Scope:
             why = profile.not_commands[name]
             self.problems.add("mission.command", path, f"'{name}' is not a command: {why}")
             return None
-        self._unknown("command", name, [*table.commands, *profile.aliases], path, "mission.command")
-        return None
+        names = [*table.commands, *profile.aliases]
+        self._unknown("command", name, names, path, "mission.command")
+        meant = nearest(name, names)
+        return None if meant is None else table.command_index[profile.aliases.get(meant, meant)]
 
     def condition(self, text: str, path: Path) -> Expression | None:
         """A compiled condition, or None after saying what is wrong with it."""

@@ -8,7 +8,7 @@ from typing import Annotated, Any, TypeAlias
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from pirate_sm.model.base import Format, Frozen, Name
-from pirate_sm.model.quantities import Angle, Duration, Length, quantity_fault
+from pirate_sm.model.quantities import Angle, Duration, Length, range_fault
 from pirate_sm.model.simulation import Friction
 
 _ROUNDING_DEG = 1e-6
@@ -22,7 +22,7 @@ def _within(limit_deg: int) -> AfterValidator:
         if abs(angle_deg) <= limit_deg + _ROUNDING_DEG:
             return angle_rad
         bound = f"at most {limit_deg}" if angle_deg > 0 else f"at least -{limit_deg}"
-        raise quantity_fault(f"expected {bound} deg, got {angle_deg:.6g} deg")
+        raise range_fault(f"expected {bound} deg, got {angle_deg:.6g} deg")
 
     return AfterValidator(check)
 

@@ -37,6 +37,11 @@ def quantity_fault(message: str, expected: str = "", suggestion: str = "") -> Py
     return PydanticCustomError("quantity", "{message}", context)
 
 
+def range_fault(message: str) -> PydanticCustomError:
+    """Return an error about a value that has the right form and is beyond its limits."""
+    return PydanticCustomError("range", "{message}", {"message": message})
+
+
 def _shown(value: object) -> str:
     """Return a scalar as it stands in the file, anything else by its kind."""
     if isinstance(value, bool):
@@ -265,6 +270,8 @@ def _or_parameter(
 def _read_count(value: Any, info: ValidationInfo) -> int:
     if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
         return value
+    if isinstance(value, int) and not isinstance(value, bool):
+        raise range_fault(f"expected a count of at least 0, got {value}")
     raise quantity_fault(f"expected a count such as 3, got {_shown(value)}")
 
 

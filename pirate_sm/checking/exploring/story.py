@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from math import isnan
+from typing import TypeAlias
 
 from pirate_sm.checking.exploring.explorer import Exploration, Step
 from pirate_sm.expressions import NumberType, Vocabulary
@@ -18,26 +19,33 @@ from pirate_sm.model.effects import (
 )
 from pirate_sm.units import DIMENSIONLESS, format_quantity
 
+Written: TypeAlias = Callable[[str, str], str]
+"""The word that the step at a place, ``file:line:col``, has for a command."""
 
-def story(found: Exploration, step: int) -> tuple[str, ...]:
+
+def _as_it_is(place: str, command: str) -> str:
+    return command
+
+
+def story(found: Exploration, step: int, written: Written = _as_it_is) -> tuple[str, ...]:
     """How this step of the exploration comes about."""
-    return tuple(sentence(found, each) for each in found.path(step))
+    return tuple(sentence(found, each, written) for each in found.path(step))
 
 
-def sentence(found: Exploration, step: Step) -> str:
+def sentence(found: Exploration, step: Step, written: Written = _as_it_is) -> str:
     """What happens in a step, and what follows."""
-    said = [_what(found, step), *_consequences(step.effects)]
+    said = [_what(found, step, written), *_consequences(step.effects, written)]
     shown = _shown(found.robot.vocabulary, step.moment.answer.numbers, step.moment.answer.words)
     if shown and not any(isinstance(each, TriggerFired) for each in step.effects):
         said[0] += f" (with {shown})"
     return "; ".join(part for part in said if part)
 
 
-def _what(found: Exploration, step: Step) -> str:
+def _what(found: Exploration, step: Step, written: Written) -> str:
     """The event itself."""
     state = found.nodes[step.source].state if step.source >= 0 else None
     motion = state.robot.motion if state else None
-    name = found.robot.commands[motion.command].name if motion else ""
+    name = written(motion.place, found.robot.commands[motion.command].name) if motion else ""
     place = f" ({motion.place})" if motion and motion.place else ""
     flight = state.robot.flight if state else None
     match step.move.kind:
@@ -62,7 +70,7 @@ def _what(found: Exploration, step: Step) -> str:
             return f"{name} is done" if name else "time passes"
 
 
-def _consequences(effects: Iterable[Effect]) -> Iterable[str]:
+def _consequences(effects: Iterable[Effect], written: Written) -> Iterable[str]:
     for effect in effects:
         match effect:
             case TriggerFired():
@@ -70,9 +78,11 @@ def _consequences(effects: Iterable[Effect]) -> Iterable[str]:
             case PhaseChange():
                 yield f"{effect.phase} begins"
             case CommandStatus(status="refused"):
-                yield f"{effect.name} ({effect.place}) is refused as {effect.reason}"
+                name = written(effect.place, effect.name)
+                yield f"{name} ({effect.place}) is refused as {effect.reason}"
             case CommandStatus(status="skipped"):
-                yield f"{effect.name} ({effect.place}) is skipped, {effect.reason}"
+                name = written(effect.place, effect.name)
+                yield f"{name} ({effect.place}) is skipped, {effect.reason}"
             case Fault():
                 yield effect.message
             case Ended():

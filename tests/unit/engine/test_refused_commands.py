@@ -89,19 +89,23 @@ def test_only_reset_reaches_the_state_that_operation_must_never_enter():
     ("states", "name", "reason"),
     [
         (FRONT_CLAMPED, "ClampFront", "unneeded"),
-        (FRONT_CLAMPED, "RelaxFront", "impossible: guard BendingState in (DoubleClamped,"),
-        ({}, "DriveForward", "impossible: no state machine knows it here"),
+        (FRONT_CLAMPED, "RelaxFront", "impossible: it needs BendingState in (DoubleClamped,"),
+        (
+            {},
+            "DriveForward",
+            "impossible: it needs FrontWheelsState in (Fixed, DrivingBackward), or ",
+        ),
         (
             DRIVING_FORWARD,
             "RelaxRear",
-            "impossible: guard FrontWheelsState != DrivingForward, guard ",
+            "impossible: it needs FrontWheelsState != DrivingForward and ",
         ),
-        (BOTH_CLAMPED, "AlignLeft", "impossible: guard BendingState != DoubleClamped"),
+        (BOTH_CLAMPED, "AlignLeft", "impossible: it needs BendingState != DoubleClamped"),
         ({}, "AlignOther", "impossible: there is no such command"),
         ({}, "clampfront", "impossible: there is no such command"),
     ],
 )
-def test_a_refusal_names_the_guard_or_says_that_nothing_knows_it(drive, states, name, reason):
+def test_a_refusal_says_what_the_command_needs(drive, states, name, reason):
     driver = drive(IDLE, states=states)
 
     command(driver, name)

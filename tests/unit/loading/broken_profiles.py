@@ -42,7 +42,7 @@ FAULTS = [
     (
         "    - {module: rump, length: 80 mm, mass: 100 g}\n",
         "",
-        "- {module: head",
+        "links:",
         "4 wheels are joined by 3 links, got 2",
     ),
     ("mass: 120 g}", "mass: 120 g, roll: twist}", "twist", "there is no signal 'twist'"),

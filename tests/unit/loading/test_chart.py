@@ -189,7 +189,7 @@ def test_a_guard_that_is_no_text_is_refused(newt, guard):
         ("Grip.NoseHeld:\n", "Grip.x:\n            enter: rm\n", "16:13: unknown key 'enter'"),
         ("          Grip.NoseHeld:\n", "          Grip.x: 5\n          Grip.NoseHeld:\n",
          "15:19: a state has `initial`, `transitions`"),
-        ("    parallel: true\n", "", "6:5: the chart's one state needs `parallel: true`"),
+        ("    parallel: true\n", "", "5:3: the chart's one state needs `parallel: true`"),
         ("states:\n  newt:", "states:\n  other: {}\n  newt:", "2:1: a chart has `states` with"),
         ("name: newt", "nam: newt", "2:1: unknown key 'nam'"),
         ("name: newt", "datamodel: {x: 1}", "2:1: unknown key 'datamodel'"),

@@ -60,7 +60,7 @@ def test_what_is_shipped_loads(path):
         (phase("do: ClampFront, go: e"), "6:11: expected a list, got the text 'ClampFront'"),
         (steps("{command: Brake, retri: 2}"), "6:29: unknown key 'retri'"),
         (steps("{command: Brake, unneeded: maybe}"), "6:39: expected one of skip, fail"),
-        (steps("{command: Brake, retry: -1}"), "6:36: expected a count such as 3, got '-1'"),
+        (steps("{command: Brake, retry: -1}"), "6:36: expected a count of at least 0, got -1"),
         (steps("{command: Brake, retry: 1.5}"), "6:36: expected a count such as 3, got '1.5'"),
         (steps("{command: Brake, timeout: 5}"), "6:38: expected a duration such as '2 s', got '5'"),
         (steps("{command: Brake, timeout: 5 mm}"), "6:38: expected a duration such as '2 s'"),

@@ -80,7 +80,7 @@ def test_a_file_gives_the_unit(kind: Any, written: object, value: object) -> Non
         (Number, math.inf, "expected a bare number, got 'inf'"),
         (DurationOrParameter, 3, "expected a duration such as '2 s', got '3' without a unit"),
         (DurationOrParameter, "$", "expected a parameter such as '$give_up', got '$'"),
-        (CountOrParameter, -1, "expected a count such as 3, got '-1'"),
+        (CountOrParameter, -1, "expected a count of at least 0, got -1"),
         (CountOrParameter, "2 s", "expected a count such as 3, got '2 s'"),
         (AnyQuantity, "2 blinks", "unknown unit 'blinks' in '2 blinks'"),
     ],
