@@ -19,6 +19,7 @@ from pirate_sm.cli.drawing import graph
 from pirate_sm.cli.emulating import bay
 from pirate_sm.cli.keeping import compare, export, replay
 from pirate_sm.cli.operating import console
+from pirate_sm.cli.reporting import report
 
 
 class Backends(str, Enum):  # noqa: UP042 - a StrEnum would show its members in capitals
@@ -272,6 +273,7 @@ commands.command("bay")(bay)
 commands.command("replay")(replay)
 commands.command("compare")(compare)
 commands.command("export")(export)
+commands.command("report")(report)
 
 
 @new.command("mission")

@@ -1,0 +1,178 @@
+"""A recorded run becomes the plain values that a page is made of.
+
+States, commands and faults are told as they were recorded. Signals are not recorded: the engine
+makes them of the recorded frames, so the recorded inputs are given to one again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import isnan
+
+from pirate_sm.drawing.highlight import highlight
+from pirate_sm.drawing.mission_graph import mission_graph
+from pirate_sm.drawing.svg.picture import svg
+from pirate_sm.drawing.way import Way
+from pirate_sm.engine.state import EngineState
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model import effects as fx
+from pirate_sm.model.events import Event, SensorFrame
+from pirate_sm.recording.placing import Placing
+from pirate_sm.recording.replay import Rerun, same
+from pirate_sm.report.charts import Measured, Travel, charts
+from pirate_sm.report.model import Fact, Report
+from pirate_sm.report.sampling import Samples
+from pirate_sm.report.scene import Following, Holding, Poses, scene_of, travel_of, walls_of
+from pirate_sm.report.timeline import Timeline
+from pirate_sm.report.words import Course, Ending, Story, summary
+
+
+@dataclass(frozen=True)
+class About:
+    """What is known of a run beside what happened in it.
+
+    Attributes:
+        where: In which pipe and on what it ran, in words.
+        nominal: Whether commands ended by their time on paper.
+        first_wheel_m: Where odometry took the first wheel to begin; None: as the pipe says.
+        warnings: What a reader must know before they believe it.
+        facts: The small print.
+    """
+
+    where: str
+    nominal: bool
+    first_wheel_m: float | None = None
+    warnings: tuple[str, ...] = ()
+    facts: tuple[Fact, ...] = ()
+
+
+def gather(
+    loaded: LoadedMission, about: About, steps: Iterable[Rerun], seen: Poses | None
+) -> Report:
+    """The report of a run.
+
+    Args:
+        loaded: The mission as it was run.
+        about: What else is known.
+        steps: What the engine was given, what came of it, and its state now.
+        seen: Where the robot really was; None where nobody knew.
+    """
+    run = _Run(loaded, about)
+    for again in steps:
+        run.take(again)
+    return run.report(seen)
+
+
+class _Run:
+    """A run while it is gone through again."""
+
+    def __init__(self, loaded: LoadedMission, about: About) -> None:
+        robot, profile = loaded.robot, loaded.loaded_robot.profile
+        self._loaded, self._about = loaded, about
+        self._state: EngineState | None = None
+        self._signals = Samples(len(robot.vocabulary.numbers))
+        self._setpoints = Samples(len(robot.slots))
+        self._timeline = Timeline(robot.regions, nominal=about.nominal)
+        descriptions = {name: each.description for name, each in loaded.mission.phases.items()}
+        self._story = Story(descriptions, nominal=about.nominal)
+        self._way = Way()
+        self._holding = Holding(robot)
+        placing = Placing(profile, robot, loaded.pipe, about.first_wheel_m)
+        self._following = Following(placing)
+        self._at_s = 0.0
+        self._doubt = ""
+        self._ended: fx.Ended | None = None
+        self._told = {
+            board.id: tuple({*board.numbers, *(n for n in (robot.odometry, robot.speed) if n >= 0)})
+            if board.wheels
+            else board.numbers
+            for board in robot.boards.values()
+        }
+
+    def take(self, again: Rerun) -> None:
+        """The step has had its effect on everything."""
+        step = again.step
+        self._at_s = max(self._at_s, step.at_s)
+        if again.state is not None:
+            self._look(again.state, step.event, step.at_s)
+        if not self._doubt and not same(step.effects, again.effects):
+            self._doubt = (
+                f"From {step.at_s:.2f} s on this version of the program does otherwise than the "
+                "one that recorded: signals may differ from what was known then."
+            )
+        self._timeline.take(step.at_s, step.event, step.effects)
+        self._story.take(step.at_s, step.event, step.effects)
+        self._way.see(step.effects, step.at_s)
+        for effect in step.effects:
+            if isinstance(effect, fx.Setpoints):
+                self._setpoints.take(step.at_s, effect.values)
+            elif isinstance(effect, fx.Ended):
+                self._ended = effect
+
+    def _look(self, state: EngineState, event: Event | None, at_s: float) -> None:
+        """What the engine knew at this moment has been noted."""
+        if self._state is None:
+            self._setpoints.take(at_s, state.robot.values)
+        self._state = state
+        told = self._told.get(event.board, ()) if isinstance(event, SensorFrame) else ()
+        self._signals.take(at_s, state.sensing.shown, told)
+        self._holding.look(state, at_s)
+        if not self._about.nominal:
+            self._following.look(state, at_s)
+
+    def report(self, seen: Poses | None) -> Report:
+        """What is to be told of it."""
+        loaded, about, until_s = self._loaded, self._about, self._at_s
+        robot, profile = loaded.robot, loaded.loaded_robot.profile
+        poses = seen or self._following.poses
+        travel = travel_of(poses, loaded.pipe)
+        measured = Measured(profile, robot, self._signals, self._setpoints, until_s, travel)
+        ending = self._ending()
+        lanes = self._timeline.lanes(until_s)
+        scene = scene_of(
+            poses, profile, robot, walls_of(loaded.pipe), self._signals, self._setpoints,
+            self._holding.lanes(until_s),
+        )  # fmt: skip
+        graph = highlight(mission_graph(loaded.mission), self._way.stops)
+        return Report(
+            title=loaded.mission.mission,
+            outcome=ending.outcome,
+            summary=summary(self._course(ending, travel)),
+            story=self._story.finish(ending),
+            warnings=(*about.warnings, *self._doubts(seen)),
+            duration_s=until_s,
+            lanes=lanes,
+            charts=charts(measured),
+            scene=scene,
+            diagram=svg(graph),
+            facts=about.facts,
+            files=loaded.files,
+        )
+
+    def _ending(self) -> Ending:
+        if self._ended is None:
+            return Ending("unfinished", "", self._at_s)
+        return Ending(self._ended.outcome, self._ended.message, self._at_s)
+
+    def _course(self, ending: Ending, travel: Travel | None) -> Course:
+        loaded, story, robot = self._loaded, self._story, self._loaded.robot
+        odometer = self._state.sensing.numbers[robot.odometry] if (
+            self._state is not None and robot.odometry >= 0 and not self._about.nominal
+        ) else float("nan")  # fmt: skip
+        moved = travel.distance.values[-1] if travel is not None and travel.true else None
+        return Course(
+            loaded.mission.mission, loaded.mission.description, robot.name, self._about.where,
+            ending, None if isnan(odometer) else odometer, moved, story.counts, story.faults,
+        )  # fmt: skip
+
+    def _doubts(self, seen: Poses | None) -> tuple[str, ...]:
+        doubts = [self._doubt] if self._doubt else []
+        if self._about.nominal:
+            doubts.append("Nothing moved: commands ended by their time on paper.")
+        elif seen is None and self._following.poses.times_s:
+            doubts.append(
+                "Nobody knew where the robot was: it is drawn where its joints and its odometer "
+                "take it to be. Slip is not in that."
+            )
+        return tuple(doubts)

@@ -1,0 +1,178 @@
+"""What a report tells, as plain values: no engine, no recording, no HTML in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, TypeAlias
+
+Place: TypeAlias = tuple[float, float]
+
+SpanKind: TypeAlias = Literal[
+    "phase", "state", "unconfirmed", "done", "failed", "open", "wait", "word", "question"
+]
+MarkKind: TypeAlias = Literal[
+    "trigger", "fault", "error", "warning", "skipped", "refused", "operator", "end"
+]
+
+
+class Span(NamedTuple):
+    """Something that lasted.
+
+    Attributes:
+        about: More of it, for whoever asks.
+    """
+
+    start_s: float
+    end_s: float
+    text: str
+    kind: SpanKind
+    about: str = ""
+
+
+class Mark(NamedTuple):
+    """Something that happened at one moment."""
+
+    at_s: float
+    text: str
+    kind: MarkKind
+    about: str = ""
+
+
+@dataclass(frozen=True)
+class Lane:
+    """One row of the timeline; nothing in ``spans`` overlaps."""
+
+    name: str
+    spans: tuple[Span, ...] = ()
+    marks: tuple[Mark, ...] = ()
+
+
+@dataclass(frozen=True)
+class Series:
+    """One curve.
+
+    Attributes:
+        times_s: When each value held; rising.
+        values: In the unit of the chart; NaN where it was unknown.
+        stepped: Whether a value holds until the next one.
+        main: Whether it stands out among the others.
+    """
+
+    name: str
+    times_s: Sequence[float]
+    values: Sequence[float]
+    stepped: bool = False
+    main: bool = False
+
+
+@dataclass(frozen=True)
+class Chart:
+    """One plot.
+
+    Attributes:
+        digits: Decimals that mean something in this unit.
+        note: What a reader must know about it.
+    """
+
+    title: str
+    unit: str
+    digits: int
+    series: tuple[Series, ...]
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """A wheel as it is drawn.
+
+    Attributes:
+        part: The part that it belongs to.
+        angle: Its angle over time, rad; counter-clockwise is positive where side A is up.
+        drive: What it is told, forward positive.
+    """
+
+    name: str
+    part: str
+    angle: Series
+    drive: Series
+
+
+@dataclass(frozen=True)
+class Light:
+    """A light; ``at`` is where along the chain it is, 0 at the first wheel, 1 at the last."""
+
+    name: str
+    at: float
+    level: Series
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The robot in its pipe, to scale, in the plane of the pipe, m.
+
+    Attributes:
+        source: ``truth``: a simulator knew where the robot was. ``reckoned``: it is taken to be
+            there, from its joints and its odometer.
+        times_s: When each pose held; ``poses`` has the place of each wheel then, front to rear.
+        walls: Corners of each wall; none without a pipe.
+        parts: When each part held, confirmed or not.
+    """
+
+    source: Literal["truth", "reckoned"]
+    times_s: Sequence[float]
+    poses: Sequence[Sequence[Place]]
+    walls: tuple[tuple[Place, ...], ...]
+    wheels: tuple[Wheel, ...]
+    wheel_radius_m: float
+    half_thickness_m: float
+    parts: tuple[Lane, ...]
+    lights: tuple[Light, ...]
+
+
+class Sentence(NamedTuple):
+    """A sentence of the story, and when that was.
+
+    Attributes:
+        kind: What sort of thing it tells of, for a sign beside it.
+        topic: The phase that it is about; empty for a sentence about anything else.
+    """
+
+    at_s: float
+    text: str
+    kind: Literal["phase", "trouble", "person", "end"] = "phase"
+    topic: str = ""
+
+
+class Fact(NamedTuple):
+    """A line of the small print."""
+
+    name: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Report:
+    """Everything that a page tells.
+
+    Attributes:
+        outcome: How the run ended; ``unfinished`` where the recording does not say.
+        summary: What happened, in few sentences.
+        warnings: What a reader must know before they believe it.
+        duration_s: Until when there is something to tell.
+        diagram: The mission as an SVG element, with the path taken; empty without one.
+        files: Hash of each file by its name.
+    """
+
+    title: str
+    outcome: Literal["succeeded", "failed", "interrupted", "fault", "unfinished"]
+    summary: tuple[str, ...]
+    story: tuple[Sentence, ...]
+    warnings: tuple[str, ...]
+    duration_s: float
+    lanes: tuple[Lane, ...]
+    charts: tuple[Chart, ...]
+    scene: Scene | None
+    diagram: str
+    facts: tuple[Fact, ...]
+    files: Mapping[str, str]

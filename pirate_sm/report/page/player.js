@@ -1,0 +1,134 @@
+// The slider, and everything else that moves the time.
+
+const player = { playing: false };
+
+const startPlayer = () => {
+  const slider = byId('slider'), play = byId('play'), clock = byId('clock'), speed = byId('speed');
+  const whole = byId('whole');
+  let before = 0;
+
+  const phase = () => {
+    const lane = laneOf('phase'), span = lane && spanAt(lane, shown.at);
+    return span ? span[2] : '';
+  };
+  const show = () => {
+    slider.value = shown.at;
+    clock.textContent = told(shown.at);
+    slider.setAttribute('aria-valuetext', `${told(shown.at)}${phase() ? `, ${phase()}` : ''}`);
+  };
+  const toggle = (wanted) => {
+    player.playing = wanted;
+    play.textContent = wanted ? 'Pause' : 'Play';
+    play.setAttribute('aria-pressed', String(wanted));
+    if (!wanted) return;
+    if (shown.at >= data.duration) shown.goTo(0);
+    before = performance.now();
+    requestAnimationFrame(go);
+  };
+  const go = (now) => {
+    if (!player.playing) return;
+    const next = shown.at + Math.max(0, now - before) / 1000 * Number(speed.value);
+    before = now;
+    shown.goTo(next);
+    if (next >= data.duration) toggle(false); else requestAnimationFrame(go);
+  };
+
+  play.addEventListener('click', () => toggle(!player.playing));
+  slider.addEventListener('input', () => shown.goTo(Number(slider.value)));
+  whole.addEventListener('click', () => shown.whole());
+  document.addEventListener('keydown', (event) => {
+    const inside = event.target.closest('button, input, select, summary, [tabindex]');
+    if (inside || event.ctrlKey || event.metaKey || event.altKey) return;
+    const moves = { ArrowLeft: -1, ArrowRight: 1 };
+    if (event.key === ' ') toggle(!player.playing);
+    else if (event.key in moves) shown.goTo(shown.at + moves[event.key] * Number(slider.step) * (event.shiftKey ? 10 : 1));
+    else return;
+    event.preventDefault();
+  });
+  document.querySelectorAll('[data-at]').forEach((button) => {
+    button.addEventListener('click', () => shown.goTo(Number(button.dataset.at)));
+  });
+  shown.on('time', show);
+  shown.on('range', () => { whole.hidden = shown.isWhole; });
+  show();
+};
+
+/** What each lane says at the moment that is shown. */
+const startNow = () => {
+  const list = byId('now');
+  const rows = data.lanes.filter((lane) => lane.spans.length).map((lane) => {
+    const name = document.createElement('dt'), value = document.createElement('dd');
+    name.textContent = lane.name;
+    list.append(name, value);
+    return { lane, value };
+  });
+  const show = () => rows.forEach(({ lane, value }) => {
+    const span = spanAt(lane, shown.at);
+    const open = span && span[3] === 'unconfirmed';
+    value.textContent = span ? `${open ? '○ ' : ''}${span[2]}` : '–';
+    value.title = open ? 'commanded, not yet confirmed by sensors' : '';
+    value.className = span ? span[3] : '';
+  });
+  shown.on('time', show);
+  show();
+};
+
+/** The diagram shows which phase is current, and leads to the first time of each. */
+const startDiagram = () => {
+  const lane = laneOf('phase');
+  if (!lane) return;
+  const nodes = new Map([...document.querySelectorAll('#diagram [data-node]')].map((node) => [node.dataset.node, node]));
+  const nodeOf = (phase) => {
+    for (let name = phase; name; name = name.slice(0, Math.max(0, name.lastIndexOf('/')))) {
+      if (nodes.has(name)) return nodes.get(name);
+    }
+    return null;
+  };
+  const moments = new Map();
+  lane.spans.forEach(([start, , text]) => {
+    const node = nodeOf(text);
+    if (node && !moments.has(node)) moments.set(node, start);
+  });
+  lane.marks.forEach(([at, text]) => { if (nodes.has(text)) moments.set(nodes.get(text), at); });
+  moments.forEach((at, node) => {
+    node.setAttribute('tabindex', '0');
+    node.setAttribute('role', 'button');
+    node.setAttribute('aria-label', `${node.dataset.node}, at ${told(at)}`);
+    node.addEventListener('click', () => shown.goTo(at));
+    node.addEventListener('keydown', (event) => {
+      if (event.key !== 'Enter' && event.key !== ' ') return;
+      event.preventDefault();
+      shown.goTo(at);
+    });
+  });
+  const show = () => {
+    const end = lane.marks.find(([at, text]) => shown.at >= at && nodes.has(text));
+    const span = spanAt(lane, shown.at);
+    const current = end ? nodes.get(end[1]) : span && nodeOf(span[2]);
+    nodes.forEach((node) => node.classList.toggle('now', node === current));
+  };
+  shown.on('time', show);
+  show();
+};
+
+/** The sentence of the story that is current is marked. */
+const startStory = () => {
+  const items = [...document.querySelectorAll('.story li')];
+  const times = items.map((item) => Number(item.querySelector('[data-at]').dataset.at));
+  const show = () => {
+    const current = indexAt(times, shown.at);
+    items.forEach((item, i) => item.toggleAttribute('aria-current', i === current));
+  };
+  shown.on('time', show);
+  show();
+};
+
+startPlayer();
+startNow();
+startStory();
+startDiagram();
+drawScene();
+drawTimeline();
+drawPlots();
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => shown.tell('look'));
+document.documentElement.dataset.ready = 'yes';

@@ -1,0 +1,153 @@
+// Measurements over time, by uPlot; one part of the run is visible in all of them.
+
+const DASHES = [[], [7, 3], [2, 2], [9, 3, 2, 3]];
+const TINTS = 8, HEIGHT = 200;
+
+const drawPlots = () => {
+  const host = byId('plots');
+  const plots = [];
+
+  /** Curves that were measured at different times on one axis; uPlot knows gaps from misses. */
+  const aligned = (series) => {
+    const tables = series.map((each) => [clocks[each.clock], each.values]);
+    return uPlot.join(tables);
+  };
+
+  const styleOf = (number) => ({ tint: `--curve${number % TINTS}`, dash: DASHES[(number + Math.floor(number / TINTS)) % DASHES.length] });
+
+  const swatch = (number) => {
+    const { tint, dash } = styleOf(number);
+    const drawing = element('svg', { width: 26, height: 10, 'aria-hidden': 'true' });
+    drawing.append(element('line', {
+      x1: 1, x2: 25, y1: 5, y2: 5, style: `stroke: var(${tint})`, 'stroke-width': 2.5, 'stroke-dasharray': dash.join(' '),
+    }));
+    return drawing;
+  };
+
+  const legend = (chart, figure, plotOf) => {
+    const list = document.createElement('ul');
+    list.className = 'legend';
+    const values = chart.series.map((series, number) => {
+      const item = document.createElement('li'), button = document.createElement('button');
+      const value = document.createElement('span');
+      value.className = 'value';
+      button.type = 'button';
+      button.setAttribute('aria-pressed', 'true');
+      button.title = 'Show or hide this curve';
+      button.append(swatch(number), document.createTextNode(series.name), value);
+      button.addEventListener('click', () => {
+        const on = button.getAttribute('aria-pressed') !== 'true';
+        button.setAttribute('aria-pressed', String(on));
+        plotOf().setSeries(number + 1, { show: on });
+      });
+      button.addEventListener('pointerenter', () => plotOf().setSeries(number + 1, { focus: true }));
+      button.addEventListener('pointerleave', () => plotOf().setSeries(null, { focus: true }));
+      item.append(button);
+      list.append(item);
+      return value;
+    });
+    figure.append(list);
+    return () => chart.series.forEach((series, number) => {
+      const value = valueAt(series, shown.at);
+      values[number].textContent = value === null ? '–' : value.toFixed(chart.digits);
+    });
+  };
+
+  const optionsOf = (chart, width) => {
+    const axis = {
+      stroke: colour('--soft'), font: '12px system-ui, sans-serif',
+      grid: { stroke: colour('--grid'), width: 1 }, ticks: { stroke: colour('--grid'), width: 1 },
+    };
+    return {
+      width,
+      height: HEIGHT,
+      legend: { show: false },
+      padding: [8, 8, 0, 0],
+      focus: { alpha: 0.25 },
+      cursor: {
+        y: false, points: { show: false }, focus: { prox: -1 }, drag: { x: true, y: false, setScale: false },
+      },
+      scales: { x: { time: false, range: () => [shown.from, shown.to] } },
+      axes: [
+        { ...axis, size: 30, values: (_, ticks) => ticks.map((at) => (data.duration < 120 ? `${+at.toFixed(3)}` : told(at).replace(/\.0$/, ''))) },
+        { ...axis, size: 58, values: (_, ticks) => ticks.map((each) => `${+each.toFixed(6)}`) },
+      ],
+      series: [{}, ...chart.series.map((series, number) => {
+        const { tint, dash } = styleOf(number);
+        return {
+          label: series.name, stroke: colour(tint), dash, width: series.main ? 2.5 : 1.6,
+          points: { show: false },
+          paths: series.stepped ? uPlot.paths.stepped({ align: 1 }) : uPlot.paths.linear(),
+        };
+      })],
+      hooks: {
+        setSelect: [(plot) => {
+          const { left, width: wide } = plot.select;
+          if (wide < 4) return;
+          plot.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+          shown.zoom(plot.posToVal(left, 'x'), plot.posToVal(left + wide, 'x'));
+        }],
+      },
+    };
+  };
+
+  const listen = (plot) => {
+    const area = plot.root.querySelector('.u-over') || plot.over;
+    const point = (event) => {
+      const box = area.getBoundingClientRect();
+      shown.goTo(Math.min(shown.to, Math.max(shown.from, plot.posToVal(event.clientX - box.left, 'x'))));
+    };
+    area.addEventListener('mousemove', (event) => {
+      if (!player.playing && !event.buttons) point(event);
+    });
+    area.addEventListener('click', point);
+    area.addEventListener('mouseleave', () => requestAnimationFrame(() => place(plot)));
+    area.addEventListener('dblclick', () => shown.whole());
+  };
+
+  const place = (plot) => {
+    const inside = shown.at >= shown.from && shown.at <= shown.to;
+    plot.setCursor({ left: inside ? plot.valToPos(shown.at, 'x') : -10, top: 0 });
+  };
+
+  const make = (chart) => {
+    const figure = document.createElement('figure'), caption = document.createElement('figcaption');
+    const title = document.createElement('strong'), area = document.createElement('div');
+    title.textContent = chart.title;
+    caption.append(title, ` in ${chart.unit} `);
+    if (chart.note) {
+      const note = document.createElement('small');
+      note.textContent = chart.note;
+      caption.append(note);
+    }
+    figure.append(caption);
+    host.append(figure);
+    const table = aligned(chart.series);
+    const made = { plot: null, area, update: null };
+    made.update = legend(chart, figure, () => made.plot);
+    figure.append(area);
+    made.build = () => {
+      const hidden = made.plot ? made.plot.series.map((each) => !each.show) : [];
+      if (made.plot) made.plot.destroy();
+      made.plot = new uPlot(optionsOf(chart, area.clientWidth || 300), table, area);
+      hidden.forEach((each, number) => { if (number && each) made.plot.setSeries(number, { show: false }); });
+      listen(made.plot);
+      place(made.plot);
+      made.update();
+    };
+    made.build();
+    new ResizeObserver(() => {
+      if (area.clientWidth && area.clientWidth !== made.plot.width) made.plot.setSize({ width: area.clientWidth, height: HEIGHT });
+      place(made.plot);
+    }).observe(area);
+    plots.push(made);
+  };
+
+  data.charts.forEach(make);
+  shown.on('time', () => plots.forEach(({ plot, update }) => { place(plot); update(); }));
+  shown.on('range', () => plots.forEach(({ plot }) => {
+    plot.setScale('x', { min: shown.from, max: shown.to });
+    place(plot);
+  }));
+  shown.on('look', () => plots.forEach(({ build }) => build()));
+};

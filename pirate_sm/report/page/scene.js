@@ -1,0 +1,260 @@
+// The robot in its pipe, to scale.
+
+const drawScene = () => {
+  const scene = data.scene, canvas = byId('scene');
+  if (!scene || !canvas) return;
+  const times = clocks[scene.clock];
+  const paths = scene.paths.map((steps) => summed(steps, scene.perMetre));
+  const wheels = scene.wheels.length;
+  const follow = byId('follow'), pose = byId('pose');
+  const context = canvas.getContext('2d');
+  let width = 0, height = 0, following = false;
+
+  /** Place of each wheel at a moment, between two poses on the line that joins them. */
+  const placesAt = (at) => {
+    const i = Math.max(0, indexAt(times, at)), j = Math.min(i + 1, times.length - 1);
+    const share = j > i ? Math.min(1, Math.max(0, (at - times[i]) / (times[j] - times[i]))) : 0;
+    return Array.from({ length: wheels }, (_, w) => [0, 1].map((axis) => {
+      const path = paths[2 * w + axis];
+      return path[i] + (path[j] - path[i]) * share;
+    }));
+  };
+
+  const bounds = (points) => points.reduce(
+    ([x0, y0, x1, y1], [x, y]) => [Math.min(x0, x), Math.min(y0, y), Math.max(x1, x), Math.max(y1, y)],
+    [Infinity, Infinity, -Infinity, -Infinity]);
+  const travelled = bounds(paths.length
+    ? Array.from({ length: times.length * wheels }, (_, n) => {
+      const w = n % wheels, i = (n - w) / wheels;
+      return [paths[2 * w][i], paths[2 * w + 1][i]];
+    }) : [[0, 0]]);
+  const first = placesAt(0);
+  const length = first.slice(1).reduce(
+    (sum, p, i) => sum + Math.hypot(p[0] - first[i][0], p[1] - first[i][1]), 0);
+
+  /** Pixels per metre and the middle of the picture. */
+  const frame = (places) => {
+    const margin = 3.2 * scene.radius;
+    let box = travelled;
+    if (following) {
+      const [x0, y0, x1, y1] = bounds(places), reach = length / 2;
+      box = [(x0 + x1) / 2 - reach, (y0 + y1) / 2 - reach / 3, (x0 + x1) / 2 + reach, (y0 + y1) / 2 + reach / 3];
+    }
+    const [x0, y0, x1, y1] = box;
+    const scale = Math.min(width / (x1 - x0 + 2 * margin), height / (y1 - y0 + 2 * margin));
+    return { scale, x: (x0 + x1) / 2, y: (y0 + y1) / 2 };
+  };
+
+  const setDash = (dash) => context.setLineDash(dash);
+  const stroke = (points, style, thick, dash = []) => {
+    context.beginPath();
+    points.forEach(([x, y], i) => (i ? context.lineTo(x, y) : context.moveTo(x, y)));
+    context.strokeStyle = style;
+    context.lineWidth = thick;
+    setDash(dash);
+    context.stroke();
+    setDash([]);
+  };
+
+  /** The nearest point of a wall, how far away it is, and which way the wall goes there. */
+  const nearest = ([px, py]) => {
+    let best = null;
+    for (const wall of scene.walls) {
+      for (let i = 1; i < wall.length; i++) {
+        const [ax, ay] = wall[i - 1], dx = wall[i][0] - ax, dy = wall[i][1] - ay, whole = Math.hypot(dx, dy);
+        const share = Math.min(1, Math.max(0, ((px - ax) * dx + (py - ay) * dy) / (whole * whole)));
+        const x = ax + share * dx, y = ay + share * dy, away = Math.hypot(px - x, py - y);
+        if (!best || away < best.away) best = { x, y, away, dx: dx / whole, dy: dy / whole };
+      }
+    }
+    return best;
+  };
+
+  /** Which way is forward for a wheel, in the picture: along the pipe, or along the robot. */
+  const forward = (places, number) => {
+    const wall = nearest(places[number]);
+    if (wall) return [wall.dx, -wall.dy];
+    const ahead = places[Math.max(0, number - 1)], behind = places[Math.min(wheels - 1, number + 1)];
+    const span = Math.hypot(ahead[0] - behind[0], ahead[1] - behind[1]) || 1;
+    return [(ahead[0] - behind[0]) / span, -(ahead[1] - behind[1]) / span];
+  };
+
+  /** The inside of the pipe is the path of the picture. */
+  const outline = ([one, other]) => {
+    context.beginPath();
+    [...one, ...[...other].reverse()].forEach(([x, y], i) => (i ? context.lineTo(x, y) : context.moveTo(x, y)));
+    context.closePath();
+  };
+
+  const pipe = (to, scale, points) => {
+    if (!scene.walls.length) { shine(points, scale); return; }
+    const [one, other] = scene.walls.map((wall) => wall.map(to));
+    context.save();
+    outline([one, other]);
+    context.fillStyle = colour('--bore');
+    context.fill();
+    context.clip();
+    shine(points, scale);
+    context.restore();
+    const thick = Math.max(2, 0.004 * scale);
+    [one, other].forEach((wall) => stroke(wall, colour('--wall'), thick));
+    stroke(one.map(([x, y], i) => [(x + other[i][0]) / 2, (y + other[i][1]) / 2]), colour('--faint'), 1, [8, 6]);
+  };
+
+  const along = (places, at) => {
+    const place = at * (places.length - 1), i = Math.min(Math.floor(place), places.length - 2);
+    const share = place - i, [a, b] = [places[i], places[i + 1]];
+    return { point: [a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share], from: b, to: a };
+  };
+
+  const shine = (points, scale) => {
+    for (const light of scene.lights) {
+      if (!(valueAt(light.level, shown.at) > 0)) continue;
+      const { point: [x, y], from, to } = along(points, light.at);
+      const back = light.at > 0.5 ? -1 : 1;
+      const heading = Math.atan2(back * (to[1] - from[1]), back * (to[0] - from[0]));
+      const atEnd = light.at === 0 || light.at === 1, reach = scale * scene.radius * (atEnd ? 5 : 2);
+      const glow = context.createRadialGradient(x, y, 0, x, y, reach);
+      glow.addColorStop(0, colour('--light'));
+      glow.addColorStop(1, colour('--dark'));
+      context.beginPath();
+      context.moveTo(x, y);
+      context.arc(x, y, reach, heading - (atEnd ? 0.5 : Math.PI), heading + (atEnd ? 0.5 : Math.PI));
+      context.fillStyle = glow;
+      context.fill();
+    }
+  };
+
+  const partSpan = (name) => {
+    const lane = scene.parts.find((part) => part.name === name);
+    return lane ? spanAt(lane, shown.at) : null;
+  };
+
+  const links = (points, scale) => {
+    const thick = Math.max(4, 2 * scene.half * scale);
+    context.lineCap = 'round';
+    for (let i = 1; i < points.length; i++) {
+      const pair = [points[i - 1], points[i]];
+      const same = scene.wheels[i - 1].part === scene.wheels[i].part;
+      const held = same ? partSpan(scene.wheels[i].part) : null;
+      stroke(pair, colour('--ink'), thick + 2);
+      stroke(pair, colour(held ? '--held' : '--body'), thick);
+      if (held) stroke(pair, colour('--paper'), 2, held[3] === 'unconfirmed' ? [2, 6] : []);
+    }
+    context.lineCap = 'butt';
+  };
+
+  const wheel = (number, [x, y], radius) => {
+    const wheelData = scene.wheels[number];
+    context.beginPath();
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+    context.fillStyle = colour('--paper');
+    context.fill();
+    context.lineWidth = Math.max(1.5, radius / 6);
+    context.strokeStyle = colour('--ink');
+    context.stroke();
+    const turned = valueAt(wheelData.angle, shown.at);
+    if (turned !== null) {
+      for (const spoke of [0, 2 * Math.PI / 3, 4 * Math.PI / 3]) {
+        const angle = spoke - turned;
+        stroke([[x + Math.cos(angle) * radius * 0.62, y + Math.sin(angle) * radius * 0.62],
+          [x + Math.cos(angle) * radius * 0.95, y + Math.sin(angle) * radius * 0.95]], colour('--ink'), 1.5);
+      }
+    }
+    if (radius >= 7) {
+      context.fillStyle = colour('--ink');
+      context.font = `${number ? '' : 'bold '}${Math.round(radius * 0.95)}px system-ui, sans-serif`;
+      context.textAlign = 'center';
+      context.textBaseline = 'middle';
+      context.fillText(String(number + 1), x, y + 0.5);
+    }
+  };
+
+  /** A chevron ahead of a driven wheel, in the direction in which it shall go. */
+  const drive = ([x, y], radius, [hx, hy]) => {
+    const tip = [x + hx * radius * 1.75, y + hy * radius * 1.75];
+    const wing = (side) => [tip[0] - hx * radius * 0.5 - side * hy * radius * 0.45, tip[1] - hy * radius * 0.5 + side * hx * radius * 0.45];
+    stroke([wing(1), tip, wing(-1)], colour('--drive'), Math.max(2, radius / 4));
+  };
+
+  /** A bar at each place where a wheel is at a wall; returns the numbers of those wheels. */
+  const contacts = (places, to, scale) => {
+    if (scene.source !== 'truth') return [];
+    const found = places.map(nearest).filter((wall) => wall && wall.away < scene.radius + 0.0012);
+    const half = Math.max(6, scale * scene.radius * 0.8), thick = Math.max(4, 0.007 * scale);
+    found.forEach(({ x, y, dx, dy }) => {
+      const [cx, cy] = to([x, y]);
+      stroke([[cx - dx * half, cy + dy * half], [cx + dx * half, cy - dy * half]], colour('--touch'), thick);
+    });
+    return places.flatMap((place, i) => (nearest(place)?.away < scene.radius + 0.0012 ? [i + 1] : []));
+  };
+
+  const ruler = (scale) => {
+    const wide = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5].find((each) => each * scale > 60) || 10;
+    const x = 12, y = height - 12;
+    stroke([[x, y - 4], [x, y], [x + wide * scale, y], [x + wide * scale, y - 4]], colour('--soft'), 1.5);
+    context.fillStyle = colour('--soft');
+    context.font = '12px system-ui, sans-serif';
+    context.textAlign = 'left';
+    context.textBaseline = 'alphabetic';
+    context.fillText(wide >= 1 ? `${wide} m` : `${wide * 100} cm`, x + 4, y - 6);
+  };
+
+  const sentence = (touching) => {
+    const parts = scene.parts.map((part) => {
+      const span = spanAt(part, shown.at);
+      return `${part.name} ${span ? span[2] : 'free'}`;
+    });
+    const lit = scene.lights.filter((light) => valueAt(light.level, shown.at) > 0).length;
+    const driven = scene.wheels.flatMap((each, i) => (valueAt(each.drive, shown.at) ? [i + 1] : []));
+    const words = [...parts, `driven: ${driven.join(', ') || 'none'}`];
+    if (scene.source === 'truth') words.push(`at a wall: ${touching.join(', ') || 'none'}`);
+    if (scene.lights.length) words.push(lit ? 'light on' : 'light off');
+    return words.join(' · ');
+  };
+
+  const draw = () => {
+    const ratio = window.devicePixelRatio || 1;
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.clearRect(0, 0, width, height);
+    const places = placesAt(shown.at), view = frame(places);
+    const to = ([x, y]) => [width / 2 + (x - view.x) * view.scale, height / 2 - (y - view.y) * view.scale];
+    const points = places.map(to);
+    context.lineJoin = 'round';
+    pipe(to, view.scale, points);
+    links(points, view.scale);
+    const touching = contacts(places, to, view.scale);
+    const radius = Math.max(3, scene.radius * view.scale);
+    points.forEach((point, number) => {
+      wheel(number, point, radius);
+    });
+    places.forEach((_, number) => {
+      const told = Math.sign(valueAt(scene.wheels[number].drive, shown.at) || 0);
+      if (told) drive(points[number], radius, forward(places, number).map((each) => told * each));
+    });
+    ruler(view.scale);
+    pose.textContent = sentence(touching);
+    canvas.dataset.places = places.map((place) => place.map((v) => v.toFixed(4)).join(',')).join(' ');
+  };
+
+  const resize = () => {
+    const ratio = window.devicePixelRatio || 1, box = canvas.getBoundingClientRect();
+    width = box.width;
+    height = box.height;
+    canvas.width = Math.round(width * ratio);
+    canvas.height = Math.round(height * ratio);
+    draw();
+  };
+
+  const toggle = (wanted) => {
+    following = wanted;
+    follow.setAttribute('aria-pressed', String(following));
+    draw();
+  };
+  follow.addEventListener('click', () => toggle(!following));
+  new ResizeObserver(resize).observe(canvas);
+  shown.on('time', draw);
+  shown.on('look', draw);
+  resize();
+  if (scene.radius * frame(placesAt(0)).scale < 5) toggle(true);
+};

@@ -1,0 +1,171 @@
+"""The robot in its pipe over time: from what a simulator knew, or from joints and odometer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from pirate_sm.detectors.route import Place, Route
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot_state import confirmed_parts
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.profile import Profile
+from pirate_sm.recording.placing import Placing
+from pirate_sm.report.charts import Travel
+from pirate_sm.report.model import Lane, Light, Scene, Series, Span, Wheel
+from pirate_sm.report.sampling import Samples
+
+MOST_POSES = 6_000
+EVERY_S = 0.05
+"""A pose twenty times a second is enough for the eye; what lies between is drawn in between."""
+
+
+@dataclass
+class Poses:
+    """Where each wheel was, in the plane of the pipe.
+
+    Attributes:
+        true: Whether a simulator knew that.
+    """
+
+    true: bool
+    times_s: list[float] = field(default_factory=list)
+    points: list[tuple[Place, ...]] = field(default_factory=list)
+
+    def add(self, at_s: float, points: Sequence[Place]) -> None:
+        """There is one more; one of the same moment is replaced."""
+        if self.times_s and at_s <= self.times_s[-1]:
+            self.times_s.pop()
+            self.points.pop()
+        self.times_s.append(at_s)
+        self.points.append(tuple(points))
+
+    def thinned(self, most: int = MOST_POSES) -> Poses:
+        """At most so many of them, evenly; the last one stays."""
+        step = -(-len(self.times_s) // most) or 1
+        chosen = sorted({*range(0, len(self.times_s), step), *range(len(self.times_s))[-1:]})
+        return Poses(self.true, [self.times_s[n] for n in chosen], [self.points[n] for n in chosen])
+
+
+class Following:
+    """Follows a robot by dead reckoning while its engine is replayed.
+
+    Args:
+        placing: Tells where the wheels are.
+    """
+
+    def __init__(self, placing: Placing) -> None:
+        self.poses = Poses(true=False)
+        self._placing = placing
+        self._due_s = 0.0
+
+    def look(self, state: EngineState, now_s: float) -> None:
+        """The wheels have been followed to where they are now, if it was time to look again."""
+        if now_s >= self._due_s:
+            points = self._placing.look(state, now_s)
+            if points is not None:
+                self._due_s = now_s + EVERY_S
+                self.poses.add(now_s, points)
+
+
+def walls_of(pipe: Pipe | None) -> tuple[tuple[Place, ...], ...]:
+    """Corners of the wall on side A and on side B; none without a pipe."""
+    return tuple(Route(pipe).walls(pipe.diameter / 2)) if pipe is not None else ()
+
+
+def travel_of(poses: Poses, pipe: Pipe | None) -> Travel | None:
+    """How far the wheels and their middle came along the pipe; None without poses or a pipe."""
+    if pipe is None or not poses.times_s:
+        return None
+    route, times = Route(pipe), poses.times_s
+    places = [[route.place_of(point) for point in points] for points in poses.points]
+    middles = [sum(each) / len(each) for each in places]
+    distance = [middle - middles[0] for middle in middles]
+    name = "really" if poses.true else "reckoned"
+    wheels = tuple(Series("", times, list(each)) for each in zip(*places, strict=True))
+    return Travel(poses.true, Series(name, times, distance, main=True), wheels)
+
+
+def scene_of(
+    poses: Poses,
+    profile: Profile,
+    robot: RobotSpec,
+    walls: tuple[tuple[Place, ...], ...],
+    signals: Samples,
+    setpoints: Samples,
+    held: Sequence[Lane],
+) -> Scene | None:
+    """The scene, with everything that is drawn on the robot; None where it was never seen."""
+    if not poses.times_s:
+        return None
+    thin, body = poses.thinned(), profile.body
+    wheels = []
+    for wheel, spec in zip(body.wheels, robot.wheels, strict=True):
+        forward = 1.0 if spec.metres_per_rad > 0 else -1.0
+        angle = signals.series(spec.angle, wheel.name)
+        drive = setpoints.series(spec.slot, wheel.name, scale=forward, stepped=True)
+        wheels.append(Wheel(wheel.name, wheel.part, angle, drive))
+    return Scene(
+        "truth" if poses.true else "reckoned", thin.times_s, thin.points, walls, tuple(wheels),
+        body.wheel_radius, body.body_half_thickness, tuple(held), _lights(profile, setpoints),
+    )  # fmt: skip
+
+
+def _lights(profile: Profile, setpoints: Samples) -> tuple[Light, ...]:
+    """Each light in the middle of its module, or at the end of the chain that its board is at."""
+    modules = {link.module: number for number, link in enumerate(profile.body.links)}
+    links = [number for number, board in enumerate(profile.boards) if board.module in modules]
+    lights, index = [], 0
+    for number, board in enumerate(profile.boards):
+        for slot in board.slots:
+            if profile.motors[slot.motor].kind == "light":
+                if board.module in modules:
+                    at = (modules[board.module] + 0.5) / len(modules)
+                else:
+                    at = 0.0 if not links or number < links[0] else 1.0
+                lights.append(
+                    Light(slot.name, at, setpoints.series(index, slot.name, stepped=True))
+                )
+            index += 1
+    return tuple(lights)
+
+
+class Holding:
+    """When each part of a robot held, and whether that was confirmed."""
+
+    def __init__(self, robot: RobotSpec) -> None:
+        self._robot = robot
+        self._since: dict[int, tuple[float, bool]] = {}
+        self._spans: list[list[Span]] = [[] for _ in robot.parts]
+
+    def look(self, state: EngineState, now_s: float) -> None:
+        """What holds now is known."""
+        held = self._robot.held[state.robot.configuration]
+        confirmed = confirmed_parts(self._robot, state.robot) if held else held
+        for part in range(len(self._robot.parts)):
+            now = (part in confirmed) if part in held else None
+            before = self._since.get(part)
+            if (before[1] if before else None) is not now:
+                self._close(part, now_s)
+                if now is not None:
+                    self._since[part] = (now_s, now)
+
+    def lanes(self, until_s: float) -> tuple[Lane, ...]:
+        """One for each part, until the end."""
+        for part in tuple(self._since):
+            self._close(part, until_s)
+        return tuple(
+            Lane(name, tuple(spans))
+            for name, spans in zip(self._robot.parts, self._spans, strict=True)
+        )
+
+    def _close(self, part: int, at_s: float) -> None:
+        if part in self._since:
+            since_s, confirmed = self._since.pop(part)
+            span = (
+                Span(since_s, at_s, "held", "state")
+                if confirmed
+                else Span(since_s, at_s, "held, unconfirmed", "unconfirmed")
+            )
+            self._spans[part].append(span)

@@ -1,0 +1,226 @@
+"""Lanes of the timeline: phases, state machines, commands, waits, what was said and went wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import degrees, isnan
+from typing import Any
+
+from pirate_sm.model import effects as fx
+from pirate_sm.model import events as ev
+from pirate_sm.report.model import Lane, Mark, MarkKind, Span, SpanKind
+
+PHASE, COMMANDS, WAITS, TRIGGERS = "phase", "commands", "waits for", "triggers"
+DETECTOR, SEGMENT, OPERATOR, TROUBLE = "detector", "pipe", "operator", "faults"
+
+_CLOSING: dict[str, SpanKind] = {"done": "done", "failed": "failed"}
+_LASTING = {"phase", "state", "unconfirmed", "word"}
+"""What did not last was not: at one moment several things can happen."""
+_AT_ONCE: dict[str, MarkKind] = {"skipped": "skipped", "refused": "refused"}
+
+
+class _Track:
+    """One lane while it is being made: at most one span is open."""
+
+    def __init__(self) -> None:
+        self.spans: list[Span] = []
+        self.marks: list[Mark] = []
+        self._open: Span | None = None
+
+    @property
+    def current(self) -> str:
+        """What is going on; empty where nothing is."""
+        return self._open.text if self._open else ""
+
+    def begin(self, at_s: float, text: str, kind: SpanKind, about: str = "") -> None:
+        """What went on has ended, and this goes on."""
+        self.end(at_s)
+        self._open = Span(at_s, at_s, text, kind, about)
+
+    def end(self, at_s: float, kind: SpanKind | None = None, about: str = "") -> None:
+        """Nothing goes on any more; what did has taken this turn."""
+        if self._open is None:
+            return
+        span, self._open = self._open._replace(end_s=at_s), None
+        if kind is not None:
+            span = span._replace(kind=kind, about=about or span.about)
+        if span.kind in _LASTING:
+            if span.end_s <= span.start_s:
+                return
+            before = self.spans[-1] if self.spans else None
+            if before and before[1:4] == (span.start_s, span.text, span.kind):
+                span = self.spans.pop()._replace(end_s=span.end_s)
+        self.spans.append(span)
+
+    def mark(self, at_s: float, text: str, kind: MarkKind, about: str = "") -> None:
+        """There is a mark."""
+        self.marks.append(Mark(at_s, text, kind, about))
+
+
+class Timeline:
+    """Takes the effects of a run in and has its lanes in the end.
+
+    Args:
+        regions: Names of the state machines.
+        nominal: Whether nothing moved: triggers that no sensor made fire were taken by the trace.
+    """
+
+    def __init__(self, regions: Sequence[str], *, nominal: bool) -> None:
+        self._regions = tuple(regions)
+        self._nominal = nominal
+        self._tracks = {
+            name: _Track()
+            for name in (PHASE, *(_region(each) for each in regions), COMMANDS, WAITS, TRIGGERS,
+                         DETECTOR, SEGMENT, OPERATOR, TROUBLE)
+        }  # fmt: skip
+        self._states: tuple[str, ...] = ()
+        self._unconfirmed: tuple[str, ...] = ()
+
+    def take(self, at_s: float, cause: object, effects: Sequence[fx.Effect]) -> None:
+        """What a moment brought is on it."""
+        told = told_person(cause)
+        if told and not self._by_trace(cause):
+            self._tracks[OPERATOR].mark(at_s, told, "operator")
+        for effect in effects:
+            take = _TAKE.get(type(effect))
+            if take is not None:
+                take(self, at_s, effect)
+
+    def _by_trace(self, cause: object) -> bool:
+        """Whether it is the script of a trace that passes over waits and answers."""
+        return self._nominal and isinstance(cause, ev.Skip)
+
+    def lanes(self, until_s: float) -> tuple[Lane, ...]:
+        """The lanes on which there is something, in order; what goes on does so until the end."""
+        found = []
+        for name, track in self._tracks.items():
+            track.end(until_s)
+            if track.spans or track.marks:
+                shown = name.removeprefix(_REGION)
+                found.append(Lane(shown, tuple(track.spans), tuple(track.marks)))
+        return tuple(found)
+
+    def _command(self, at_s: float, it: fx.CommandStatus) -> None:
+        track, about = self._tracks[COMMANDS], _about(it)
+        if it.status == "sent":
+            track.begin(at_s, it.name, "open", about)
+        elif it.status in _CLOSING and track.current == it.name:
+            track.end(at_s, _CLOSING[it.status], about)
+        elif it.status in _AT_ONCE:
+            if track.current == it.name:
+                track.end(at_s, "failed", about)
+            track.mark(at_s, it.name, _AT_ONCE[it.status], about)
+
+    def _state(self, at_s: float, it: fx.StateChange) -> None:
+        for place, (region, state) in enumerate(zip(self._regions, it.states, strict=True)):
+            doubtful = region in it.unconfirmed
+            known = bool(self._states) and self._states[place] == state
+            if known and doubtful == (region in self._unconfirmed):
+                continue
+            kind: SpanKind = "unconfirmed" if doubtful else "state"
+            self._tracks[_region(region)].begin(at_s, state, kind)
+        self._states, self._unconfirmed = it.states, it.unconfirmed
+
+    def _phase(self, at_s: float, it: fx.PhaseChange) -> None:
+        self._tracks[WAITS].end(at_s)
+        self._tracks[PHASE].begin(at_s, it.phase, "phase")
+
+    def _wait(self, at_s: float, it: fx.WaitArmed) -> None:
+        if self._tracks[PHASE].current != it.phase:  # back from a mission that it called
+            self._tracks[PHASE].begin(at_s, it.phase, "phase")
+        self._tracks[WAITS].begin(at_s, " or ".join(it.conditions), "wait", it.phase)
+
+    def _trigger(self, at_s: float, it: fx.TriggerFired) -> None:
+        self._tracks[WAITS].end(at_s)
+        reason = told_reason(it, nominal=self._nominal)
+        self._tracks[TRIGGERS].mark(at_s, it.trigger, "trigger", f"{reason} → {it.go}")
+
+    def _detected(self, at_s: float, it: fx.Detected) -> None:
+        self._tracks[DETECTOR].begin(at_s, it.word, "word")
+
+    def _environment(self, at_s: float, it: fx.Environment) -> None:
+        track = self._tracks[SEGMENT]
+        if track.current != it.segment:
+            track.begin(at_s, it.segment, "word", _surroundings(it))
+
+    def _fault(self, at_s: float, it: fx.Fault) -> None:
+        then = {"continue": "the mission goes on", "stop": "safe stop"}
+        about = f"{it.message} ({then.get(it.handling, f'→ {it.handling}')})"
+        self._tracks[TROUBLE].mark(at_s, it.code, "fault", about)
+
+    def _log(self, at_s: float, it: fx.Log) -> None:
+        if it.level != "info":
+            self._tracks[TROUBLE].mark(at_s, it.message, it.level)
+
+    def _ask(self, at_s: float, it: fx.Ask) -> None:
+        track = self._tracks[OPERATOR]
+        track.end(at_s)
+        if it.question:
+            track.begin(at_s, it.question, "question", " / ".join(it.choices))
+
+    def _ended(self, at_s: float, it: fx.Ended) -> None:
+        for track in self._tracks.values():
+            track.end(at_s)
+        self._tracks[PHASE].mark(at_s, it.end or it.outcome, "end", it.message)
+
+
+def told_reason(it: fx.TriggerFired, *, nominal: bool) -> str:
+    """Why a trigger fired; in a trace it is the script that passes over waits, nobody else."""
+    return "taken by the trace" if nominal and it.reason == fx.TAKEN else it.reason
+
+
+_REGION = "region "
+"""Keeps the name of a region apart from those of the other lanes."""
+
+
+def _region(name: str) -> str:
+    return f"{_REGION}{name}"
+
+
+def _about(it: fx.CommandStatus) -> str:
+    return (
+        f"{it.status}{f': {it.reason}' if it.reason else ''}{f' ({it.place})' if it.place else ''}"
+    )
+
+
+def _surroundings(it: fx.Environment) -> str:
+    diameter = "" if isnan(it.diameter_m) else f", inner diameter {it.diameter_m * 1e3:.1f} mm"
+    return f"roll {degrees(it.roll_rad):.0f}°, pitch {degrees(it.pitch_rad):.0f}°{diameter}"
+
+
+def _pressed(what: str) -> Callable[[Any], str]:
+    return lambda it: what
+
+
+_BY_PERSON: dict[type, Callable[[Any], str]] = {
+    ev.OperatorCommand: lambda it: f"commands {it.command}",
+    ev.Answer: lambda it: f"answers {it.choice}",
+    ev.Pause: _pressed("pauses"),
+    ev.Resume: _pressed("resumes"),
+    ev.Step: _pressed("asks for one step"),
+    ev.GoTo: lambda it: f"hands back at {it.phase}",
+    ev.Skip: lambda it: f"passes over{f' {it.trigger}' if it.trigger else ' a wait'}",
+    ev.Abort: lambda it: f"ends the run: {it.reason}",
+}
+"""What a person did, in words."""
+
+
+def told_person(event: object) -> str:
+    """What a person did, in words; empty for an event that no person makes."""
+    tell = _BY_PERSON.get(type(event))
+    return tell(event) if tell else ""
+
+
+_TAKE: dict[type, Callable[[Timeline, float, Any], None]] = {
+    fx.CommandStatus: Timeline._command,
+    fx.StateChange: Timeline._state,
+    fx.PhaseChange: Timeline._phase,
+    fx.WaitArmed: Timeline._wait,
+    fx.TriggerFired: Timeline._trigger,
+    fx.Detected: Timeline._detected,
+    fx.Environment: Timeline._environment,
+    fx.Fault: Timeline._fault,
+    fx.Log: Timeline._log,
+    fx.Ask: Timeline._ask,
+    fx.Ended: Timeline._ended,
+}

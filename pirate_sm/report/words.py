@@ -1,0 +1,255 @@
+"""What happened in a run, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Literal, NamedTuple
+
+from pirate_sm.model import effects as fx
+from pirate_sm.model import events as ev
+from pirate_sm.report.model import Sentence
+from pirate_sm.report.timeline import told_person, told_reason
+
+_WORTH_TELLING_S = 0.2
+"""A command that took less was done as soon as the robot had it."""
+
+_MOST_NAMES = 8
+"""Of more commands in one phase only the number is told."""
+
+
+class Ending(NamedTuple):
+    """How a run ended, as far as the recording goes."""
+
+    outcome: Literal["succeeded", "failed", "interrupted", "fault", "unfinished"]
+    message: str
+    at_s: float
+
+
+class Course(NamedTuple):
+    """What a summary is made of.
+
+    Attributes:
+        where: In which pipe, on what and with which seed, in words.
+        odometer_m: What the odometer showed in the end, None where there is none.
+        moved_m: How far the robot really came, None where that is not known.
+        counts: How often commands were done, failed and so on, by what they came to.
+        faults: How often each fault was told, by its code.
+    """
+
+    mission: str
+    description: str
+    robot: str
+    where: str
+    ending: Ending
+    odometer_m: float | None
+    moved_m: float | None
+    counts: Mapping[str, int]
+    faults: Mapping[str, int]
+
+
+_ENDED = {
+    "succeeded": "It succeeded after",
+    "failed": "It failed after",
+    "interrupted": "It was interrupted after",
+    "fault": "A fault ended it after",
+    "unfinished": "The recording breaks off after",
+}
+
+
+def summary(it: Course) -> tuple[str, ...]:
+    """A few sentences for whoever reads no further."""
+    purpose = f" ({_lower(it.description)})" if it.description else ""
+    message = f": {it.ending.message}" if it.ending.message else ""
+    lines = [
+        f"{it.mission}{purpose} ran on {it.robot} {it.where}.",
+        f"{_ENDED[it.ending.outcome]} {seconds(it.ending.at_s)}{_full_stop(message)}",
+    ]
+    ways = []
+    if it.moved_m is not None:
+        ways.append(f"the robot came {it.moved_m:z.2f} m along the pipe")
+    if it.odometer_m is not None:
+        ways.append(f"its odometer counted {it.odometer_m:z.2f} m")
+    if ways:
+        lines.append(_sentence(" and ".join(ways)))
+    lines.append(_sentence(_counted(it.counts)))
+    if it.faults:
+        told = [f"{code}{f' ({n} times)' if n > 1 else ''}" for code, n in it.faults.items()]
+        lines.append(f"{_many(sum(it.faults.values()), 'fault was', 'faults were')} reported: "
+                     f"{listed(told)}.")  # fmt: skip
+    return tuple(lines)
+
+
+def _counted(counts: Mapping[str, int]) -> str:
+    words = {"done": "done", "failed": "failed", "refused": "refused", "skipped": "not needed"}
+    told = [f"{counts[key]} {word}" for key, word in words.items() if counts.get(key)]
+    total = sum(counts.get(key, 0) for key in words)
+    if not total:
+        return "no command was given"
+    if counts.get("done") == total:
+        return f"{_many(total, 'command was', 'commands were')} given and done"
+    return f"{_many(total, 'command was', 'commands were')} given: {listed(told)}"
+
+
+class Story:
+    """Takes the effects of a run in and tells it phase by phase.
+
+    Args:
+        descriptions: What phases are for, by name.
+        nominal: Whether nothing moved.
+    """
+
+    def __init__(self, descriptions: Mapping[str, str], *, nominal: bool) -> None:
+        self.sentences: list[Sentence] = []
+        self.counts: dict[str, int] = {}
+        self.faults: dict[str, int] = {}
+        self._descriptions = descriptions
+        self._nominal = nominal
+        self._phase = ""
+        self._began_s = 0.0
+        self._commands: list[str] = []
+        self._sent_s = 0.0
+        self._waits_since: float | None = None
+        self._waits_for = ""
+        self._place = 0
+        self._described = ""
+
+    def take(self, at_s: float, cause: object, effects: Sequence[fx.Effect]) -> None:
+        """What a moment brought belongs to it."""
+        told = told_person(cause)
+        if told and not (self._nominal and isinstance(cause, ev.Skip | ev.Answer)):
+            self._add(at_s, f"The operator {told}.", "person")
+        for effect in effects:
+            take = _TAKE.get(type(effect))
+            if take is not None:
+                take(self, at_s, effect)
+
+    def finish(self, ending: Ending) -> tuple[Sentence, ...]:
+        """The whole story, in order."""
+        self._close(ending.at_s, "")
+        words = {**_ENDED, "interrupted": "Interrupted after", "fault": "A fault ended it after"}
+        opening = words[ending.outcome].removeprefix("It ").capitalize()
+        tail = _full_stop(f": {ending.message}" if ending.message else "")
+        self._add(ending.at_s, f"{opening} {seconds(ending.at_s)}{tail}", "end")
+        return tuple(self.sentences)
+
+    def _add(
+        self, at_s: float, text: str, kind: Literal["phase", "trouble", "person", "end"]
+    ) -> None:
+        self.sentences.append(Sentence(at_s, text, kind))
+
+    def _enter(self, at_s: float, phase: str) -> None:
+        self._close(at_s, "")
+        self._phase, self._began_s, self._place = phase, at_s, len(self.sentences)
+
+    def _close(self, at_s: float, how: str) -> None:
+        """The phase that was going on is told, before what went wrong in it."""
+        if not self._phase:
+            return
+        purpose = self._purpose()
+        parts = [_sentence(f"{purpose}")] if purpose else []
+        if self._commands:
+            names = listed(self._commands) if len(self._commands) <= _MOST_NAMES else (
+                f"{len(self._commands)} commands")  # fmt: skip
+            parts.append(_sentence(f"{names} done"))
+        if self._waits_since is not None:
+            waited = f"waited {seconds(at_s - self._waits_since)}"
+            parts.append(_sentence(f"{waited} {how or f'for {self._waits_for}'}"))
+        if parts:
+            told = Sentence(self._began_s, " ".join(parts), "phase", self._phase)
+            self.sentences.insert(self._place, told)
+        self._phase, self._commands, self._waits_since = "", [], None
+
+    def _purpose(self) -> str:
+        """What the phase is for, the first time in a row; not again behind a called mission."""
+        root = self._phase.partition("/")[0]
+        if root != self._described and self._phase == root:
+            self._described = root
+            return self._descriptions.get(root, "")
+        return ""
+
+    def _entered(self, at_s: float, it: fx.PhaseChange) -> None:
+        self._enter(at_s, it.phase)
+
+    def _waits(self, at_s: float, it: fx.WaitArmed) -> None:
+        if it.phase != self._phase:  # back from a mission that it called
+            self._enter(at_s, it.phase)
+        self._waits_since, self._waits_for = at_s, " or ".join(it.conditions)
+
+    def _fired(self, at_s: float, it: fx.TriggerFired) -> None:
+        reason = told_reason(it, nominal=self._nominal)
+        self._close(at_s, f"({reason}), then {it.go}")
+
+    def _command(self, at_s: float, it: fx.CommandStatus) -> None:
+        if it.status == "sent":
+            self._sent_s = at_s
+        elif it.status != "accepted":
+            self.counts[it.status] = self.counts.get(it.status, 0) + 1
+        if it.status == "done":
+            lasted = seconds(at_s - self._sent_s)
+            self._commands.append(
+                f"{it.name} ({lasted})" if at_s - self._sent_s >= _WORTH_TELLING_S else it.name
+            )
+        elif it.status in ("failed", "refused"):
+            why = f": {it.reason}" if it.reason else ""
+            after = f" after {seconds(at_s - self._sent_s)}" if it.status == "failed" else ""
+            verb = "failed" if it.status == "failed" else "was refused"
+            self._add(at_s, f"{it.name} {verb}{after}{_full_stop(why)}", "trouble")
+
+    def _fault(self, at_s: float, it: fx.Fault) -> None:
+        self.faults[it.code] = self.faults.get(it.code, 0) + 1
+        then = {"continue": "The mission went on.", "stop": "The mission was stopped."}
+        ending = then.get(it.handling, f"The mission went to {it.handling}.")
+        self._add(at_s, f"Fault {it.code}: {_full_stop(it.message)} {ending}", "trouble")
+
+    def _log(self, at_s: float, it: fx.Log) -> None:
+        kind: Literal["trouble", "phase"] = "phase" if it.level == "info" else "trouble"
+        word = "The mission says" if it.level == "info" else it.level.capitalize()
+        self._add(at_s, f"{word}: {_full_stop(it.message)}", kind)
+
+    def _ask(self, at_s: float, it: fx.Ask) -> None:
+        if it.question:
+            choices = " / ".join(it.choices)
+            self._add(at_s, f"The mission asks “{it.question}” ({choices}).", "person")
+
+
+_TAKE: dict[type, Callable[[Story, float, Any], None]] = {
+    fx.PhaseChange: Story._entered,
+    fx.WaitArmed: Story._waits,
+    fx.TriggerFired: Story._fired,
+    fx.CommandStatus: Story._command,
+    fx.Fault: Story._fault,
+    fx.Log: Story._log,
+    fx.Ask: Story._ask,
+}
+
+
+def seconds(duration_s: float) -> str:
+    """A duration as a person says it: ``0.52 s``, ``12.3 s``, ``4 min 05 s``."""
+    if duration_s >= 119.5:
+        minutes, rest = divmod(round(duration_s), 60)
+        return f"{minutes} min {rest:02d} s"
+    return f"{duration_s:.2f} s" if duration_s < 9.95 else f"{duration_s:.1f} s"
+
+
+def listed(words: Iterable[str]) -> str:
+    """The words with commas, the last two joined by *and*."""
+    *before, last = words
+    return f"{', '.join(before)} and {last}" if before else last
+
+
+def _many(count: int, one: str, more: str) -> str:
+    return f"{count} {one if count == 1 else more}"
+
+
+def _sentence(text: str) -> str:
+    return _full_stop(text[:1].upper() + text[1:])
+
+
+def _full_stop(text: str) -> str:
+    return text if text.endswith((".", "!", "?", "…")) else f"{text}."
+
+
+def _lower(text: str) -> str:
+    """The text as it stands inside a sentence; an acronym keeps its capitals."""
+    plain = text.rstrip(".")
+    return plain if plain[1:2].isupper() else plain[:1].lower() + plain[1:]
