@@ -3,36 +3,42 @@
 from __future__ import annotations
 
 import sys
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.guard import say, say_bug
+from pirate_sm.cli.recording import RecordingWishes, recorded
 from pirate_sm.cli.run import is_terminal
 from pirate_sm.errors import UsageError
+from pirate_sm.loading.by_hand import BY_HAND
 from pirate_sm.runtime.outcome import BUG, SUCCEEDED
 from pirate_sm.runtime.stopping import CaughtSignals
 from pirate_sm.wiring import Order, Prepared, load, prepare
 
 if TYPE_CHECKING:
     from pirate_sm.console.app import Console
-    from pirate_sm.console.session import Session
+    from pirate_sm.console.session import Keeping, Session
 
 _LOOK_EVERY_S = 0.1
 
 
-def open_console(order: Order, factor: float, debug: bool) -> int:
+def open_console(
+    order: Order, factor: float, recording: RecordingWishes, *, debug: bool = False
+) -> int:
     """The exit code of a console that was opened and left again.
 
     Args:
         order: What is wanted; without a mission the robot is driven by hand.
         factor: Mission seconds per second of the wall.
+        recording: How runs of missions are recorded; the robot by hand alone is not.
         debug: Whether tracebacks are shown.
 
     Raises:
         LoadError: Everything that is wrong with the files; nothing has moved.
         UsageError: An argument does not fit; nothing has moved.
     """
-    if not (is_terminal() and sys.stdin.isatty()):
+    if not (is_terminal() and sys.stdin.isatty() and sys.stderr.isatty()):
         raise UsageError("the console needs a terminal; `pirate run` does without")
     try:
         from pirate_sm.console.app import Console
@@ -43,9 +49,14 @@ def open_console(order: Order, factor: float, debug: bool) -> int:
             "the console needs textual, which is not installed: pip install 'pirate-sm[console]'"
         ) from None
     from pirate_sm.console.driver import StopDriver
-    from pirate_sm.console.session import Session
+    from pirate_sm.console.session import Session, unkept
 
-    session = Session(_prepared(order), factor=factor)
+    def keep(prepared: Prepared) -> AbstractContextManager[Keeping]:
+        if prepared.loaded.mission.mission == BY_HAND:
+            return unkept(prepared)
+        return recorded(prepared, recording, factor)
+
+    session = Session(_prepared(order), factor=factor, keep=keep)
     app = Console(session, driver_class=StopDriver)
     with CaughtSignals(session.quitting):
         try:
@@ -61,7 +72,6 @@ def open_console(order: Order, factor: float, debug: bool) -> int:
 
 def _prepared(order: Order) -> Prepared:
     from pirate_sm.console.shelf import without_mission
-    from pirate_sm.loading.by_hand import BY_HAND
 
     if order.mission:
         return prepare(order, load(order), say=say)

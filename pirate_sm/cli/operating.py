@@ -77,6 +77,10 @@ def console(
     check: Annotated[
         bool, typer.Option("--check/--no-check", help="Whether a faulty mission is refused.")
     ] = True,
+    no_record: Annotated[bool, typer.Option("--no-record", help="Nothing is kept.")] = False,
+    live: Annotated[
+        bool, typer.Option("--live", help="Serve Foxglove and Lichtblick on this machine.")
+    ] = False,
     debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
 ) -> None:
     """See the robot and steer it: by hand, or with a mission that one can take over.
@@ -88,6 +92,7 @@ def console(
 
     def work() -> int:
         from pirate_sm.cli.console import open_console
+        from pirate_sm.cli.recording import RecordingWishes
         from pirate_sm.cli.run import read_length, read_pairs, read_speed
         from pirate_sm.wiring import Order
 
@@ -107,6 +112,7 @@ def console(
             calibration=calibration,
             check=check,
         )
-        return open_console(order, read_speed(speed, 1.0), debug)
+        recording = RecordingWishes(None, no_record, live)
+        return open_console(order, read_speed(speed, 1.0), recording, debug=debug)
 
     raise typer.Exit(guarded(work, debug))

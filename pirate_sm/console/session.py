@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager, ExitStack
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from dataclasses import dataclass
 from threading import Thread
+from typing import Protocol
 
 from pirate_sm.console.anatomy import anatomy_of
 from pirate_sm.console.feed import Feed
@@ -13,8 +15,9 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event
 from pirate_sm.runtime.clock import Clock
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.companions import Companion, FirstChoice
 from pirate_sm.runtime.loop import UNCONFIRMED, MissionRun
+from pirate_sm.runtime.observing import Tap
 from pirate_sm.runtime.outcome import BUG, Result
 from pirate_sm.runtime.stopping import Stop, StopRequests
 from pirate_sm.wiring import Prepared, again
@@ -26,6 +29,55 @@ LEFT = Stop("the console was left", 0)
 _SHORT_S = 1.0
 _MOST_SHORT = 3
 """So many runs in a row that end by a fault at once: there is nothing left to be run."""
+
+
+class Keeping(Protocol):
+    """How one run is recorded, or not.
+
+    Attributes:
+        prepared: The run, with what is to be said of its recording.
+        tap: Who keeps it; None where nobody does.
+        companions: Who stands beside the mission for it.
+    """
+
+    @property
+    def prepared(self) -> Prepared:
+        """The run."""
+        ...
+
+    @property
+    def tap(self) -> Tap | None:
+        """Who keeps it."""
+        ...
+
+    @property
+    def companions(self) -> tuple[Companion, ...]:
+        """Who stands beside the mission for it."""
+        ...
+
+    def follow(self, run: MissionRun) -> None:
+        """Viewers are shown this run."""
+        ...
+
+
+@dataclass(frozen=True)
+class Unkept:
+    """A run that nobody records."""
+
+    prepared: Prepared
+    tap: Tap | None = None
+    companions: tuple[Companion, ...] = ()
+
+    def follow(self, run: MissionRun) -> None:
+        """Nobody looks."""
+
+
+Keep = Callable[[Prepared], AbstractContextManager[Keeping]]
+
+
+def unkept(prepared: Prepared) -> AbstractContextManager[Keeping]:
+    """Nothing is recorded."""
+    return nullcontext(Unkept(prepared))
 
 
 class Quitting(StopRequests):
@@ -60,7 +112,7 @@ class Session:
         prepared: The first mission, its engine, and the backend that stays open.
         factor: Mission seconds per second of the wall.
         clock: The wall's.
-        ended: Is called, in the session's thread, when nothing can happen any more.
+        keep: Records each run, for as long as it goes on.
 
     Attributes:
         quitting: What ends the session.
@@ -73,14 +125,14 @@ class Session:
         *,
         factor: float = 1.0,
         clock: Clock | None = None,
-        ended: Callable[[], None] = lambda: None,
+        keep: Keep = unkept,
     ) -> None:
         self.quitting = Quitting()
         self.result: Result | None = None
         self.prepared = prepared
         self._factor = factor
         self._clock = clock
-        self._ended = ended
+        self._keep = keep
         self._next: LoadedMission | None = None
         self._short = 0
         self._thread = Thread(target=self._work, name="run", daemon=True)
@@ -139,21 +191,21 @@ class Session:
             self.prepared.backend.close()
             self._note_unconfirmed()
             self._feed.end(self.latest.now_s)
-            self._ended()
 
     def _run_all(self) -> None:
         run: MissionRun | None = None
         while True:
-            run = self._run(run)
-            self.result = run.execute()
+            with self._keep(self.prepared) as kept:
+                run = self._run(kept, run)
+                self.result = run.execute()
             stopped = self.quitting.stop is not None or not run.open
             if stopped or run.state is None or self._hopeless(self.result, run):
                 return
             loaded, self._next = self._next or self.prepared.loaded, None
             self.prepared = again(self.prepared, loaded)
 
-    def _run(self, before: MissionRun | None) -> MissionRun:
-        prepared = self.prepared
+    def _run(self, kept: Keeping, before: MissionRun | None) -> MissionRun:
+        prepared = kept.prepared
         self._feed.begin(_scene(prepared), prepared)
         attended = [FirstChoice()] if prepared.attended else []
         run = MissionRun(
@@ -161,7 +213,8 @@ class Session:
             prepared.backend,
             observers=[self._feed],
             watchers=[self._feed],
-            companions=[*prepared.companions, *attended, self._feed],
+            companions=[*prepared.companions, *kept.companions, *attended, self._feed],
+            tap=kept.tap,
             requests=self.quitting.begin(),
             clock=self._clock,
             factor=self._factor,
@@ -171,6 +224,7 @@ class Session:
         )
         self._began_s = run.now_s
         prepared.follow(run)
+        kept.follow(run)
         return run
 
     def _hopeless(self, result: Result, run: MissionRun) -> bool:
