@@ -8,11 +8,12 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test check format golden schemas bench seeds soak defects clean
+.PHONY: help demo test test-browser check format golden schemas bench seeds soak defects clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
 	@echo "make test    style, types, layers and tests"
+	@echo "make test-browser  a report's page in the Chromium that is installed"
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend mission from 1,000 seeds"
 	@echo "make defects every known defect of the robot, in several missions"
@@ -27,6 +28,9 @@ demo: $(VENV)/.ready-sim
 
 test: check
 	$(BIN)/python -m pytest -n auto --maxprocesses 4
+
+test-browser: $(VENV)/.ready-browser
+	$(BIN)/python -m pytest -m browser tests/browser
 
 check: $(VENV)/.ready-dev
 	$(BIN)/ruff check
@@ -66,6 +70,7 @@ clean:
 # One environment; each set of extras is installed once, and again when pyproject.toml changes.
 $(VENV)/.ready-sim: EXTRAS := sim
 $(VENV)/.ready-dev: EXTRAS := dev,sim,serial,report,console
+$(VENV)/.ready-browser: EXTRAS := browser,dev,sim,report
 $(VENV)/.ready-bench: EXTRAS := bench,sim,console
 $(VENV)/.ready-soak: EXTRAS := sim,serial
 

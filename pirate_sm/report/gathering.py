@@ -6,8 +6,8 @@ makes them of the recorded frames, so the recorded inputs are given to one again
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from math import isnan
 
 from pirate_sm.drawing.highlight import highlight
@@ -38,6 +38,7 @@ class About:
         first_wheel_m: Where odometry took the first wheel to begin; None: as the pipe says.
         warnings: What a reader must know before they believe it.
         facts: The small print.
+        files: Hash of each file that it was made from, by its name.
     """
 
     where: str
@@ -45,6 +46,7 @@ class About:
     first_wheel_m: float | None = None
     warnings: tuple[str, ...] = ()
     facts: tuple[Fact, ...] = ()
+    files: Mapping[str, str] = field(default_factory=dict)
 
 
 def gather(
@@ -147,7 +149,7 @@ class _Run:
             scene=scene,
             diagram=svg(graph),
             facts=about.facts,
-            files=loaded.files,
+            files=about.files,
         )
 
     def _ending(self) -> Ending:

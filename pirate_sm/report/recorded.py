@@ -38,6 +38,7 @@ def report_of(recording: Recording) -> Report:
             first_wheel_m=header.options.get("start_at_m"),
             warnings=tuple(_warnings(recording)),
             facts=tuple(_facts(header, loaded)),
+            files={file.name: file.sha256 for file in header.files},
         )
         return gather(loaded, about, rerun(recording, loaded), _known(recording, loaded))
 

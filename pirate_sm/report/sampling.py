@@ -94,7 +94,8 @@ def thinned(
 def value_at(series: Series, at_s: float) -> float:
     """What the curve shows at a moment, between two points on the line that joins them.
 
-    NaN before the first point and where nothing is known; the last value after the last point.
+    NaN before the first point and where nothing is known; before a gap and after the last point
+    the value holds.
     """
     after = bisect_right(series.times_s, at_s)
     if after == 0:
@@ -102,8 +103,8 @@ def value_at(series: Series, at_s: float) -> float:
     before = series.values[after - 1]
     if after == len(series.times_s) or series.stepped:
         return before
-    t0, t1 = series.times_s[after - 1], series.times_s[after]
-    return before + (series.values[after] - before) * (at_s - t0) / (t1 - t0)
+    t0, t1, other = series.times_s[after - 1], series.times_s[after], series.values[after]
+    return before if isnan(other) else before + (other - before) * (at_s - t0) / (t1 - t0)
 
 
 def over(series: Series, change: Callable[[float, float], float], name: str) -> Series:

@@ -117,7 +117,7 @@ const drawTimeline = () => {
 
   const draw = () => {
     width = host.clientWidth;
-    gutter = isNarrow() ? 4 : Math.min(190, 24 + LETTER * Math.max(...data.lanes.map((lane) => lane.name.length)));
+    gutter = isNarrow() ? 4 : Math.min(190, 24 + LETTER * Math.max(0, ...data.lanes.map((lane) => lane.name.length)));
     root.replaceChildren();
     const defs = element('defs', {});
     const pattern = element('pattern', { id: 'hatch', width: 7, height: 7, patternUnits: 'userSpaceOnUse', patternTransform: 'rotate(45)' });

@@ -1,0 +1,118 @@
+"""Pages in the Chromium that is installed; none is ever fetched."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from typer.testing import CliRunner
+
+from pirate_sm.cli.entry import commands, only_run
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+ROOT = Path(__file__).resolve().parents[2]
+PATROL = ROOT / "tests" / "robots" / "newt" / "patrol.yaml"
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+RUNS = {
+    "bend": ("mitre_bend",),
+    "dead": ("mitre_bend", "--defect", "wheels_3_4_dead"),
+    "trace": ("mitre_bend", "--backend", "trace"),
+    "patrol": (str(PATROL),),
+}
+CUT_SHORT = {"torn": 0.9, "empty": 0.4}
+"""How much of a recording is left."""
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """Chromium without a window; ``CHROMIUM`` names one that is not on the path."""
+    # These tests are collected, though not run, where the driver is not installed.
+    from playwright.sync_api import sync_playwright  # noqa: PLC0415
+
+    found = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, NAMES)), None)
+    if found is None:
+        pytest.fail("there is no Chromium: apt-get install chromium, or set CHROMIUM")
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=found)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def report(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Gives the page of one of ``RUNS``, which is recorded and told once; or of one cut short."""
+    folder = tmp_path_factory.mktemp("reports")
+    made: dict[str, Path] = {}
+
+    def get(name: str) -> Path:
+        if name in made:
+            return made[name]
+        run, told = folder / f"{name}.mcap", folder / f"{name}.html"
+        if name in CUT_SHORT:
+            get("bend")
+            whole = (folder / "bend.mcap").read_bytes()
+            run.write_bytes(whole[: int(len(whole) * CUT_SHORT[name])])
+        else:
+            CliRunner().invoke(only_run, [*RUNS[name], "--quiet", "--record", str(run)])
+        assert CliRunner().invoke(commands, ["report", str(run), "-o", str(told)]).exit_code == 0
+        made[name] = told
+        return told
+
+    return get
+
+
+class Opened:
+    """A page, what its console said and what it asked for."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self.said: list[str] = []
+        self.asked: list[str] = []
+        page.on("console", lambda message: self.said.append(message.text))
+        page.on("pageerror", lambda error: self.said.append(str(error)))
+        page.on("request", lambda request: self.asked.append(request.url))
+
+    @property
+    def at_s(self) -> float:
+        """The time that is shown."""
+        return float(self.page.locator("#clock").inner_text().split()[0])
+
+    @property
+    def places(self) -> str:
+        """Where the wheels are drawn."""
+        return self.page.locator("#scene").get_attribute("data-places") or ""
+
+    @property
+    def picture(self) -> str:
+        """The drawing of the robot, dot by dot."""
+        return str(self.page.evaluate("document.getElementById('scene').toDataURL()"))
+
+
+@pytest.fixture
+def opened(browser: Browser, report: Callable[[str], Path]) -> Iterator[Callable[..., Opened]]:
+    """Opens the page of a run in a window of its own, with the clock of the wall stopped."""
+    contexts = []
+
+    def open_it(name: str, *, wide: int = 1280, high: int = 800, scheme: str = "light") -> Opened:
+        context = browser.new_context(
+            viewport={"width": wide, "height": high}, color_scheme=scheme, offline=True
+        )
+        contexts.append(context)
+        page = context.new_page()
+        page.clock.install(time=0)
+        found = Opened(page)
+        page.goto(report(name).as_uri())
+        page.wait_for_selector("html[data-ready=yes]", state="attached")
+        page.clock.pause_at(60_000)
+        return found
+
+    yield open_it
+    for context in contexts:
+        context.close()

@@ -1,0 +1,171 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from .conftest import Opened
+
+pytestmark = pytest.mark.browser
+
+Open = Callable[..., Opened]
+
+
+@pytest.mark.parametrize("name", ["bend", "dead", "trace", "patrol", "torn", "empty"])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_page_opens_without_a_word_and_asks_for_nothing(
+    opened: Open, name: str, scheme: str
+) -> None:
+    it = opened(name, scheme=scheme)
+    it.page.clock.run_for(1_000)
+
+    assert it.said == []
+    assert [url for url in it.asked if not url.startswith("file:") or ".html" not in url] == []
+    assert len(it.asked) == 1
+
+
+@pytest.mark.parametrize("name", ["bend", "patrol"])
+def test_the_slider_moves_the_robot(opened: Open, name: str) -> None:
+    it = opened(name)
+    places, picture = it.places, it.picture
+
+    it.page.locator("#slider").fill("9")
+
+    assert it.at_s == 9.0
+    assert it.places != places
+    assert it.picture != picture
+
+
+def test_the_slider_obeys_the_keyboard(opened: Open) -> None:
+    it = opened("bend")
+    slider = it.page.locator("#slider")
+    slider.focus()
+    for _ in range(5):
+        slider.press("ArrowRight")
+    assert it.at_s == pytest.approx(0.5)
+    slider.press("End")
+    assert it.at_s == pytest.approx(31.2, abs=0.2)
+    assert "halt" in (slider.get_attribute("aria-valuetext") or "")
+
+
+def test_it_plays_at_the_speed_that_is_chosen_and_pauses(opened: Open) -> None:
+    it = opened("bend")
+    it.page.locator("#speed").select_option("4")
+    it.page.locator("#play").click()
+    it.page.clock.run_for(2_000)
+    played = it.at_s
+
+    it.page.locator("#play").click()
+    it.page.clock.run_for(2_000)
+
+    assert played == pytest.approx(8.0, abs=0.5)
+    assert it.at_s == pytest.approx(played, abs=0.2)
+
+
+def test_pointing_at_a_plot_moves_the_slider_the_robot_and_the_values(opened: Open) -> None:
+    it = opened("bend")
+    places = it.places
+    value = it.page.locator("#plots .legend .value").first
+    before = value.inner_text()
+    area = it.page.locator("#plots .u-over").first
+    area.scroll_into_view_if_needed()
+    box = area.bounding_box()
+    assert box is not None
+
+    it.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 20)
+
+    assert it.at_s == pytest.approx(31.17 / 2, abs=0.1)
+    assert float(it.page.locator("#slider").input_value()) == pytest.approx(it.at_s, abs=0.1)
+    assert it.places != places
+    assert value.inner_text() != before
+
+
+def test_dragging_across_a_plot_shows_a_part_of_the_run_everywhere(opened: Open) -> None:
+    it = opened("bend")
+    ticks = it.page.locator("#timeline .axis text")
+    whole = ticks.all_text_contents()
+    area = it.page.locator("#plots .u-over").first
+    area.scroll_into_view_if_needed()
+    box = area.bounding_box()
+    assert box is not None
+    at = box["y"] + 20
+
+    it.page.mouse.move(box["x"] + box["width"] * 0.5, at)
+    it.page.mouse.down()
+    it.page.mouse.move(box["x"] + box["width"] * 0.75, at, steps=4)
+    it.page.mouse.up()
+
+    assert float(ticks.first.text_content() or 0) == pytest.approx(16, abs=0.5)
+    assert float(ticks.last.text_content() or 0) == pytest.approx(23, abs=0.5)
+    it.page.locator("#whole").click()
+    assert ticks.all_text_contents() == whole
+    assert it.page.locator("#whole").is_hidden()
+    assert it.said == []
+
+
+def test_a_click_on_the_timeline_moves_the_slider(opened: Open) -> None:
+    it = opened("bend")
+    command = it.page.locator("#timeline .span.done", has_text="BendBack")
+    command.scroll_into_view_if_needed()
+
+    command.click()
+
+    assert it.at_s == pytest.approx((19.64 + 25.34) / 2, abs=0.3)
+    assert "BendBack" in it.page.locator("#now").inner_text()
+
+
+def test_a_sentence_and_a_phase_of_the_diagram_lead_to_their_time(opened: Open) -> None:
+    it = opened("bend")
+    it.page.locator(".story button").nth(4).click()
+    assert it.at_s == pytest.approx(14.91, abs=0.01)
+
+    node = it.page.locator('#diagram [data-node="halt"]')
+    node.focus()
+    node.press("Enter")
+    assert it.at_s == pytest.approx(30.86, abs=0.01)
+    assert "now" in (node.get_attribute("class") or "")
+
+
+def test_a_curve_can_be_hidden_and_shown(opened: Open) -> None:
+    it = opened("bend")
+    curve = it.page.locator("#plots .legend button").first
+    canvas = "document.querySelector('#plots canvas').toDataURL()"
+    it.page.clock.run_for(100)
+    before = it.page.evaluate(canvas)
+
+    curve.click()
+    it.page.mouse.move(0, 0)
+    it.page.clock.run_for(100)
+    hidden = it.page.evaluate(canvas)
+    curve.click()
+
+    assert curve.get_attribute("aria-pressed") == "true"
+    assert hidden != before
+
+
+@pytest.mark.parametrize(("wide", "high"), [(1280, 800), (390, 844)])
+@pytest.mark.parametrize("name", ["bend", "trace"])
+def test_nothing_is_cut_off_at_the_side(opened: Open, name: str, wide: int, high: int) -> None:
+    it = opened(name, wide=wide, high=high)
+
+    assert it.page.evaluate("document.documentElement.scrollWidth") == wide
+    assert it.page.locator(".outcome").is_visible()
+    assert it.page.locator("#play").is_visible()
+
+
+def test_by_night_the_page_is_dark(opened: Open) -> None:
+    ground = "getComputedStyle(document.body).backgroundColor"
+
+    assert opened("bend").page.evaluate(ground) == "rgb(244, 246, 248)"
+    assert opened("bend", scheme="dark").page.evaluate(ground) == "rgb(13, 17, 23)"
+
+
+def test_the_robot_is_drawn_anew_when_the_night_comes(opened: Open) -> None:
+    it = opened("bend")
+    day = it.picture
+
+    it.page.emulate_media(color_scheme="dark")
+    changed = "day => document.getElementById('scene').toDataURL() !== day"
+    it.page.wait_for_function(changed, arg=day)
+
+    assert it.said == []
