@@ -32,6 +32,9 @@ RUNS = "runs"
 RUNS_VARIABLE = "PIRATE_SM_RUNS"
 """Names the folder for recordings in place of ``runs``; empty: none unless asked for."""
 
+_LIVE_S = 0.1
+"""So often viewers that look on get something new."""
+
 _FAILED = "the recording ends here, the run goes on: "
 
 
@@ -104,7 +107,7 @@ def recorded(prepared: Prepared, wishes: RecordingWishes, factor: float) -> Iter
         yield Kept(prepared)
         return
     from pirate_sm.recording.file import Nowhere, RecordingFile
-    from pirate_sm.recording.recorder import Recorder
+    from pirate_sm.recording.recorder import COMMIT_S, Recorder
 
     header = _header(prepared, factor, began)
     with ExitStack() as stack:
@@ -118,7 +121,10 @@ def recorded(prepared: Prepared, wishes: RecordingWishes, factor: float) -> Iter
         name = shown(path) if file and path else ""
         said = (f"recording: {name}",) if name else ()
         file = file or RecordingFile(Nowhere(), header)
-        recorder = Recorder(file, header, patient=not prepared.backend.real_time, side=side)
+        recorder = Recorder(
+            file, header, real_time=prepared.backend.real_time, side=side,
+            commit_s=_LIVE_S if wishes.live else COMMIT_S,
+        )  # fmt: skip
         warner = Warner(recorder)
         try:
             notices = (*prepared.notices, *served, *said)

@@ -14,6 +14,7 @@ import inspect
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias, get_args, get_type_hints
 
 from pirate_sm.model import effects as fx
@@ -77,17 +78,17 @@ class Topic:
     names: tuple[str, ...] = ()
     board: int | None = None
 
-    @property
+    @cached_property
     def is_input(self) -> bool:
         """Whether the rows are what the engine was given."""
         return self.name.startswith(IN)
 
-    @property
+    @cached_property
     def keys(self) -> tuple[str, ...]:
         """The columns that every row has."""
         return ("step", "t_s") if self.is_input else ("step", "t_s", "nth")
 
-    @property
+    @cached_property
     def schema(self) -> JsonSchema:
         """The JSON Schema of a batch."""
         described = inspect.cleandoc(self.made.__doc__ or "")
@@ -107,7 +108,7 @@ class Topic:
             "required": list(columns),
         }
 
-    @property
+    @cached_property
     def schema_name(self) -> str:
         """What the schema is called in a file."""
         return "pirate_sm" + self.name.replace("/", ".")

@@ -1,8 +1,8 @@
 """The file of a recording: MCAP, made so that a crash costs no more than what came last.
 
-What is added since the last commit goes to the file as one chunk with a checksum, is written at
-once and asked to be on the disk. So a reader finds whole commits, and at most one torn one, which
-is the last. The official library makes the bytes; it never sees the file itself, so that a disk
+What was added since the last cut goes to the file as one chunk with a checksum, written at once
+and asked to be on the disk. So a reader finds whole chunks, and at most one torn one, which is the
+last. The official library makes the bytes; it never sees the file itself, so that a disk
 that is full cannot leave it in an unknown state.
 """
 
@@ -134,7 +134,7 @@ class RecordingFile:
         self._attach(RUN, "application/json", _json(header.to_json()))
         for file in header.files:
             self._attach(file.attachment, "application/yaml", file.text.encode())
-        self._write()
+        self.write(self._gathered.take())
 
     def time_ns(self, at_s: float) -> int:
         """The moment of a mission time, ns since 1970."""
@@ -143,7 +143,7 @@ class RecordingFile:
     def add(
         self, topic: str, at_s: float, data: bytes, schema: Mapping[str, Any], schema_name: str
     ) -> None:
-        """The message will be part of the next commit.
+        """The message will be part of the next cut.
 
         Args:
             topic: Its topic.
@@ -160,14 +160,19 @@ class RecordingFile:
         time_ns = self.time_ns(at_s)
         self._writer.add_message(channel, time_ns, data, time_ns)
 
-    def commit(self) -> None:
-        """What was added is in the file.
+    def cut(self) -> bytes:
+        """What was added since the last cut, as one piece of the file that is whole in itself."""
+        self._writer.flush()  # type: ignore[no-untyped-call]
+        return self._gathered.take()
+
+    def write(self, data: bytes) -> None:
+        """The pieces are in the file, in the order of their cuts.
 
         Raises:
-            OSError: It is not; a part of it may be.
+            OSError: They are not; a part may be.
         """
-        self._writer.flush()  # type: ignore[no-untyped-call]
-        self._write()
+        if data:
+            self._sink.write(data)
 
     def finish(self) -> None:
         """The recording is complete, with the index that readers look for at the end.
@@ -176,7 +181,7 @@ class RecordingFile:
             OSError: It is not.
         """
         self._writer.finish()  # type: ignore[no-untyped-call]
-        self._write()
+        self.write(self._gathered.take())
 
     def close(self) -> None:
         """Nothing more is written."""
@@ -184,11 +189,6 @@ class RecordingFile:
 
     def _attach(self, name: str, media_type: str, data: bytes) -> None:
         self._writer.add_attachment(self._zero_ns, self._zero_ns, name, media_type, data)
-
-    def _write(self) -> None:
-        data = self._gathered.take()
-        if data:
-            self._sink.write(data)
 
 
 def _json(data: Mapping[str, Any]) -> bytes:

@@ -20,7 +20,7 @@ from pirate_sm.recording.file import RecordingFile
 from pirate_sm.recording.header import RunHeader
 from pirate_sm.recording.side_channel import Sample, SideChannel
 
-COMMIT_S = 0.2
+COMMIT_S = 0.25
 """So often what has happened goes to the disk; half a second is promised."""
 
 _BATCH_S = 2.0
@@ -29,11 +29,17 @@ _BATCH_S = 2.0
 _MOST_STEPS = 20_000
 """So many steps at most are in one commit."""
 
-_MOST_WAITING = 200_000
-"""So many notes at most wait for the disk."""
+_HELP_AT = 2_000
+"""From so many notes on a run that is in no hurry makes bytes of them itself."""
+
+_MOST_NOTES = 200_000
+"""So many notes at most wait for the thread where a robot must not wait."""
+
+_MOST_BYTES = 1 << 28
+"""So many bytes at most wait for the disk."""
 
 _PATIENCE_S = 20.0
-"""How long a run without a robot, and the end of any run, wait for the disk."""
+"""How long the end of a run waits for the disk."""
 
 
 class Note(NamedTuple):
@@ -50,8 +56,10 @@ class Recorder:
     Args:
         file: Where to.
         header: What stands at its beginning.
-        patient: Whether the run waits for a disk that is too slow; else the recording ends.
+        real_time: Whether a robot waits for the run. If none does, the run lends a hand when it is
+            faster than the thread: two threads of one interpreter hinder each other.
         side: What is written for viewers besides.
+        commit_s: How often, on the wall's clock, everything is brought to the disk.
 
     Attributes:
         failure: Why nothing is recorded any more; empty while all is well.
@@ -62,20 +70,24 @@ class Recorder:
         file: RecordingFile,
         header: RunHeader,
         *,
-        patient: bool,
+        real_time: bool,
         side: SideChannel | None = None,
+        commit_s: float = COMMIT_S,
     ) -> None:
         self.failure = ""
         self._file = file
         self._topics = Topics(header.layout)
-        self._patient = patient
+        self._real_time = real_time
         self._side = side
+        self._commit_s = commit_s
         self._notes: deque[Note | Sample] = deque()
         self._step = 0
         self._rows: dict[Topic, list[tuple[Any, ...]]] = {}
         self._since_s = 0.0
+        self._steps = 0
+        self._making = threading.Lock()
+        self._unwritten: deque[bytes] = deque()
         self._wake = threading.Event()
-        self._written = threading.Event()
         self._ending = False
         self._thread = threading.Thread(target=self._work, name="recorder", daemon=True)
         self._thread.start()
@@ -121,16 +133,19 @@ class Recorder:
             sample = side.look(note.at_s)
             if sample is not None:
                 self._notes.append(sample)
-        if len(self._notes) > _MOST_WAITING:
-            self._wait_for_disk()
+        if len(self._notes) > (_MOST_NOTES if self._real_time else _HELP_AT):
+            self._lend_a_hand()
 
-    def _wait_for_disk(self) -> None:
-        if self._patient:
-            self._written.clear()
-            self._wake.set()
-            if self._written.wait(_PATIENCE_S):
-                return
-        self._fail("the disk is too slow")
+    def _lend_a_hand(self) -> None:
+        """The notes are fewer, or the recording has ended."""
+        if self._real_time or sum(map(len, self._unwritten)) > _MOST_BYTES:
+            self._fail("the disk is too slow")
+            return
+        try:
+            with self._making:
+                self._make()
+        except Exception as error:
+            self._fail(_told(error))
 
     def _fail(self, why: str) -> None:
         self.failure = self.failure or why
@@ -141,29 +156,31 @@ class Recorder:
     def _work(self) -> None:
         try:
             while not self._ending and not self.failure:
-                self._wake.wait(COMMIT_S)
-                self._wake.clear()
-                self._drain()
-                self._written.set()
-            self._drain()
-            self._file.finish()
-        except OSError as error:
-            self._fail(error.strerror or str(error))
+                self._wake.wait(self._commit_s)
+                self._commit()
+            if not self.failure:
+                self._commit()
+                self._file.finish()
         except Exception as error:
-            self._fail(f"{type(error).__name__}: {error}")
-        finally:
-            self._written.set()
-            self._shut()
-
-    def _shut(self) -> None:
+            self._fail(_told(error))
         try:
             self._file.close()
         except OSError as error:
-            self._fail(error.strerror or str(error))
+            self._fail(_told(error))
 
-    def _drain(self) -> None:
-        """Everything noted so far is committed."""
-        notes, steps = self._notes, 0
+    def _commit(self) -> None:
+        """Everything noted so far is in the file."""
+        with self._making:
+            self._make()
+            self._cut()
+        while self._unwritten:
+            self._file.write(self._unwritten.popleft())
+
+    # --- either side, one at a time -----------------------------------------------------------
+
+    def _make(self) -> None:
+        """The notes have become messages."""
+        notes = self._notes
         for _ in range(len(notes)):
             try:
                 note = notes.popleft()
@@ -173,11 +190,16 @@ class Recorder:
                 self._show(note)
             else:
                 self._add(note)
-            steps += 1
-            if steps >= _MOST_STEPS:
-                self._commit()
-                steps = 0
-        self._commit()
+        if self._steps >= _MOST_STEPS:
+            self._cut()
+
+    def _cut(self) -> None:
+        """The messages so far are bytes that wait for the disk."""
+        self._batch()
+        self._steps = 0
+        data = self._file.cut()
+        if data:
+            self._unwritten.append(data)
 
     def _add(self, note: Note) -> None:
         if note.at_s >= self._since_s + _BATCH_S:
@@ -185,6 +207,7 @@ class Recorder:
             self._since_s = note.at_s
         step, at_s, rows, topics = self._step, note.at_s, self._rows, self._topics
         self._step = step + 1
+        self._steps += 1
         rows.setdefault(topics.of_input(note.event), []).append((step, at_s, note.event))
         for place, effect in enumerate(note.effects):
             row = (step, at_s, place, effect)
@@ -203,6 +226,8 @@ class Recorder:
             self._file.add(topic.name, rows[0][1], data, topic.schema, topic.schema_name)
         self._rows = {}
 
-    def _commit(self) -> None:
-        self._batch()
-        self._file.commit()
+
+def _told(error: Exception) -> str:
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    return f"{type(error).__name__}: {error}"
