@@ -37,7 +37,7 @@ def record(path: Path, order: Order) -> Recording:
         detector=prepared.detector,
         options={"start_phase": order.start_phase, "states": order.states, "seed": order.seed},
     )
-    recorder = Recorder(RecordingFile(DiskFile(path), header), header, patient=True)
+    recorder = Recorder(RecordingFile(DiskFile(path), header), header, real_time=False)
     companions = [*prepared.companions]
     if not prepared.attended:
         companions.append(FirstChoice("a test"))
@@ -76,7 +76,7 @@ def record_serial(path: Path, mission: str, switches: Switches, seed: int = 0) -
         detector=says.kind,
         options={},
     )
-    recorder = Recorder(RecordingFile(DiskFile(path), header), header, patient=True)
+    recorder = Recorder(RecordingFile(DiskFile(path), header), header, real_time=False)
     companions = [*says.companions, FirstChoice("a test")]
     MissionRun(engine, backend, companions=companions, tap=recorder).execute()
     recorder.close()
