@@ -99,9 +99,10 @@ class MissionRun:
         self._onlookers = tuple(c if isinstance(c, Onlooker) else None for c in companions)
         self._requests = requests or StopRequests()
         self._clock = clock or WallClock()
-        self._pacer = Pacer(inf if backend.real_time else factor, self._clock)
         self.state: EngineState | None = None
-        self.now_s = 0.0
+        self.now_s = after.now_s if after is not None else 0.0
+        factor = inf if backend.real_time else factor
+        self._pacer = Pacer(factor, self._clock, self.now_s)
         self.ended: Ended | None = None
         self._wake_s = inf
         self._until_s = inf
@@ -118,7 +119,7 @@ class MissionRun:
         self._keep_open = keep_open
         self._heard: dict[int, SensorFrame] = {}
         if after is not None:
-            self.now_s, self._last_id, self._heard = after.now_s, after._last_id, after._heard
+            self._last_id, self._heard = after._last_id, after._heard
 
     @property
     def open(self) -> bool:

@@ -15,14 +15,17 @@ FORGIVEN_LAG_S = 0.5
 
 
 class Pacer:
-    """Holds a run to ``factor`` mission seconds per second of the wall; infinite never waits."""
+    """Holds a run to ``factor`` mission seconds per second of the wall; infinite never waits.
 
-    def __init__(self, factor: float, clock: Clock) -> None:
+    It begins now, at mission time ``mission_s``.
+    """
+
+    def __init__(self, factor: float, clock: Clock, mission_s: float = 0.0) -> None:
         self._wanted = factor
         self._factor = factor
         self._clock = clock
         self._wall_s = clock.now()
-        self._mission_s = 0.0
+        self._mission_s = mission_s
 
     @property
     def waits(self) -> bool:
