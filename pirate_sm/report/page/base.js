@@ -47,6 +47,12 @@ const told = (at) => {
   return `${minutes}:${(at - 60 * minutes).toFixed(1).padStart(4, '0')}`;
 };
 
+/** Steps between the marks of an axis of times that a person counts in, s. */
+const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 21600];
+
+/** A moment as an axis has it. */
+const ticked = (at) => (data.duration < 120 ? `${+at.toFixed(3)}` : told(at).replace(/\.0$/, ''));
+
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 const shown = {

@@ -115,9 +115,19 @@ const startDiagram = () => {
 const startStory = () => {
   const items = [...document.querySelectorAll('.story li')];
   const times = items.map((item) => Number(item.querySelector('[data-at]').dataset.at));
+  const box = document.querySelector('.scrolled');
+  let marked = null;
   const show = () => {
-    const current = indexAt(times, shown.at);
-    items.forEach((item, i) => item.toggleAttribute('aria-current', i === current));
+    const current = items[indexAt(times, shown.at)] || null;
+    if (current === marked) return;
+    if (marked) marked.removeAttribute('aria-current');
+    marked = current;
+    if (!current) return;
+    current.setAttribute('aria-current', 'step');
+    const above = current.offsetTop - box.offsetTop - box.scrollTop;
+    if (above < 0 || above + current.offsetHeight > box.clientHeight) {
+      box.scrollTop += above - box.clientHeight / 3;
+    }
   };
   shown.on('time', show);
   show();

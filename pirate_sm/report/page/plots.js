@@ -62,14 +62,14 @@ const drawPlots = () => {
       width,
       height: HEIGHT,
       legend: { show: false },
-      padding: [8, 8, 0, 0],
+      padding: [8, 18, 0, 0],
       focus: { alpha: 0.25 },
       cursor: {
         y: false, points: { show: false }, focus: { prox: -1 }, drag: { x: true, y: false, setScale: false },
       },
       scales: { x: { time: false, range: () => [shown.from, shown.to] } },
       axes: [
-        { ...axis, size: 30, values: (_, ticks) => ticks.map((at) => (data.duration < 120 ? `${+at.toFixed(3)}` : told(at).replace(/\.0$/, ''))) },
+        { ...axis, size: 30, incrs: STEPS, values: (_, ticks) => ticks.map(ticked) },
         { ...axis, size: 58, values: (_, ticks) => ticks.map((each) => `${+each.toFixed(6)}`) },
       ],
       series: [{}, ...chart.series.map((series, number) => {

@@ -17,25 +17,23 @@ const element = (name, attributes, text) => {
   return made;
 };
 
-/** Round steps for the axis of times. */
+/** Where an axis of times has its marks. */
 const ticksOf = (from, to, room) => {
   const rough = (to - from) / Math.max(2, room / 90);
-  const step = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600]
-    .find((each) => each >= rough) || 7200;
-  const ticks = [];
-  for (let at = Math.ceil(from / step) * step; at <= to + 1e-9; at += step) ticks.push(at);
-  return { ticks, digits: step < 0.1 ? 2 : step < 1 ? 1 : 0 };
+  const step = STEPS.find((each) => each >= rough) || STEPS[STEPS.length - 1];
+  const first = Math.ceil(from / step - 1e-9);
+  return Array.from({ length: Math.max(0, Math.floor(to / step + 1e-9) - first + 1) }, (_, i) => (first + i) * step);
 };
 
 const drawTimeline = () => {
-  const host = byId('timeline'), ROW = 26, AXIS = 22, LETTER = 6.7;
+  const host = byId('timeline'), ROW = 26, AXIS = 22, LETTER = 7, EDGE = 18;
   const root = element('svg', { role: 'img', 'aria-label': 'Timeline of the run' });
   host.append(root);
   let width = 0, gutter = 0, cursor = null;
 
   const isNarrow = () => width < 600;
-  const xOf = (at) => gutter + (width - gutter - 8) * (at - shown.from) / (shown.to - shown.from);
-  const atOf = (x) => shown.from + (x - gutter) / (width - gutter - 8) * (shown.to - shown.from);
+  const xOf = (at) => gutter + (width - gutter - EDGE) * (at - shown.from) / (shown.to - shown.from);
+  const atOf = (x) => shown.from + (x - gutter) / (width - gutter - EDGE) * (shown.to - shown.from);
 
   /** A style of its own for each different text of a lane of words. */
   const tintOf = (lane) => {
@@ -54,7 +52,7 @@ const drawTimeline = () => {
 
   const span = (group, [start, end, text, kind, about], y, tint) => {
     if (end < shown.from || start > shown.to) return;
-    const left = Math.max(gutter, xOf(start)), right = Math.min(width - 8, xOf(end));
+    const left = Math.max(gutter, xOf(start)), right = Math.min(width - EDGE, xOf(end));
     const wide = Math.max(2, right - left);
     const box = element('g', { class: `span ${kind} tint${tint}` });
     box.append(element('title', {}, `${text}${about ? `, ${about}` : ''}: ${told(start)} to ${told(end)}`));
@@ -89,7 +87,7 @@ const drawTimeline = () => {
     lane.marks.forEach((each, i) => {
       const next = lane.marks[i + 1];
       const open = lane.spans.every(([start, end]) => end <= each[0] || start > each[0]) && lane.spans.length === 0;
-      mark(group, each, top, open ? Math.min(width - 8, next ? xOf(next[0]) : Infinity) - xOf(each[0]) : 0);
+      mark(group, each, top, open ? Math.min(width - EDGE, next ? xOf(next[0]) : Infinity) - xOf(each[0]) : 0);
     });
     root.append(group);
     return top + ROW;
@@ -97,12 +95,10 @@ const drawTimeline = () => {
 
   const axis = (y) => {
     const group = element('g', { class: 'axis' });
-    const { ticks, digits } = ticksOf(shown.from, shown.to, width - gutter);
-    ticks.forEach((at) => {
+    ticksOf(shown.from, shown.to, width - gutter).forEach((at) => {
       const x = xOf(at);
       group.append(element('line', { class: 'tick', x1: x, x2: x, y1: 0, y2: y }));
-      const text = data.duration < 120 ? at.toFixed(digits) : told(at).replace(/\.0$/, '');
-      group.append(element('text', { x, y: y + 15, 'text-anchor': 'middle' }, text));
+      group.append(element('text', { x, y: y + 15, 'text-anchor': 'middle' }, ticked(at)));
     });
     root.prepend(group);
   };
