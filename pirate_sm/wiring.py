@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from math import inf
 from typing import TYPE_CHECKING, NoReturn
 
 from pirate_sm.detectors.choice import Detecting, Kind, detecting
@@ -325,7 +324,7 @@ def _course(order: Order, loaded: LoadedMission) -> Prepared:
     """A trace in which what happens is laid down."""
     from pirate_sm.backends.trace import SCRIPTED, TraceBackend, Verdicts
     from pirate_sm.loading.course import played
-    from pirate_sm.runtime.course import CoursePlayer
+    from pirate_sm.runtime.course import CoursePlayer, longest_s
 
     if order.firings:
         raise UsageError("a course of events and --fire exclude each other")
@@ -338,7 +337,8 @@ def _course(order: Order, loaded: LoadedMission) -> Prepared:
     )  # fmt: skip
     backend = TraceBackend(verdicts, known)
     # How long commands take in a trace is nothing that a time limit could be held against.
-    engine = Engine(loaded.robot, replace(loaded.program, time_limit_s=inf), nominal=True)
+    limit_s = loaded.program.time_limit_s + longest_s(order.course, loaded.robot, loaded.program)
+    engine = Engine(loaded.robot, replace(loaded.program, time_limit_s=limit_s), nominal=True)
     return Prepared(order, loaded, engine, backend, (player,), (SCRIPTED,), attended=True)
 
 

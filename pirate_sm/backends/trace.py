@@ -22,7 +22,7 @@ IDEAL = (
 
 SCRIPTED = (
     "trace: nothing moves, no sensor speaks; what happens is laid down in the script, and then "
-    "all goes well; the mission's time limit does not count"
+    "all goes well; its time limit counts from then on"
 )
 """The same, where a course of events is played."""
 

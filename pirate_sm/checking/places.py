@@ -77,7 +77,8 @@ class Places:
         document = self._documents.get(place.file)
         excerpt = document.excerpt(place.line) if document else ""
         told = story(*happens, self.written) if happens else ()
-        sure = playable and severity is not Severity.POSSIBLE
+        found = happens is not None and happens[0].is_playable(happens[1])
+        sure = playable and found and severity is not Severity.POSSIBLE
         return Finding(
             code, severity, place, message, mend=mend, excerpt=excerpt, related=related,
             story=told, course=(happens,) if happens and sure else (),

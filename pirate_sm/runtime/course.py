@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import inf
+from math import inf, isfinite
 
+from pirate_sm.engine.program import Program, Question, Wait
+from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.model.course import Happening
 from pirate_sm.model.effects import Ask, Effect, Ended, PhaseChange, TriggerFired, WaitArmed, WakeAt
 from pirate_sm.model.events import (
@@ -20,6 +22,19 @@ from pirate_sm.runtime.companions import FirstChoice, TriggerScript
 
 _EARLIER_S = 1e-10
 """A deadline comes so much earlier, before the loop tells it; to the engine that is in time."""
+
+
+def longest_s(course: Sequence[Happening], robot: RobotSpec, program: Program) -> float:
+    """How long a course of events can take at most: what its deadlines may be, one for each."""
+    deadlines = [command.nominal_s for command in robot.commands]
+    for each in program.instructions:
+        if isinstance(each, Wait):
+            deadlines += [each.within_s, *(trigger.held_s for trigger in each.triggers)]
+            deadlines += [trigger.after_s or 0.0 for trigger in each.triggers]
+        elif isinstance(each, Question):
+            deadlines.append(each.timeout_s)
+    longest = max((each for each in deadlines if isfinite(each)), default=0.0)
+    return longest * sum(each.happens == "time" for each in course)
 
 
 class CoursePlayer:

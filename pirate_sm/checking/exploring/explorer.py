@@ -14,15 +14,16 @@ from functools import partial
 from math import inf, isnan
 from typing import Any, NamedTuple
 
-from pirate_sm.checking.exploring.conditions import Answer, Conditions
+from pirate_sm.checking.exploring.conditions import Conditions
+from pirate_sm.checking.exploring.lasting import lasting
 from pirate_sm.checking.exploring.moves import Move, Moves
 from pirate_sm.checking.exploring.oracle import Moment, Oracle
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.program import Program, Require, Say
+from pirate_sm.engine.program import Program, Require, Say, Wait
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import Effect, Setpoints, StateChange, WakeAt
+from pirate_sm.model.effects import Effect, Setpoints, StateChange, TriggerFired, WakeAt
 from pirate_sm.model.events import Tick
 
 MOST_NODES = 50_000
@@ -105,6 +106,10 @@ class Exploration:
             step = self.nodes[source].step if source >= 0 else -1
         return found[::-1]
 
+    def is_playable(self, step: int) -> bool:
+        """Whether a course of single events, one after the other, leads there."""
+        return all(each.move.kind != "lasting" for each in self.path(step))
+
 
 def explore(
     robot: RobotSpec,
@@ -145,7 +150,8 @@ def explore(
 
 def _telling(program: Program) -> Program:
     """The same program; it also tells when a call begins, which nothing else would show."""
-    instructions, said = [*program.instructions], []
+    instructions = [*program.instructions]
+    said: list[tuple[Say, int]] = []
     for index, each in enumerate(program.instructions):
         if isinstance(each, Require) and each.place:
             instructions[index] = each._replace(next=len(instructions) + len(said))
@@ -169,6 +175,7 @@ class _Walk:
     _known: dict[Any, int] = field(default_factory=dict)
     _sure: deque[int] = field(default_factory=deque)
     _unsure: deque[int] = field(default_factory=deque)
+    _outlasted: set[Any] = field(default_factory=set)
     _held_back: list[tuple[int, Move, EngineState, tuple[Effect, ...], Moment]] = field(
         default_factory=list
     )
@@ -187,8 +194,34 @@ class _Walk:
                     self._enter(*arrival, sure=False)
             elif self._unsure:
                 self._leave(self._unsure.popleft())
-            else:
+            elif not self._outlast():
                 return
+
+    def _outlast(self) -> bool:
+        """Whether a wait has come to something new while sensors showed now this and now that."""
+        steps = len(self.found.steps) + len(self._held_back)
+        fired = {
+            (_key_of_wait(self.found.nodes[step.source].state), effect.trigger)
+            for step in self.found.steps
+            for effect in step.effects
+            if isinstance(effect, TriggerFired) and step.source >= 0
+        }
+        for index, node in enumerate(list(self.found.nodes)):
+            mission = node.state.mission
+            it = self.engine.program.instructions[mission.pc]
+            key = _key_of_wait(node.state)
+            if not (isinstance(it, Wait) and mission.begun) or node.over or key in self._outlasted:
+                continue
+            self._outlasted.add(key)
+            for state, at_s in lasting(it, node.state, self.moves.conditions):
+                move = Move("lasting", Tick(), at_s)
+                for (after, effects), moment in self._every(
+                    partial(self.engine.step, state, move.event, at_s)
+                ):
+                    told = (each for each in effects if isinstance(each, TriggerFired))
+                    if any((key, each.trigger) not in fired for each in told):
+                        self._arrive(index, move, after, effects, moment)
+        return len(self.found.steps) + len(self._held_back) > steps
 
     def _leave(self, index: int) -> None:
         node = self.found.nodes[index]
@@ -280,4 +313,6 @@ def _key(state: EngineState) -> Any:
     )
 
 
-NO_SENSORS = Moment((), Answer(True))
+def _key_of_wait(state: EngineState) -> Any:
+    """The same, whichever conditions have begun to hold."""
+    return _key(state._replace(mission=state.mission._replace(since=())))

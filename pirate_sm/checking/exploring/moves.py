@@ -21,7 +21,7 @@ from pirate_sm.model.events import (
 )
 
 Kind: TypeAlias = Literal[
-    "start", "accepted", "rejected", "time", "failed", "sensors", "answer", "fault"
+    "start", "accepted", "rejected", "time", "lasting", "failed", "sensors", "answer", "fault"
 ]
 
 NOT_DONE = "not done in time"
@@ -33,7 +33,8 @@ class Move(NamedTuple):
 
     Attributes:
         kind: ``time`` lets the next deadline come, at which a command counts as done;
-            ``sensors`` lets them show something else.
+            ``sensors`` lets them show something else; ``lasting`` is time in which they show now
+            this and now that, so that a wait goes on.
         event: What the engine is told.
         at_s: When.
         word: The operator's answer, or the fault's code.

@@ -49,8 +49,6 @@ def _what(found: Exploration, step: Step, written: Written) -> str:
     place = f" ({motion.place})" if motion and motion.place else ""
     flight = state.robot.flight if state else None
     match step.move.kind:
-        case "start":
-            return "the mission begins"
         case "accepted":
             if flight is not None and flight.purpose == "gate":
                 return f"{name}{place} is accepted"
@@ -64,10 +62,17 @@ def _what(found: Exploration, step: Step, written: Written) -> str:
             return f"the fault {step.move.word} comes up"
         case "answer":
             return f"the operator says '{step.move.word}'"
-        case "sensors":
-            return ""
         case "time":
             return f"{name} is done" if name else "time passes"
+        case other:
+            return _ALWAYS[other]
+
+
+_ALWAYS: Mapping[str, str] = {
+    "start": "the mission begins",
+    "sensors": "",
+    "lasting": "sensors show now this and now that",
+}
 
 
 def _consequences(effects: Iterable[Effect], written: Written) -> Iterable[str]:
