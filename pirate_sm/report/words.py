@@ -66,7 +66,8 @@ def summary(it: Course) -> tuple[str, ...]:
     ]
     ways = []
     if it.moved_m is not None:
-        ways.append(f"the robot came {it.moved_m:z.2f} m along the pipe")
+        back = "back " if round(it.moved_m, 2) < 0 else ""
+        ways.append(f"the robot came {back}{abs(it.moved_m):.2f} m along the pipe")
     if it.odometer_m is not None:
         ways.append(f"its odometer counted {it.odometer_m:z.2f} m")
     if ways:

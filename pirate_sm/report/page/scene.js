@@ -192,6 +192,10 @@ const drawScene = () => {
   const ruler = (scale) => {
     const wide = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5].find((each) => each * scale > 60) || 10;
     const x = 12, y = height - 12;
+    context.globalAlpha = 0.8;
+    context.fillStyle = colour('--paper');
+    context.fillRect(x - 6, y - 22, wide * scale + 12, 30);
+    context.globalAlpha = 1;
     stroke([[x, y - 4], [x, y], [x + wide * scale, y], [x + wide * scale, y - 4]], colour('--soft'), 1.5);
     context.fillStyle = colour('--soft');
     context.font = '12px system-ui, sans-serif';

@@ -46,7 +46,16 @@ def test_what_is_told_is_noted_and_so_is_what_changes_untold(rows: list[tuple[fl
 
 @pytest.mark.parametrize(
     ("at_s", "straight", "stepped"),
-    [(-1, nan, nan), (0, 1, 1), (0.5, 2, 1), (1, 3, 3), (1.5, 3, 3), (2.5, nan, nan), (3.5, 8, 8), (9, 8, 8)],
+    [
+        (-1, nan, nan),
+        (0, 1, 1),
+        (0.5, 2, 1),
+        (1, 3, 3),
+        (1.5, 3, 3),
+        (2.5, nan, nan),
+        (3.5, 8, 8),
+        (9, 8, 8),
+    ],
 )
 def test_between_two_points_a_curve_is_straight_or_holds(at_s, straight, stepped):
     times, values = (0.0, 1.0, 2.0, 3.0), (1.0, 3.0, nan, 8.0)

@@ -69,6 +69,18 @@ def test_a_summary_counts(counts, faults, told):
 
 
 @pytest.mark.parametrize(
+    ("moved_m", "told"),
+    [(0.754, "came 0.75 m along"), (-0.754, "came back 0.75 m along"), (-0.001, "came 0.00 m")],
+)
+def test_a_summary_says_which_way_the_robot_went(moved_m, told):
+    ending = Ending("succeeded", "There", 12.0)
+
+    assert any(
+        told in line for line in summary(Course("m", "", "r", "", ending, None, moved_m, {}, {}))
+    )
+
+
+@pytest.mark.parametrize(
     ("duration_s", "told"), [(0.5, "0.50 s"), (31.24, "31.2 s"), (245.4, "4 min 05 s")]
 )
 def test_durations_are_told_as_precisely_as_it_matters(duration_s, told):
