@@ -8,12 +8,13 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-browser check format golden schemas bench seeds soak defects clean
+.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds soak defects clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
 	@echo "make test    style, types, layers and tests"
 	@echo "make test-browser  a report's page in the Chromium that is installed"
+	@echo "make test-pty the conformance suite in real time, over a pseudo-terminal"
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend mission from 1,000 seeds"
 	@echo "make defects every known defect of the robot, in several missions"
@@ -37,6 +38,9 @@ check: $(VENV)/.ready-dev
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+test-pty: $(VENV)/.ready-dev
+	$(BIN)/python -m pytest -m slow tests/conformance
 
 format: $(VENV)/.ready-dev
 	$(BIN)/ruff check --fix
