@@ -71,7 +71,10 @@ def advance(setting: Setting, state: EngineState, now: float, effects: list[Effe
         if mission.diverting or mission.paused or mission.pause_wanted:
             return state
         instruction = instructions[mission.pc]
-        if not mission.begun and type(instruction) is Do and _is_over(setting, mission, now):
+        over = type(instruction) is Do and has_come(
+            mission.clock(now), setting.program.time_limit_s
+        )
+        if over and not mission.begun:
             return state
         after = _KINDS[type(instruction)](setting, state, instruction, now, effects)
         if after.mission.pc == mission.pc and after.mission.begun:
@@ -91,10 +94,6 @@ def spoken(setting: Setting, state: EngineState) -> MissionState:
     doing = mission.begun and isinstance(setting.program.instructions[mission.pc], Do)
     waits = doing and state.robot.flight is not None
     return mission._replace(answer=None, skipped=mission.skipped if waits else None)
-
-
-def _is_over(setting: Setting, mission: MissionState, now: float) -> bool:
-    return has_come(mission.clock(now), setting.program.time_limit_s)
 
 
 def withdraw(setting: Setting, state: EngineState, effects: list[Effect]) -> None:
