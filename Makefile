@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds soak defects clean
+.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills soak defects clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -19,6 +19,7 @@ help:
 	@echo "make seeds   the bend mission from 1,000 seeds"
 	@echo "make defects every known defect of the robot, in several missions"
 	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
+	@echo "make kills   the bend in real time, and something dies at a random moment of it"
 	@echo "make golden  the golden traces anew, after a change that is meant"
 	@echo "make schemas the JSON Schemas anew, after a change of models or of a robot"
 	@echo "make format  every Python file in the one style"
@@ -66,6 +67,9 @@ defects: $(VENV)/.ready-sim
 
 soak: $(VENV)/.ready-soak
 	$(BIN)/python -m benchmarks.soak
+
+kills: $(VENV)/.ready-soak
+	$(BIN)/python -m benchmarks.kills
 
 clean:
 	rm -rf $(VENV) build dist .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

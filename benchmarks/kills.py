@@ -1,0 +1,414 @@
+"""The bend over a real pseudo-terminal, and something dies at a random moment of it.
+
+    python -m benchmarks.kills [--moments 48] [--seed 0] [--at-once 3]
+
+Runner, its guardian and the emulated bay are processes of their own, in real time. At a random
+moment one of them is killed, told to end, stopped for a while, or the cable is out. The bay writes
+down its truth; afterwards the wheels must stand, clamped joints must be where they were, the runner
+must have ended with the exit code that is documented and with one sentence, no process may be
+left, and a second program must get the port.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from itertools import chain, cycle, islice
+from math import degrees, inf
+from pathlib import Path
+from random import Random
+from statistics import median
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
+
+MISSION = "mitre_bend"
+BEGINS_AFTER_S, ENDS_BEFORE_S = 0.1, 34.0
+"""Since the runner was started; the mission itself takes 32 s, the start 2.5 s."""
+
+CABLE_OUT_S = 1.0
+STANDS_STILL_S = 1.0
+SAMPLE_EVERY_S = 0.02
+PATIENCE_S = 30.0
+WATCH_ON_S = 0.6
+
+STILL_RAD, HELD_RAD = 0.02, 0.05
+"""A joint that moved less in the last half second stood; one that moved less since is held."""
+
+RUNNER = "from pirate_sm.cli.entry import run_main; run_main()"
+DOCTOR = "from pirate_sm.cli.entry import main; main()"
+
+
+class Sample(NamedTuple):
+    """The bay at one moment: duties of motors, angles at the wheels' joints, wheels in the pipe."""
+
+    at_s: float
+    joints: tuple[float, ...]
+    wheels: tuple[float, ...]
+    bends_rad: tuple[float, ...]
+    arcs_m: tuple[float, ...]
+
+
+@dataclass
+class Case:
+    """One moment and what came of it.
+
+    Attributes:
+        broken: What must not be, in words.
+        stopped_s: When the last wheel had been told to stand; None: it had not been driven.
+        gone_s: When the last process of the run had ended, after the runner.
+    """
+
+    kind: str
+    seed: int
+    at_s: float
+    folder: Path
+    doing: str = "starting"
+    code: int | None = None
+    said: str = ""
+    stopped_s: float | None = None
+    moved_deg: float | None = None
+    gone_s: float = 0.0
+    broken: list[str] = field(default_factory=list)
+
+    @property
+    def link(self) -> Path:
+        """The port."""
+        return self.folder / f"bay{self.seed}"
+
+
+class Kind(NamedTuple):
+    """Something that happens to a run.
+
+    Attributes:
+        codes: Exit codes that are documented for it.
+        act: Does it, to the runner and the bay.
+        alive: Whether the device is still there afterwards.
+        stops: Whether anybody is left who can stop it.
+        words: Whether the runner can still say something.
+    """
+
+    codes: tuple[int, ...]
+    act: Callable[[Case, subprocess.Popen[bytes], subprocess.Popen[str]], None]
+    alive: bool = True
+    stops: bool = True
+    words: bool = True
+
+
+def main() -> int:
+    """A line for each moment and one for each kind is printed; 1 when a rule was broken."""
+    if sys.argv[1:2] == ["bay"]:
+        return emulate(Path(sys.argv[2]))
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--moments", type=int, default=48)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--at-once", type=int, default=3)
+    parser.add_argument("--only", default="", help="kinds that begin like this")
+    wishes = parser.parse_args()
+    random = Random(wishes.seed)
+    kinds = [kind for kind in KINDS if kind.startswith(wishes.only)]
+    with TemporaryDirectory() as folder, ThreadPoolExecutor(wishes.at_once) as pool:
+        cases = [
+            Case(kind, seed, random.uniform(BEGINS_AFTER_S, ENDS_BEFORE_S), Path(folder))
+            for seed, kind in enumerate(islice(cycle(kinds), wishes.moments))
+        ]
+        done = []
+        for case in pool.map(run, cases):
+            done.append(case)
+            print(_line(case), flush=True)
+    return _sum_up(done)
+
+
+# --- the bay, as a process of its own -----------------------------------------------------------
+
+
+def emulate(link: Path) -> int:
+    """The bay has run as `pirate bay` runs it, and its truth is beside its link."""
+    from pirate_sm.bay.terminal import Terminal, Told, serve
+    from pirate_sm.bay.texts import message_texts
+    from pirate_sm.bay.virtual import VirtualBay
+    from pirate_sm.loading import library
+    from pirate_sm.loading.mission import load_mission
+
+    loaded = load_mission(library.find_mission(MISSION))
+    assert loaded.pipe is not None
+    profile = loaded.loaded_robot.profile
+    assert profile.serial is not None
+    bay = VirtualBay(profile, loaded.pipe, message_texts(loaded.loaded_robot.folder, profile))
+    began_s = time.monotonic()
+    sampled_s = -inf
+    unplugged = False
+
+    def pull(number: int, frame: object) -> None:
+        nonlocal unplugged
+        unplugged = True
+
+    def stopped() -> bool:
+        nonlocal sampled_s
+        now = time.monotonic()
+        if now >= sampled_s + SAMPLE_EVERY_S:
+            sampled_s = now
+            duties, truth = bay.duties, bay.truth
+            wheels = len(truth.bends_rad)
+            out.write(
+                json.dumps(
+                    Sample(now, duties[:wheels], duties[wheels:], truth.bends_rad, truth.arcs_m)
+                )
+                + "\n"
+            )
+        return told.stop or unplugged
+
+    signal.signal(signal.SIGUSR1, pull)
+    with Told() as told, link.with_suffix(".truth").open("w", buffering=1) as out:
+        while not told.stop:
+            with Terminal(link, profile.serial.baud) as terminal:
+                print(terminal.name, flush=True)
+                moments = chain([began_s], iter(time.monotonic, None))
+                serve(bay, terminal, stopped, clock=lambda: next(moments))  # noqa: B023
+            bay.close(time.monotonic() - began_s)
+            if unplugged:
+                time.sleep(CABLE_OUT_S)
+            unplugged = False
+    return 0
+
+
+# --- one moment ---------------------------------------------------------------------------------
+
+
+def run(case: Case) -> Case:
+    """The mission has been run until the moment, and what followed has been judged."""
+    kind = KINDS[case.kind]
+    out, err = case.link.with_suffix(".out"), case.link.with_suffix(".err")
+    bay = _start_bay(case)
+    try:
+        arguments = (MISSION, "--backend", "serial", "--port", str(case.link), "--yes", "--json")
+        with out.open("wb") as lines, err.open("wb") as errors:
+            runner = subprocess.Popen(
+                [sys.executable, "-c", RUNNER, *arguments],
+                stdin=subprocess.DEVNULL, stdout=lines, stderr=errors, start_new_session=True,
+                preexec_fn=_heed,  # noqa: PLW1509 - no thread of ours holds a lock here
+            )  # fmt: skip
+        time.sleep(case.at_s)
+        while case.kind.startswith("guardian") and not _guardians(case):
+            time.sleep(0.01)  # too early: there is none yet
+        acted_s = time.monotonic()
+        kind.act(case, runner, bay)
+        case.code = _ended(runner, case)
+        left_s = time.monotonic()
+        _await(lambda: not _guardians(case), case, "a process was left")
+        case.gone_s = time.monotonic() - left_s
+        time.sleep(WATCH_ON_S)
+        _judge_words(case, out.read_text(), err.read_text())
+        if kind.alive:
+            _judge_truth(case, kind, acted_s)
+        else:
+            bay.wait()
+            bay = _start_bay(case)
+        _again(case)
+    finally:
+        bay.kill()
+        bay.communicate()
+    return case
+
+
+def _heed() -> None:
+    """Ctrl-C is heard, also where this program was started in the background."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+def _start_bay(case: Case) -> subprocess.Popen[str]:
+    bay = subprocess.Popen(
+        [sys.executable, "-m", "benchmarks.kills", "bay", str(case.link)],
+        stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert bay.stdout is not None
+    bay.stdout.readline()
+    return bay
+
+
+def _guardians(case: Case) -> list[int]:
+    """Guardians of this port that live."""
+    return [
+        int(path.parent.name)
+        for path in Path("/proc").glob("[0-9]*/cmdline")
+        if b"pico.guardian" in (words := _read(path)) and bytes(case.link) in words
+    ]
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError:
+        return b""
+
+
+def _ended(runner: subprocess.Popen[bytes], case: Case) -> int | None:
+    try:
+        return runner.wait(PATIENCE_S)
+    except subprocess.TimeoutExpired:
+        case.broken.append("the runner did not end")
+        runner.kill()
+        return runner.wait()
+
+
+def _await(true: Callable[[], bool], case: Case, else_: str) -> None:
+    give_up_s = time.monotonic() + PATIENCE_S
+    while not true():
+        if time.monotonic() > give_up_s:
+            case.broken.append(else_)
+            return
+        time.sleep(0.01)
+
+
+def _judge_words(case: Case, out: str, err: str) -> None:
+    """How the runner ended is what is documented, and what it said is one sentence."""
+    kind = KINDS[case.kind]
+    lines: list[dict[str, Any]] = [json.loads(line) for line in out.splitlines() if line[-1] == "}"]
+    case.doing = next((x["phase"] for x in reversed(lines) if x["type"] == "phase"), case.doing)
+    last = lines[-1] if lines else {}
+    case.said = str(last.get("message", "")) if last.get("type") == "end" else err.strip()
+    if case.code not in kind.codes:
+        case.broken.append(f"exit code {case.code}, documented {kind.codes}")
+    if "Traceback" in err or "\n" in case.said:
+        case.broken.append(f"more than a sentence: {err}")
+    if kind.words and not case.said:
+        case.broken.append("no word about it")
+
+
+def _judge_truth(case: Case, kind: Kind, acted_s: float) -> None:
+    """Wheels stand, and joints that clamped are where they were."""
+    samples = list(_samples(case))
+    before = [sample for sample in samples if sample.at_s <= acted_s]
+    after = [sample for sample in samples if sample.at_s > acted_s]
+    driven = [sample.at_s for sample in after if any(sample.wheels)]
+    if any(before[-1].wheels) or driven:
+        case.stopped_s = max([*driven, acted_s]) - acted_s + SAMPLE_EVERY_S
+    if any(after[-1].wheels) == kind.stops and any(before[-1].wheels):
+        case.broken.append("wheels are driven" if kind.stops else "somebody stopped the wheels")
+    earlier = before[max(0, len(before) - round(0.5 / SAMPLE_EVERY_S))]
+    moved = [
+        abs(end - then)
+        for duty, was, then, end in zip(
+            before[-1].joints, earlier.bends_rad, before[-1].bends_rad, after[-1].bends_rad,
+            strict=True,
+        )
+        if duty and abs(then - was) < STILL_RAD
+    ]  # fmt: skip
+    if moved:
+        case.moved_deg = degrees(max(moved))
+        if max(moved) > HELD_RAD:
+            case.broken.append(f"a clamped joint moved by {case.moved_deg:.0f} deg")
+
+
+def _samples(case: Case) -> Iterator[Sample]:
+    for line in case.link.with_suffix(".truth").read_text().splitlines():
+        if line.endswith("]"):
+            at_s, *rest = json.loads(line)
+            yield Sample(at_s, *(tuple(each) for each in rest))
+
+
+def _again(case: Case) -> None:
+    """A second program has connected to the robot."""
+    doctor = [sys.executable, "-c", DOCTOR, "doctor", "--port", str(case.link), "--seconds", "1"]
+    done = subprocess.run(doctor, capture_output=True, text=True, check=False)
+    if done.returncode not in {0, 1}:
+        case.broken.append(f"no second run: {done.stderr.strip()}")
+
+
+# --- what happens -------------------------------------------------------------------------------
+
+
+def _signal(number: signal.Signals) -> Callable[..., None]:
+    """The terminal sends it to the whole group; a stop of the group is not for the guardian."""
+
+    def act(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str]) -> None:
+        os.killpg(runner.pid, number)
+
+    return act
+
+
+def _pause(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str]) -> None:
+    os.killpg(runner.pid, signal.SIGSTOP)
+    time.sleep(STANDS_STILL_S)
+    os.killpg(runner.pid, signal.SIGCONT)
+
+
+def _guardian(number: signal.Signals) -> Callable[..., None]:
+    def act(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str]) -> None:
+        for pid in _guardians(case):
+            os.kill(pid, number)
+
+    return act
+
+
+def _both(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str]) -> None:
+    runner.send_signal(signal.SIGSTOP)
+    for pid in _guardians(case):
+        os.kill(pid, signal.SIGKILL)
+    runner.kill()
+
+
+def _bay(number: signal.Signals) -> Callable[..., None]:
+    def act(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str]) -> None:
+        bay.send_signal(number)
+
+    return act
+
+
+_BY_SIGNAL = -signal.SIGKILL
+KINDS = {
+    "runner: kill -9": Kind((_BY_SIGNAL,), _signal(signal.SIGKILL), words=False),
+    "runner: SIGTERM": Kind((143,), _signal(signal.SIGTERM)),
+    "runner: SIGINT": Kind((130,), _signal(signal.SIGINT)),
+    "runner: SIGHUP": Kind((129,), _signal(signal.SIGHUP)),
+    "runner: stopped 1 s": Kind((3,), _pause),
+    "guardian: kill -9": Kind((3,), _guardian(signal.SIGKILL)),
+    "guardian: SIGTERM": Kind((3,), _guardian(signal.SIGTERM)),
+    "bay: kill -9": Kind((3,), _bay(signal.SIGKILL), alive=False),
+    "cable out for 1 s": Kind((3,), _bay(signal.SIGUSR1)),
+    "guardian and runner: kill -9": Kind((_BY_SIGNAL,), _both, stops=False, words=False),
+}
+
+
+# --- telling ------------------------------------------------------------------------------------
+
+
+def _line(case: Case) -> str:
+    stopped = "-" if case.stopped_s is None else f"{case.stopped_s * 1000:.0f}"
+    moved = "-" if case.moved_deg is None else f"{case.moved_deg:.1f}"
+    wrong = f"  WRONG {'; '.join(case.broken)}" if case.broken else ""
+    return (
+        f"{case.seed:3} {case.kind:29} {case.at_s:5.1f} s {case.doing:10} exit {case.code:4} "
+        f"wheels {stopped:>5} ms, clamps {moved:>4} deg, port {case.gone_s * 1000:5.0f} ms  "
+        f"{case.said}{wrong}"
+    )
+
+
+def _sum_up(cases: list[Case]) -> int:
+    """A line for each kind."""
+    print(f"\n{'':29} moments  driving  wheels stopped after, ms  joints moved at most, deg")
+    for kind in dict.fromkeys(case.kind for case in cases):
+        mine = [case for case in cases if case.kind == kind]
+        stops = [case.stopped_s * 1000 for case in mine if case.stopped_s is not None]
+        moved = [case.moved_deg for case in mine if case.moved_deg is not None]
+        spread = f"{median(stops):.0f} (most {max(stops):.0f})" if stops else "-"
+        if not KINDS[kind].stops:
+            spread = "never"
+        most = f"{max(moved):.1f}" if moved else "-"
+        print(f"{kind:29} {len(mine):7} {len(stops):8}  {spread:>24} {most:>27}")
+    bad = sum(bool(case.broken) for case in cases)
+    print(f"{len(cases)} moments, {bad} broke a rule")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
