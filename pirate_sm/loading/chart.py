@@ -33,7 +33,7 @@ def compile_chart(document: Document, outline: ChartOutline, problems: Problems)
     about = problems.about(document)
     try:
         # As JSON: the library would read the file as YAML 1.1, where `on` and `Off` are booleans.
-        machine = load(json.dumps(document.data), format="json")()
+        machine = load(json.dumps(_plain(outline)), format="json")()
     except Exception as error:  # whatever it stumbles over stands in the file
         about.add("chart.invalid", (), f"the statechart library refuses this chart: {error}")
         about.raise_errors()
@@ -62,6 +62,29 @@ def compile_chart(document: Document, outline: ChartOutline, problems: Problems)
     )  # fmt: skip
 
 
+def _plain(outline: ChartOutline) -> dict[str, Any]:
+    """The chart with names for regions and events that mean nothing to the library.
+
+    It makes attributes of them, and one that is called `send` would take the place of its own.
+    """
+    regions: dict[str, Any] = {}
+    for number, (region, names) in enumerate(zip(outline.regions, outline.states, strict=True)):
+        states: dict[str, Any] = {f"{region}.{name}": {"transitions": []} for name in names}
+        states[f"{region}.{outline.initial[number]}"]["initial"] = True
+        regions[f"region_{number}"] = {"states": states}
+        for each in outline.transitions:
+            if each.region == region:
+                guard = {"cond": each.guard} if each.guard else {}
+                event = _event(outline.commands.index(each.event))
+                move = {"event": event, "target": each.target, **guard}
+                states[each.source]["transitions"].append(move)
+    return {"name": "chart", "states": {"top": {"parallel": True, "states": regions}}}
+
+
+def _event(number: int) -> str:
+    return f"command_{number}"
+
+
 def _explore(
     machine: Any, outline: ChartOutline
 ) -> tuple[tuple[Configuration, ...], tuple[tuple[int, ...], ...]] | None:
@@ -74,9 +97,9 @@ def _explore(
     following: list[tuple[int, ...]] = []
     for values in order:
         row = []
-        for command in outline.commands:
+        for number in range(len(outline.commands)):
             machine.current_state_value = OrderedSet(values)
-            machine.send(command)
+            machine.send(_event(number))
             reached = tuple(machine.configuration_values)
             index = found.setdefault(frozenset(reached), len(order))
             if index == len(order):

@@ -8,9 +8,14 @@ PROFILE_FILE = "profile.yaml"
 
 
 def shown(path: Path) -> str:
-    """The path as messages write it: from the current folder where it lies in there."""
+    """The path as messages write it: from the current folder where it lies in there.
+
+    Of a link it is what the link leads to, so that a file has one name; a link that leads nowhere
+    has its own.
+    """
     try:
-        whole, here = path.resolve(), Path.cwd()
+        here = Path.cwd()
+        whole = path.resolve() if path.exists() else path.absolute()
     except (OSError, RuntimeError, ValueError):
         return str(path).replace("\0", "\\0")
     return str(whole.relative_to(here)) if whole.is_relative_to(here) else str(path)

@@ -18,7 +18,8 @@ from pirate_sm.loading.program import build_program
 from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.loading.scope import Source
 from pirate_sm.loading.source import Document, read_document
-from pirate_sm.loading.validate import validate
+from pirate_sm.loading.spared import spared
+from pirate_sm.loading.validate import try_validate
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.spelling import nearest, one_of
@@ -109,10 +110,10 @@ def read_mission(
         UsageError: An argument does not fit.
     """
     document = read_document(path, shown(path))
-    mission = validate(document, Mission)
-    folder = path.resolve().parent
-    loaded = load_robot(_robot_folder(robot, mission, document, folder))
     problems = Problems(document)
+    mission = _shape(document, problems, spare=bool(tolerated))
+    folder = path.resolve().parent
+    loaded = _robot(robot, mission, folder, problems)
     shadow = "" if robot is not None else library.shadowing(mission.robot, loaded.folder)
     if shadow:
         problems.add(
@@ -141,15 +142,30 @@ def read_mission(
     return result, problems
 
 
-def _robot_folder(robot: str | None, mission: Mission, document: Document, folder: Path) -> Path:
+def _shape(document: Document, problems: Problems, *, spare: bool) -> Mission:
+    """The mission that the document describes, or what of it can be looked at all the same."""
+    mission = try_validate(document, Mission, problems)
+    if mission is None and spare:
+        mission = spared(document)
+    if mission is None:
+        problems.raise_errors()
+        raise AssertionError("raise_errors raises here")
+    return mission
+
+
+def _robot(robot: str | None, mission: Mission, folder: Path, problems: Problems) -> LoadedRobot:
     if robot is not None:
-        return library.find_robot(robot)
+        found = library.find_robot(robot)
     try:
-        return library.find_robot(mission.robot, folder)
+        if robot is None:
+            found = library.find_robot(mission.robot, folder)
+        return load_robot(found)
     except UsageError as error:
-        problems = Problems(document)
         problems.add("mission.robot", ("robot",), str(error))
-        raise LoadError(problems.all) from None
+    except LoadError as error:
+        for problem in error.problems:
+            problems.put(problem)
+    raise LoadError(problems.all)
 
 
 def _pipe(

@@ -173,6 +173,17 @@ def test_settings_are_for_the_missions_that_have_them() -> None:
         check_paths(["."], Wishes(settings={"way": "1"}))
 
 
+def test_names_are_looked_at_although_another_phase_has_no_shape() -> None:
+    more = "phases:\n  b: {do: [ClampFrond, {clamp: rear}], go: e}\n  c: {do: [ClampReer], go: f}"
+    write("m.yaml", MISSION.replace("phases:", more))
+
+    assert told(check_paths(["m.yaml"])) == [
+        ("step", "m.yaml:6:24"),
+        ("mission.command", "m.yaml:7:12"),
+        ("mission.name", "m.yaml:7:28"),
+    ]
+
+
 def test_an_unknown_robot_or_pipe_is_refused() -> None:
     write("m.yaml")
     for wishes in (Wishes(robot="pirate_3"), Wishes(pipe="straight_13")):

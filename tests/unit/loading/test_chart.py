@@ -243,6 +243,22 @@ def test_a_state_that_no_commands_lead_to_is_refused(tmp_path):
         load_robot(robot)
 
 
+@pytest.mark.parametrize("word", ["send", "configuration", "name", "current_state_value", "newt"])
+def test_names_may_be_words_of_the_library(tmp_path, word):
+    usual = load_robot(NEWT).table
+    robot = tmp_path / "newt"
+    shutil.copytree(NEWT, robot)
+    for file in ("chart.yaml", "profile.yaml"):
+        text = (robot / file).read_text("utf-8")
+        text = text.replace("SwitchLamp", word).replace("Crawl", f"{word}_")
+        (robot / file).write_text(text.replace("  newt:\n", f"  {word}:\n"), "utf-8")
+
+    table = load_robot(robot).table
+
+    assert table.configurations == usual.configurations
+    assert table.following == usual.following
+
+
 def test_a_chart_that_is_too_large_is_refused(monkeypatch):
     monkeypatch.setattr("pirate_sm.loading.chart.MOST_CONFIGURATIONS", 100)
     count = 7  # 2 ** 7 combinations
