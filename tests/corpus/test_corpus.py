@@ -1,0 +1,120 @@
+"""Every seeded fault is found, with its code at its line, and nothing else is said of its files."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.checking import catalogue
+from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.project import check_paths
+
+from .made import MADE, Made, mission_with_faults
+from .seeding import HERE, ROBOTS, ROOT, Case, cases, copied
+
+CASES = cases()
+BASES = [*ROBOTS, *sorted(path.name for path in (HERE / "bases").iterdir())]
+
+NOT_SEEDED = {
+    "check.failed": "is a fault of this program; test_project.py makes one",
+    "chart.invalid": "every chart that its outline accepts is built without names of its own",
+    "script.list": "the check takes only lists for trace scripts; `--script` tells of others",
+    "more": "stands beside the faults that are too many to be shown: see below",
+    "rehearsal.failed": "comes of a run in the simulator, not of a file",
+}
+"""Codes that no single fault of a file brings about, and why."""
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to check, with the second robot beside it."""
+    (tmp_path / "newt").mkdir()
+    copied("newt", tmp_path / "newt")
+    folder = tmp_path / "case"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def told(finding: Finding) -> tuple[str, str, int]:
+    return finding.code, finding.place.file, finding.place.line
+
+
+@pytest.mark.parametrize("base", BASES)
+def test_what_the_faults_are_put_into_is_clean(base: str, here: Path) -> None:
+    copied(base, here)
+
+    assert check_paths(["."]).findings == ()
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_a_seeded_fault_is_found_and_nothing_else(case: Case, here: Path) -> None:
+    expected = case.write(here)
+    assert len(expected) == 1, "one fault a case"
+
+    findings = check_paths(case.check).findings
+    assert [told(each) for each in findings] == list(expected), "\n".join(
+        f"{each.place} [{each.code}] {each.message}" for each in findings
+    )
+    [finding] = findings
+    usual = catalogue.entry_of(finding.code).severity
+    assert finding.severity.word == (case.severity or usual)
+    assert finding.message
+    assert finding.mend or catalogue.entry_of(finding.code).mend
+
+
+@pytest.mark.parametrize("made", MADE.values(), ids=MADE.keys())
+def test_a_fault_that_is_made_is_found_and_nothing_else(
+    made: Made, here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made.make(here)
+    for limit, value in made.limits.items():
+        monkeypatch.setattr(limit, value)
+
+    found = check_paths([made.check]).findings
+    assert [told(each) for each in found] == [made.finds], [each.message for each in found]
+
+
+@pytest.mark.parametrize("faults", [250, 1000])
+def test_faults_that_are_not_shown_are_counted(faults: int, here: Path) -> None:
+    (here / "m.yaml").write_text(mission_with_faults(faults), encoding="utf-8")
+
+    codes = Counter(each.code for each in check_paths(["."]).findings)
+    assert codes["more"] == 1
+    assert codes.keys() == {"more", "step"}
+
+
+def test_every_code_is_seeded_twice_with_different_faults() -> None:
+    seeded = Counter(case.seeds for case in CASES)
+    seeded.update(made.finds[0] for made in MADE.values())
+    assert seeded.total() >= 80
+    assert len({case.name for case in CASES}) == len(CASES)
+    assert set(NOT_SEEDED) <= set(catalogue.entries())
+    too_few = {code for code in catalogue.entries() if seeded[code] < 2} - NOT_SEEDED.keys()
+    assert too_few == set()
+
+
+def test_the_3d_sequence_of_the_thesis_is_refused_for_its_three_reasons(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(ROOT)
+    file = "tests/missions/enter_3d_as_printed.yaml"
+    lines = (ROOT / file).read_text("utf-8").splitlines()
+
+    found = check_paths([file]).findings
+
+    assert [(each.code, lines[each.place.line - 1].strip()) for each in found] == [
+        ("step.unneeded", "- ClampRear"),
+        ("step.impossible", "- UnclampRear"),
+        ("mission.command", "- AlignOther"),
+    ]
+    assert found[0].place.line == 1 + lines.index("      - ToggleLight") + 1
+    assert found[1].message.startswith("UnclampRear (RelaxRear) is refused as impossible")
+    assert "AlignLeft or AlignRight" in found[2].message
+    steps = [line.strip().removeprefix("- ") for line in lines if line.startswith("      - ")]
+    assert steps == [
+        "ClampRear", "ToggleLight", "ClampRear", "AlignRight",
+        "UnclampRear", "ClampFront", "AlignOther", "DriveForward",
+    ]  # fmt: skip

@@ -1,0 +1,126 @@
+"""Nothing is said of what is shipped, nor of sensible changes to it, nor of what the docs show."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import yaml
+
+from pirate_sm.checking.project import Wishes, check_paths
+from pirate_sm.loading import library
+
+from .seeding import HERE, ROOT, copied, put
+
+SHIPPED = {path.stem: path for path in library.missions()}
+HARMLESS = ("{log: Here}", "{command: ToggleLighting, if: LightingState == Off}")
+TURNS = re.compile(r"^  - \{mitre: (-?)", re.MULTILINE)
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of the shipped missions and pipes, as a project of its own."""
+    shutil.copytree(ROOT / "sequences", tmp_path / "sequences")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path / "sequences"
+
+
+def told(path: str, wishes: Wishes | None = None) -> list[str]:
+    return [f"{e.place} {e.code}: {e.message}" for e in check_paths([path], wishes).open]
+
+
+def mirror(folder: Path, name: str) -> None:
+    """The mission is of the other polarity, and so is every one that says its own."""
+    for file in folder.glob("*.yaml"):
+        text = file.read_text("utf-8")
+        if "\npolarity: mirrored\n" in text:
+            file.write_text(text.replace("\npolarity: mirrored\n", "\npolarity: normal\n"), "utf-8")
+        elif file.stem == name:
+            put(file, {"\nrobot: pirate_ii\n": "\nrobot: pirate_ii\npolarity: mirrored\n"})
+
+
+def test_all_that_is_shipped_is_clean(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+
+    for path in ("hardware_profiles", "sequences", "docs/examples", "tests/robots/newt"):
+        assert told(path) == []
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_mission_in_the_other_polarity_fits_a_pipe_to_the_other_side(
+    name: str, here: Path
+) -> None:
+    mirror(here, name)
+    for pipe in (here / "pipes").glob("*.yaml"):
+        text = TURNS.sub(lambda m: "  - {mitre: " + ("" if m[1] else "-"), pipe.read_text("utf-8"))
+        pipe.write_text(re.sub("^uphill: ", "uphill: -", text, flags=re.MULTILINE), "utf-8")
+
+    assert told(f"sequences/{name}.yaml") == []
+
+
+@pytest.mark.parametrize("diameter", ["95 mm", "113 mm", "130 mm"])
+def test_missions_fit_other_pipes_of_their_kind(diameter: str, here: Path) -> None:
+    for file in (here / "pipes").glob("*.yaml"):
+        put(file, {"diameter: 120 mm": f"diameter: {diameter}"})
+
+    assert told("sequences") == []
+
+
+@pytest.mark.parametrize("limit", ["min", "max"])
+@pytest.mark.parametrize("name", SHIPPED)
+def test_parameters_may_have_any_value_within_their_limits(name: str, limit: str) -> None:
+    parameters = yaml.safe_load(SHIPPED[name].read_text("utf-8")).get("parameters", {})
+    settings = {key: str(each[limit]) for key, each in parameters.items() if limit in each}
+
+    assert told(str(SHIPPED[name]), Wishes(settings=settings)) == []
+
+
+@pytest.mark.parametrize("step", HARMLESS)
+@pytest.mark.parametrize("name", SHIPPED)
+def test_steps_that_change_nothing_may_stand_anywhere(name: str, step: str, here: Path) -> None:
+    file = here / f"{name}.yaml"
+    lines = file.read_text("utf-8").splitlines(keepends=True)
+    file.write_text("".join(_with(step, line) for line in lines), encoding="utf-8")
+
+    assert told(str(file)) == []
+
+
+def _with(step: str, line: str) -> str:
+    """The line, with the step as the first of those that begin in it."""
+    block = re.match(r"( +)do:\n$", line)
+    if block:
+        return f"{line}{block[1]}  - {step}\n"
+    return re.sub(r"\bdo: \[(?!\])", f"do: [{step}, ", line)
+
+
+def test_bases_of_the_corpus_are_clean_in_one_project(here: Path) -> None:
+    for base in sorted(path.name for path in (HERE / "bases").iterdir()):
+        (here / base).mkdir()
+        copied(base, here / base)
+    (here / "newt").mkdir()
+    copied("newt", here / "newt")
+
+    assert told("sequences") == []
+
+
+def snippets() -> Iterator[tuple[str, str]]:
+    """Every whole mission, pipe and robot that a page of the docs shows."""
+    for page in [*sorted((ROOT / "docs").rglob("*.md")), ROOT / "README.md"]:
+        text = page.read_text("utf-8")
+        for number, match in enumerate(re.finditer(r"^```yaml\n(.*?)^```", text, re.S | re.M)):
+            if re.search(r"^(phases|segments|boards):", match[1], re.M) and "…" not in match[1]:
+                yield f"{page.name}-{number}", match[1]
+
+
+@pytest.mark.parametrize(("name", "text"), list(snippets()))
+def test_what_the_docs_show_is_clean(name: str, text: str, here: Path) -> None:
+    (here / f"{name}.yaml").write_text(text, encoding="utf-8")
+
+    assert told(f"sequences/{name}.yaml") == []
+
+
+def test_the_docs_show_missions() -> None:
+    assert list(snippets())
