@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pathlib import Path
 from typing import ClassVar, TypeVar
 
 from textual.app import App, ComposeResult, SystemCommand
@@ -48,7 +49,7 @@ class Console(Asking, App[None]):
         failure: What broke in here; None: nothing.
     """
 
-    CSS_PATH = "console.tcss"
+    CSS_PATH = Path(__file__).with_name("console.tcss")
     TITLE = "pirate console"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding(STOP_KEY, "stop", "STOP", priority=True),
@@ -143,6 +144,8 @@ class Console(Asking, App[None]):
     def show(self) -> None:
         """The newest snapshot is on the screen."""
         snapshot = self.session.latest
+        if not (self.screen_stack and self.screen_stack[0].query("#picture")):
+            return  # the screen is being taken down
         self._frame += 1
         if self.is_visible("#picture"):
             self.on_base(Picture, "picture").show(snapshot)
@@ -228,7 +231,10 @@ class Console(Asking, App[None]):
         self.session.quit(CRASHED)
         self.failure = self.failure or error
         super()._handle_exception(error)
-        self._exit_renderables.clear()  # it is told in one sentence by whoever opened the console
+
+    def _fatal_error(self) -> None:
+        """The console closes; what broke is told in a sentence by whoever opened it."""
+        self._close_messages_no_wait()
 
 
 PAGES = (("drive", "Drive"), ("mission", "Mission"), ("body", "Body"), ("log", "Log"))

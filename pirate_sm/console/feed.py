@@ -11,6 +11,7 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Ended, Log
 from pirate_sm.model.events import Answer, Event
 from pirate_sm.runtime.companions import Answered
+from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.showing.memory import Memory
 from pirate_sm.showing.telling import Line
 from pirate_sm.wiring import Prepared
@@ -37,7 +38,7 @@ class Feed:
         self._prepared = prepared
         self._memory = Memory(scene.robot, nominal=scene.engine.nominal)
         self._waiting: deque[Event] = deque()
-        self._state: EngineState | None = None
+        self._run: MissionRun | None = None
         self._due_s = 0.0
         self._trend_s = -inf
         self._trends: dict[str, tuple[float, ...]] = {}
@@ -53,10 +54,10 @@ class Feed:
 
     # --- from the run's thread ----------------------------------------------------------------
 
-    def begin(self, scene: Scene, prepared: Prepared) -> None:
+    def begin(self, scene: Scene, prepared: Prepared, run: MissionRun) -> None:
         """Another run begins; what was told stays to be read."""
         self._waiting.clear()
-        self._scene, self._prepared = scene, prepared
+        self._scene, self._prepared, self._run = scene, prepared, run
         self._memory.begin(scene.robot)
         self._due_s, self.asked = -inf, 0
         for notice in prepared.notices:
@@ -77,7 +78,7 @@ class Feed:
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """There is a new snapshot; an answer is told, with who gave it."""
-        self._state, self._due_s = state, now_s + LOOK_EVERY_S
+        self._due_s = now_s + LOOK_EVERY_S
         self._sample(state, now_s)
         self.latest = self._snapshot(now_s)
         return [
@@ -106,15 +107,15 @@ class Feed:
         self.latest = self._snapshot(now_s)
 
     def _snapshot(self, now_s: float) -> Snapshot:
-        prepared = self._prepared
+        prepared, state = self._prepared, self._run.state if self._run is not None else None
         truth, reckoned = None, False
         if prepared.truth is not None:
             truth = prepared.truth()
         elif prepared.reckoned is not None:
             truth, reckoned = prepared.reckoned(), True
-        link = prepared.link() if prepared.link and self._state is not None else None
+        link = prepared.link() if prepared.link and state is not None else None
         return Snapshot(
-            self._scene, now_s, self._state, self._memory.story(), truth, reckoned, link,
+            self._scene, now_s, state, self._memory.story(), truth, reckoned, link,
             self._trends, self._over,
         )  # fmt: skip
 

@@ -106,7 +106,7 @@ def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[Control, ...]
     return (
         Control("go", "R", "Start" if fresh else "Resume", _why_not_go(snapshot, entries)),
         Control("pause", "P", "Pause", _why_not_pause(snapshot)),
-        Control("step", "N", "Next step", _why_not_step(snapshot)),
+        Control("step", "N", "Next step", _why_not_step(snapshot, entries)),
         Control("skip", "K", "Skip the wait", _why_not_skip(snapshot)),
         Control(
             "hand_back", "H", "Hand back at …", _general(snapshot) or _why_not_paused(snapshot)
@@ -140,11 +140,11 @@ def _why_not_go(snapshot: Snapshot, entries: Entries | None) -> str:
     return why_not_on(snapshot.state)
 
 
-def _why_not_step(snapshot: Snapshot) -> str:
-    general = _general(snapshot)
-    if general or snapshot.state is None:
-        return general
-    return why_not_on(snapshot.state) if snapshot.state.mission.paused else ""
+def _why_not_step(snapshot: Snapshot, entries: Entries | None) -> str:
+    state = snapshot.state
+    if not _general(snapshot) and state is not None and not state.mission.paused:
+        return ""  # it pauses after the step under way
+    return _why_not_go(snapshot, entries)
 
 
 def _why_not_pause(snapshot: Snapshot) -> str:

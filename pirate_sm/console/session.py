@@ -206,7 +206,6 @@ class Session:
 
     def _run(self, kept: Keeping, before: MissionRun | None) -> MissionRun:
         prepared = kept.prepared
-        self._feed.begin(_scene(prepared), prepared)
         attended = [FirstChoice()] if prepared.attended else []
         run = MissionRun(
             prepared.engine,
@@ -223,6 +222,7 @@ class Session:
             keep_open=True,
         )
         self._began_s = run.now_s
+        self._feed.begin(_scene(prepared), prepared, run)
         prepared.follow(run)
         kept.follow(run)
         return run

@@ -191,6 +191,8 @@ class MissionRun:
         while self.ended is None:
             if requests.stop is not None:
                 self._heed_stop()
+                if self.ended is not None:
+                    return  # nothing had to be sent
             try:
                 now_s, events = advance(self._until_s)
             except Exception as error:

@@ -1,0 +1,181 @@
+"""Drives the console as a person would, in a time that only the test lets pass."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Coroutine
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, replace
+from math import inf
+from pathlib import Path
+from threading import Condition
+from typing import Any
+
+from textual.pilot import Pilot
+from textual.widgets import OptionList
+
+from pirate_sm.console.app import Console
+from pirate_sm.console.session import Session
+from pirate_sm.console.shelf import without_mission
+from pirate_sm.console.snapshot import Snapshot
+from pirate_sm.engine.robot_state import states_of
+from pirate_sm.wiring import Order, Prepared, load, prepare
+
+ROOT = Path(__file__).parents[2]
+WALL_S = 30.0
+"""Nothing here takes so long; a test that hangs says so."""
+
+
+class HandClock:
+    """A clock of which the test turns the hand: a sleeper wakes when it has come so far."""
+
+    def __init__(self) -> None:
+        self._changed = Condition()
+        self._now = 0.0
+        self._limit = 0.0
+        self._until = -inf
+        self._free = False
+
+    def now(self) -> float:
+        return self._now
+
+    def sleep(self, seconds: float) -> None:
+        with self._changed:
+            self._until = self._now + seconds
+            self._changed.notify_all()
+            self._changed.wait_for(lambda: self._free or self._until <= self._limit)
+            self._now, self._until = max(self._now, self._until), -inf
+
+    def run(self, seconds: float, over: Callable[[], bool]) -> None:
+        """So much time has passed, and the sleeper waits for more; or it is over."""
+        with self._changed:
+            self._limit += seconds
+            self._changed.notify_all()
+            for _ in range(int(WALL_S / 0.05)):
+                if self._changed.wait_for(lambda: self._until > self._limit, 0.05) or over():
+                    return
+        raise AssertionError("the run neither sleeps nor is it over")
+
+    def free(self) -> None:
+        """Nobody is held back any more."""
+        with self._changed:
+            self._free = True
+            self._changed.notify_all()
+
+
+@dataclass
+class Operator:
+    """Somebody at the console."""
+
+    app: Console
+    pilot: Pilot[None]
+    clock: HandClock
+    session: Session
+
+    @property
+    def latest(self) -> Snapshot:
+        return self.session.latest
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        assert self.latest.state is not None
+        return states_of(self.latest.scene.robot, self.latest.state.robot)
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        assert self.latest.state is not None
+        return self.latest.state.robot.values
+
+    def wheels_stand(self) -> bool:
+        return all(self.values[slot] == 0 for slot in self.latest.scene.robot.safe_zero)
+
+    def wait(self, seconds: float) -> None:
+        """Time passes."""
+        self.clock.run(seconds, lambda: self.latest.over)
+
+    async def look(self) -> None:
+        """The console shows what there is; what it does on the side is done."""
+        if not self.app.is_running:
+            return
+        self.app.show()
+        await self.app.workers.wait_for_complete()
+        await self.pilot.pause()
+        self.app.show_words(self.latest)
+        await self.pilot.pause()
+
+    def until(self, what: Callable[[], Any], at_most_s: float = 60.0) -> None:
+        """It has come to be so."""
+        for _ in range(round(at_most_s / 0.1)):
+            if what():
+                return
+            self.wait(0.1)
+        raise AssertionError(f"not within {at_most_s:g} s; told: {self.told()[-8:]}")
+
+    async def press(self, *keys: str) -> None:
+        """The keys are pressed, and the engine has heard of it."""
+        await self.pilot.press(*keys)
+        self.wait(0.1)
+
+    async def command(self, name: str) -> None:
+        """The command is given by its key, and done."""
+        await self.press(self.app.letters[name])
+        self.until(lambda: self.latest.state and self.latest.state.robot.motion is None)
+        self.wait(0.1)
+
+    async def choose(self, name: str) -> None:
+        """The line of the list is chosen with the keyboard."""
+        listed = self.app.screen.query_one(OptionList)
+        options = [option.id for option in listed.options]
+        found = next(n for n, each in enumerate(options) if each and Path(each).stem == name)
+        listed.highlighted = found
+        await self.press("enter")
+        await self.look()
+        self.wait(0.2)
+        await self.look()
+
+    def told(self) -> list[str]:
+        return [f"{each.line.topic} {each.line.text}" for each in self.latest.story.recent]
+
+
+@asynccontextmanager
+async def operator(
+    prepared: Prepared | None = None,
+    *,
+    size: tuple[int, int] = (160, 48),
+    order: Order | None = None,
+    console: Callable[[Session], Console] = Console,
+) -> AsyncIterator[Operator]:
+    """The console is open, the robot stands; afterwards it is in its safe state."""
+    clock = HandClock()
+    session = Session(prepared or by_hand(order), clock=clock)
+    app = console(session)
+    try:
+        async with app.run_test(size=size, notifications=True) as pilot:
+            someone = Operator(app, pilot, clock, session)
+            someone.until(lambda: someone.latest.state is not None)
+            yield someone
+            clock.free()
+            session.quit()
+    finally:
+        clock.free()
+        session.quit()
+        assert session.join(WALL_S)
+
+
+def by_hand(order: Order | None = None) -> Prepared:
+    order = order or Order("by_hand")
+    return prepare(order, without_mission(order))
+
+
+def with_mission(name: str, backend: str = "sim", **options: Any) -> Prepared:
+    order = Order(name, backend=backend, **options)
+    return prepare(order, load(order))
+
+
+def played(story: Callable[[], Coroutine[Any, Any, None]]) -> None:
+    """The story has been played to its end."""
+    asyncio.run(asyncio.wait_for(story(), 2 * WALL_S))
+
+
+def confirming(prepared: Prepared, question: str) -> Prepared:
+    return replace(prepared, confirmation=question)

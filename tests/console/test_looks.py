@@ -1,0 +1,168 @@
+"""What is on the screen, at every size; the pictures are those of the documents."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.console import reasons
+from pirate_sm.console.body import sparkline
+from pirate_sm.console.keys import letters_for
+from pirate_sm.console.picture import draw
+from pirate_sm.model.effects import CommandStatus
+from pirate_sm.model.events import OperatorCommand
+from pirate_sm.wiring import Order
+
+from .driving import ROOT, Operator, by_hand, operator, played, with_mission
+
+PICTURES = ROOT / "docs" / "pictures"
+_FONT_FACE = re.compile(r"\s*@font-face \{.*?\}", re.DOTALL)
+
+
+def picture_of(me: Operator) -> str:
+    """The screen as an SVG that needs nothing from elsewhere."""
+    return _FONT_FACE.sub("", me.app.export_screenshot()).replace("Fira Code", "monospace")
+
+
+def text_of(me: Operator) -> str:
+    return "\n".join(
+        "".join(segment.text for segment in line)
+        for line in me.app.screen._compositor.render_strips()
+    )
+
+
+@pytest.mark.parametrize("size", [(160, 48), (80, 24)], ids=lambda size: f"{size[0]}x{size[1]}")
+def test_the_screen_is_as_in_the_documents(size: tuple[int, int]) -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend"), size=size) as me:
+            await me.look()
+            await me.press("R")
+            me.until(lambda: me.latest.story.phase.phase.startswith("prepare"))
+            me.wait(4.0)
+            await me.look()
+            found, file = picture_of(me), PICTURES / f"console_{size[0]}x{size[1]}.svg"
+            if os.environ.get("GOLDEN") == "write":
+                file.write_text(found, encoding="utf-8")
+
+            assert file.exists(), "there is no picture yet: make golden"
+            assert found == file.read_text("utf-8")
+
+    played(story)
+
+
+def test_what_is_greyed_is_what_the_engine_refuses_and_with_its_words() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
+            for leading in ("", "ClampFront", "DriveForward", "ClampRear"):
+                if leading:
+                    await me.command(leading)
+                snapshot = me.latest
+                for name in me.app._rows:
+                    _, effects = snapshot.scene.engine.step(
+                        snapshot.state, OperatorCommand(name), snapshot.now_s
+                    )
+                    refused = [
+                        each.reason
+                        for each in effects
+                        if isinstance(each, CommandStatus) and each.status == "refused"
+                    ]
+                    assert reasons.command_reason(snapshot, name) == "".join(refused)
+
+    played(story)
+
+
+def test_a_key_that_is_greyed_says_why_and_asks_for_nothing() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
+            reason = reasons.command_reason(me.latest, "DriveForward")
+            await me.press(me.app.letters["DriveForward"])
+            await me.look()
+
+            shown = [each.message for each in me.app._notifications]
+            assert reason.startswith("impossible: ")
+            assert shown == [f"DriveForward: {reason}"]
+            assert not any("DriveForward" in each for each in me.told())
+
+    played(story)
+
+
+def test_every_page_is_reached_where_there_is_not_room_for_all() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace")), size=(80, 24)) as me:
+            seen = []
+            for _ in range(4):
+                await me.look()
+                seen.append(text_of(me))
+                await me.pilot.press("tab")
+            drive, mission, body, log = seen
+            assert "ClampFront" in drive
+            assert "FrontWheels" in drive
+            assert "Mission control" in mission
+            assert "gamma_1" in body
+            assert "paused: wheels stopped" in log
+            assert all("BY HAND" in each and "STOP" in each for each in seen)
+
+    played(story)
+
+
+def test_it_takes_the_room_that_it_is_given() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
+            await me.look()
+            assert "gamma_1" in text_of(me)
+            await me.pilot.resize_terminal(80, 24)
+            await me.look()
+            assert "gamma_1" not in text_of(me)
+            await me.pilot.resize_terminal(40, 12)
+            await me.look()
+            await me.pilot.resize_terminal(200, 60)
+            await me.look()
+            assert "gamma_1" in text_of(me)
+            assert "ClampFront" in text_of(me)
+
+    played(story)
+
+
+@pytest.mark.parametrize("theme", ["textual-light", "textual-dark"])
+def test_both_themes_and_the_help_page_are_there(theme: str) -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
+            while me.app.theme != theme:
+                await me.pilot.press("T")
+            await me.pilot.press("question_mark")
+            await me.look()
+            text = text_of(me)
+            assert "STOP: wheels stop, clamps hold" in text
+
+    played(story)
+
+
+def test_a_robot_of_four_wheels_has_its_own_keys_and_is_drawn(tmp_path: Path) -> None:
+    newt = ROOT / "tests" / "robots" / "newt"
+
+    async def story() -> None:
+        prepared = with_mission(str(newt / "patrol.yaml"))
+        async with operator(prepared) as me:
+            await me.look()
+            text = text_of(me)
+            assert all(name in text for name in prepared.loaded.loaded_robot.profile.commands)
+            drawn = "\n".join(row.plain for row in draw(me.latest, 60, 20).rows())
+            assert "4" in drawn
+            assert "5" not in drawn
+
+    played(story)
+
+
+def test_letters_come_from_the_names() -> None:
+    found = letters_for(["OpenGate", "OpenDoor", "quit", "Go"])
+
+    assert found == {"OpenGate": "o", "OpenDoor": "d", "quit": "u", "Go": "g"}
+    assert len(letters_for([f"n{number}" for number in range(40)])) == 25
+
+
+def test_a_trend_is_as_high_as_its_share() -> None:
+    assert sparkline([0.0, 0.5, 1.0], 1.0) == "▁▄█"
+    assert sparkline([0.0, 0.0], 0.0) == "▁▁"

@@ -1,0 +1,140 @@
+"""What somebody does who has never seen the robot, from the first key to the stop."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from textual.widgets import OptionList
+
+from pirate_sm.console import reasons
+
+from .driving import operator, played, with_mission
+
+
+def test_somebody_drives_in_by_hand_and_lets_the_bend_mission_take_over() -> None:
+    async def story() -> None:
+        async with operator() as me:
+            assert me.latest.scene.mission == ""
+
+            # The mission is chosen from the list; it begins paused, the robot is still theirs.
+            await me.press("M")
+            await me.look()
+            await me.choose("mitre_bend")
+            assert me.latest.scene.mission == "mitre_bend"
+            assert me.latest.state.mission.paused
+
+            # In by hand, until the detector sees the bend.
+            for command in ("ClampFront", "ClampRear", "ToggleLighting", "DriveForward"):
+                await me.command(command)
+            assert me.states[2] == "DoubleClamped"
+            assert not me.wheels_stand()
+            me.until(lambda: me.latest.state.words[-2] == "close")
+
+            # Its beginning is greyed, with what the engine would say; a later phase is not.
+            await me.look()
+            go = reasons.controls(me.latest, me.app.entries(me.latest))[0]
+            assert "ClampFront" in go.reason
+            assert "unneeded: it is so already" in go.reason
+            await me.press("R")
+            assert me.latest.state.mission.paused
+            await me.press("H")
+            await me.look()
+            listed = me.app.screen.query_one(OptionList)
+            disabled = {option.id: option.disabled for option in listed.options}
+            assert disabled["enter"]
+            assert not disabled["prepare"]
+            await me.choose("prepare")
+            me.until(lambda: me.latest.story.phase.phase.startswith("prepare"), 5)
+
+            # Pause: the wheels stand, the clamps hold. Resume: it goes on.
+            me.wait(2.0)
+            await me.press("P")
+            me.until(lambda: me.latest.state.mission.paused, 5)
+            me.wait(1.0)
+            assert me.wheels_stand()
+            await me.press("R")
+            me.wait(0.5)
+            assert not me.latest.state.mission.paused
+
+            # Taken over in the bend, by the light; handed back where it was.
+            me.until(lambda: me.latest.story.phase.phase.startswith("pass"))
+            me.wait(1.0)
+            await me.press("P")
+            me.until(lambda: me.latest.state.mission.paused and not me.latest.state.robot.flight)
+            assert me.latest.state.robot.motion is None or me.latest.state.mission.before_pause
+
+            # The stop.
+            await me.press("space")
+            me.wait(0.5)
+            assert me.wheels_stand()
+            assert "ended interrupted: stopped by the operator" in me.told()
+            assert me.latest.state.mission.paused
+            assert not me.latest.over
+
+    played(story)
+
+
+def test_a_mission_that_was_taken_over_is_handed_back_where_it_fits() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend")) as me:
+            await me.look()
+            await me.press("R")
+            me.until(lambda: me.states[0] == "DrivingForward" and me.latest.story.wait)
+            await me.press("P")
+            me.until(lambda: me.latest.state.mission.paused)
+            me.wait(0.5)
+            await me.command("Brake")  # taken over
+            await me.press("R")
+            assert me.latest.state.mission.paused
+            assert "the configuration has been changed" in {
+                each.reason for each in reasons.controls(me.latest, me.app.entries(me.latest))
+            }
+
+            await me.command("DriveForward")
+            me.until(lambda: me.latest.state.words[-2] == "close")
+            await me.look()
+            await me.press("H")
+            await me.look()
+            await me.choose("prepare")
+            me.until(lambda: me.latest.story.phase.phase.startswith("pass"))
+            assert any("handed back at prepare" in each for each in me.told())
+
+    played(story)
+
+
+def test_a_question_is_answered_by_a_number(tmp_path: Path) -> None:
+    mission = tmp_path / "asks.yaml"
+    mission.write_text(ASKS)
+
+    async def story() -> None:
+        async with operator(with_mission(str(mission), backend="trace"), size=(80, 24)) as me:
+            await me.look()
+            await me.press("R")
+            await me.look()
+            assert reasons.choices(me.latest) == ("Is it straight?", ("yes", "no"))
+            await me.press("9")
+            await me.press("2")
+            assert "log answered 'no' (operator)" in me.told()
+            me.until(lambda: any("ended" in each for each in me.told()))
+            assert "ended failed: It is not" in me.told()
+            assert not me.latest.over  # it can be begun again
+
+    played(story)
+
+
+ASKS = """
+format: 1
+mission: asks
+robot: pirate_ii
+start: look
+phases:
+  look:
+    do:
+      - ask: Is it straight?
+        choices: {"yes": good, "no": bad}
+        timeout: 60 s
+    go: good
+ends:
+  good: {succeed: It is}
+  bad: {fail: It is not}
+"""

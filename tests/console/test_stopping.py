@@ -1,0 +1,211 @@
+"""The stop, and every way out: the safe array has been sent."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import pytest
+from textual.events import Key
+
+from pirate_sm.console.app import Console
+from pirate_sm.console.dialogs import Confirm, Pick
+from pirate_sm.console.driver import StopDriver
+from pirate_sm.console.session import Session
+from pirate_sm.model.effects import Ended
+from pirate_sm.model.events import Event
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.runtime.outcome import Result
+from pirate_sm.runtime.stopping import BY_SIGNAL
+from pirate_sm.wiring import Order, Prepared
+
+from .driving import Operator, by_hand, confirming, operator, played
+
+SMALL = (80, 24)
+
+
+def trace() -> Prepared:
+    return by_hand(Order("by_hand", backend="trace"))
+
+
+async def drive(me: Operator) -> None:
+    for command in ("ClampFront", "ClampRear", "DriveForward"):
+        await me.command(command)
+    assert not me.wheels_stand()
+
+
+def test_the_stop_works_over_a_dialog() -> None:
+    async def story() -> None:
+        async with operator(trace(), size=SMALL) as me:
+            await drive(me)
+            await me.press("M")
+            await me.look()
+            assert isinstance(me.app.screen, Pick)
+            await me.press("space")
+            me.wait(0.5)
+
+            assert me.wheels_stand()
+            assert me.states[2] == "DoubleClamped"
+
+    played(story)
+
+
+def test_the_key_is_heard_by_the_thread_that_reads_the_terminal_while_the_rest_is_busy() -> None:
+    async def story() -> None:
+        async with operator(trace(), size=SMALL) as me:
+            await drive(me)
+            driver = StopDriver(me.app)
+            driver.process_message(Key("space", " "))  # nothing else of the console has run
+            me.clock.run(0.5, lambda: me.latest.over)
+
+            assert me.wheels_stand()
+
+    played(story)
+
+
+def test_a_stop_before_anything_is_under_way_harms_nothing() -> None:
+    async def story() -> None:
+        async with operator(trace(), size=SMALL) as me:
+            await me.press("space")
+            await me.press("space")
+            me.wait(0.5)
+            await me.command("ClampFront")
+
+            assert not me.latest.over
+
+    played(story)
+
+
+class Breaking(Console):
+    """A console in which a widget fails when it is told to."""
+
+    broken = False
+
+    def show_words(self, snapshot) -> None:  # type: ignore[no-untyped-def]
+        if self.broken:
+            raise RuntimeError("a widget broke")
+        super().show_words(snapshot)
+
+
+def test_a_crash_in_a_widget_ends_in_the_safe_state() -> None:
+    sent: list[Any] = []
+
+    async def story() -> None:
+        prepared = trace()
+        submit = prepared.backend.submit
+        prepared.backend.submit = lambda number, values: (  # type: ignore[method-assign]
+            sent.append(values), submit(number, values)
+        )  # fmt: skip
+        async with operator(prepared, console=Breaking, size=SMALL) as me:
+            await drive(me)
+            assert any(sent[-1][slot] for slot in me.latest.scene.robot.safe_zero)
+            me.app.broken = True  # type: ignore[attr-defined]
+            try:
+                me.app.show_words(me.latest)
+            except RuntimeError as error:
+                me.app._handle_exception(error)
+            me.clock.free()
+            assert me.session.join(10.0)
+
+            assert all(sent[-1][slot] == 0 for slot in me.latest.scene.robot.safe_zero)
+            assert sum(value != 0 for value in sent[-1]) >= 4  # the clamps hold
+            assert isinstance(me.app.failure, RuntimeError)
+
+    with pytest.raises(RuntimeError, match="a widget broke"):
+        played(story)
+    assert sent
+
+
+@pytest.mark.parametrize("number", BY_SIGNAL, ids=lambda number: number.name)
+def test_a_signal_ends_the_session_in_the_safe_state(number) -> None:
+    async def story() -> None:
+        async with operator(trace(), size=SMALL) as me:
+            await drive(me)
+            me.session.quitting.ask(BY_SIGNAL[number])
+            me.clock.free()
+            assert me.session.join(10.0)
+
+            assert me.wheels_stand()
+            assert me.session.result.ended.outcome == "interrupted"
+            assert me.session.result.ended.message == BY_SIGNAL[number].reason
+            assert me.latest.over
+
+    played(story)
+
+
+def test_what_lets_go_of_the_pipe_is_asked_for_twice() -> None:
+    async def story() -> None:
+        async with operator(trace(), size=SMALL) as me:
+            await me.command("ClampFront")
+            await me.press(me.app.letters["Reset"])
+            assert isinstance(me.app.screen, Confirm)
+            await me.press("enter")  # the careful answer
+            assert me.states[2] == "FrontClampedRearRelaxed"
+            await me.press(me.app.letters["Reset"])
+            await me.press("y")
+            me.until(lambda: me.states[2] == "Unclamped")
+
+    played(story)
+
+
+def test_the_first_motion_of_a_real_robot_is_agreed_to() -> None:
+    async def story() -> None:
+        async with operator(confirming(trace(), "it is about to move"), size=SMALL) as me:
+            await me.press(me.app.letters["ClampFront"])
+            assert isinstance(me.app.screen, Confirm)
+            await me.press("n")
+            me.wait(0.5)
+            assert me.latest.state.robot.motion is None
+            await me.press(me.app.letters["ClampFront"])
+            await me.press("y")
+            me.until(lambda: me.states[2] == "FrontClampedRearRelaxed")
+            me.until(lambda: me.latest.state.robot.motion is None)
+            await me.command("ClampRear")  # nobody asks again
+            assert me.states[2] == "DoubleClamped"
+
+    played(story)
+
+
+def test_a_backend_that_fails_is_told_and_the_console_stays_to_be_read() -> None:
+    prepared = trace()
+    advance, cut = prepared.backend.advance, []
+
+    def failing(until_s: float) -> tuple[float, Sequence[Event]]:
+        if cut:
+            raise OSError("the cable is out")
+        return advance(until_s)
+
+    prepared.backend.advance = failing  # type: ignore[method-assign]
+
+    async def story() -> None:
+        async with operator(prepared, size=SMALL) as me:
+            await drive(me)
+            cut.append(True)
+            me.until(lambda: me.latest.over)
+            await me.look()
+
+            assert "the cable is out" in me.session.result.ended.message
+            assert me.session.result.exit_code == 3
+            assert me.app.is_running
+            await me.pilot.press("q")
+
+    played(story)
+
+
+def test_a_robot_that_fails_again_and_again_is_not_run_for_ever(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    prepared, begun = trace(), []
+
+    def execute(run: MissionRun) -> Result:
+        begun.append(run)
+        run.state, _ = prepared.engine.start(paused=True)
+        return Result(Ended("fault", "it fell"), 1, run.now_s)
+
+    monkeypatch.setattr(MissionRun, "execute", execute)
+    session = Session(prepared)
+    session.start()
+
+    assert session.join(10.0)
+    assert len(begun) == 3
+    assert session.latest.over
