@@ -118,7 +118,8 @@ def _asked(view: RobotView) -> Iterator[Finding]:
         else:
             missed = [after for _, after in view.moves(number) if not met[after]]
             if missed:
-                states = ", ".join(table.configurations[missed[0]])
+                pairs = zip(table.regions, table.configurations[missed[0]], strict=True)
+                states = ", ".join(f"{region} {state}" for region, state in pairs)
                 message = f"{name} leads to {states}, which is not what it asks for"
         if message:
             yield view.at(

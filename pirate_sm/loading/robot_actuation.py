@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import degrees
 from typing import Literal
 
 from pirate_sm.engine.chart_table import ChartTable
@@ -67,7 +68,9 @@ def _write(
     assert isinstance(setpoint, Target)
     if slot.unit == "angle":
         if abs(setpoint.angle_rad) > slot.high:
-            problems.add("robot.setpoint", path, f"beyond the limit of '{slot.name}'")
+            angle, most = degrees(setpoint.angle_rad), degrees(slot.high)
+            message = f"{angle:.4g} deg is beyond the limit of '{slot.name}', {most:.4g} deg"
+            problems.add("robot.setpoint", path, message)
         return Write(index, "set", sign * setpoint.angle_rad + 0.0)
     if slot.loop is None:
         problems.add(

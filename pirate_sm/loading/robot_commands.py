@@ -22,6 +22,7 @@ from pirate_sm.loading.robot_signals import Signals
 from pirate_sm.model import criteria
 from pirate_sm.model import profile as model
 from pirate_sm.spelling import nearest, one_of
+from pirate_sm.units import describe
 
 
 def resolve_parts(
@@ -170,7 +171,11 @@ def _criterion(  # noqa: C901 - one case per kind
             kinds = {name: signals.vocabulary.types.get(name) for name in done.signals}
             for name, kind in kinds.items():
                 if isinstance(kind, NumberType) and kind.dimension != done.limit.dimension:
-                    problems.add("robot.criterion", (*path, "limit"), f"'{name}' is {kind}")
+                    problems.add(
+                        "robot.criterion",
+                        (*path, "limit"),
+                        f"'{name}' is {kind}, and this is {describe(done.limit.dimension)}",
+                    )
                     break  # the others are compared with the same limit
             return BelowSpec(numbers, done.limit.value, done.for_s)
 

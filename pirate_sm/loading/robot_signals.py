@@ -249,7 +249,7 @@ def _derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
             if source not in valid and not hidden:
                 signals.problems.add(
                     "robot.signal", path, f"'{source}' is not known here",
-                    expected=one_of(sorted(valid)), suggestion=nearest(source, valid) or "",
+                    expected=one_of(sorted(set(valid))), suggestion=nearest(source, valid) or "",
                 )  # fmt: skip
         types[name] = NumberType(_dimension(signals, derived, types, path))
         _check_name(name, types[name], path, signals.problems, key=True)

@@ -80,6 +80,9 @@ def _slot(
     )  # fmt: skip
 
 
+_SAID = {"joint": "joint", "wheel": "wheel", "roll": "roll joint"}
+
+
 def _check_targets(
     profile: model.Profile, slot: model.Slot, path: Path, problems: Problems
 ) -> bool:
@@ -95,7 +98,8 @@ def _check_targets(
         if name is not None and name not in names:
             known = False
             problems.add(
-                f"robot.{kind}", (*path, kind), f"the body has no {kind} '{name}'",
-                expected=one_of(names), suggestion=nearest(name, names) or "",
+                f"robot.{kind}", (*path, kind), f"the body has no {_SAID[kind]} '{name}'",
+                expected=one_of(names) if names else f"no slot for a {_SAID[kind]}",
+                suggestion=nearest(name, names) or "",
             )  # fmt: skip
     return known

@@ -128,7 +128,9 @@ class Scope:
                 if code not in known:
                     self._unknown("fault", code, known, at)
                 elif not known[code]:
-                    self.problems.add("mission.fault", at, f"'{code}' cannot be caught")
+                    self.problems.add(
+                        "mission.fault", at, f"'{code}' cannot be caught: it always ends the run"
+                    )
                 own.append((code, go, f"{self.prefix}{handler.go}" if handler.go else ""))
         return (*own, *self.outer)
 

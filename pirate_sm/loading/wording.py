@@ -5,11 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, get_args
 
+from pydantic import StringConstraints
 from pydantic_core import ErrorDetails
 
 from pirate_sm.loading.schema_path import Schema
+from pirate_sm.model.base import FaultCode, Name
+from pirate_sm.model.calibration import Date
+from pirate_sm.model.wire import TypeName
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import DIMENSIONLESS, QuantityError, format_quantity, parse_quantity
 
@@ -188,9 +192,25 @@ def _quantity(error: ErrorDetails, _: Schema | None) -> Wording:
     return Wording("quantity", context["message"], context["expected"], context["suggestion"])
 
 
+_WRITTEN: Final = {
+    Name: "a letter, then letters, digits and underscores",
+    FaultCode: "a family and a detail in small letters, such as clamp.lost",
+    Date: "a date such as 2026-01-31",
+    TypeName: "a package and a name, such as std_msgs/String",
+}
+_PATTERNS: Final = {
+    part.pattern: text
+    for kind, text in _WRITTEN.items()
+    for part in get_args(kind)
+    if isinstance(part, StringConstraints)
+}
+"""How the texts are written that have patterns."""
+
+
 def _pattern(error: ErrorDetails, _: Schema | None) -> Wording:
     pattern = error.get("ctx", {}).get("pattern")
-    return Wording("pattern", f"{kind_of(error['input'])} does not fit", f"text like {pattern}")
+    how = _PATTERNS.get(pattern, f"text like {pattern}")
+    return Wording("pattern", f"{kind_of(error['input'])} does not fit", how)
 
 
 def _infinite(error: ErrorDetails, _: Schema | None) -> Wording:
