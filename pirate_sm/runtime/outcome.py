@@ -9,7 +9,7 @@ from pirate_sm.runtime.stopping import OUTPUT_LOST, Stop
 
 SUCCEEDED, FAILED, BACKEND, BUG, INTERRUPTED = 0, 1, 3, 4, 130
 
-LINK_FAMILIES = ("backend", "link")
+LINK_FAMILIES = ("backend", "link", "runner")
 """Families of fault codes that tell of the way to the robot and not of the robot itself."""
 
 

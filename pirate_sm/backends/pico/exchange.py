@@ -92,7 +92,7 @@ class Exchange:
             ids=codec.ids,
         )
         self._measurements = Measurements(plan.channels)
-        self._supervision = Supervision(plan.watched, plan.wheels)
+        self._supervision = Supervision(plan.watched, plan.wheels, plan.frame_s)
         advice = sensors_off(plan.serial.advice.no_sensors)
         self._recovery = Recovery(BRIEF * plan.silent_after_s, plan.away_s, advice)
         self._events: list[Event] = []

@@ -44,6 +44,8 @@ class Plan(NamedTuple):
         safe_zero: Slots that are zero in the safe state.
         wheels: Slots that drive wheels.
         silent_after_s: A board that has not been heard for so long is silent.
+        frame_s: The least time between two reports of one board; what comes at shorter intervals
+            has waited somewhere.
     """
 
     serial: Serial
@@ -56,6 +58,7 @@ class Plan(NamedTuple):
     safe_zero: tuple[int, ...]
     wheels: tuple[int, ...]
     silent_after_s: float
+    frame_s: float
 
     @property
     def away_s(self) -> float:
@@ -90,6 +93,7 @@ def plan_of(profile: Profile, robot: RobotSpec, messages: Messages) -> Plan:
         safe_zero=robot.safe_zero,
         wheels=tuple(at for at, slot in enumerate(profile.slots) if slot.wheel is not None),
         silent_after_s=profile.link.silent_after,
+        frame_s=profile.link.cycle * len(heard),  # one board a cycle (thesis section 4-2)
     )
 
 

@@ -97,17 +97,25 @@ class Supervision:
     Args:
         boards: What is watched of each board.
         wheels: Slots that drive wheels.
+        frame_s: The least time between two reports of one board, however close together they are
+            read after this program has stood still for a moment.
 
     Attributes:
         hidden: How many spikes have been hidden.
     """
 
-    def __init__(self, boards: Mapping[int, Sequence[Watched]], wheels: Sequence[int]) -> None:
+    def __init__(
+        self,
+        boards: Mapping[int, Sequence[Watched]],
+        wheels: Sequence[int],
+        frame_s: float = 0.0,
+    ) -> None:
         self._boards = {
             board: [(watched, _Channel()) for watched in channels]
             for board, channels in boards.items()
         }
         self._wheels = tuple(wheels)
+        self._frame_s = frame_s
         self._setpoints: tuple[float, ...] = ()
         self._since_s = inf
         self.hidden = 0
@@ -168,8 +176,9 @@ class Supervision:
 
     def _plausible(self, watched: Watched, channel: _Channel, raw: float, now: float) -> bool:
         elapsed_s = now - channel.good_s
-        if isnan(channel.good) or elapsed_s > _REFERENCE_FOR_S:
+        if isnan(channel.good) or elapsed_s > _REFERENCE_FOR_S or watched.rate == inf:
             return True
+        elapsed_s = max(elapsed_s, self._frame_s)
         step = raw - channel.good
         if abs(step) <= watched.rate * elapsed_s + watched.slack:
             channel.running = 0.0

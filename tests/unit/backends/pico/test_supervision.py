@@ -170,3 +170,17 @@ def test_after_a_restart_counters_may_begin_anew(bench: Bench) -> None:
     bench.supervision.forget()
 
     assert bench.say(900) == 900
+
+
+def test_frames_that_have_waited_and_come_at_once_are_no_spikes() -> None:
+    """A program that stood still for a second reads what came meanwhile in one moment."""
+    current = Watched(1, "current", low=-500, high=500, slot=0)
+    supervision = Supervision({BOARD: [ANGLE, current]}, wheels=[1], frame_s=EVERY_S)
+    codes = []
+    for number in range(30):
+        angle, load = 25.0 * number, 250.0 * (number % 2)
+        frame, faults = supervision.look(SensorFrame(BOARD, (angle, load, 0)), 5.0)
+        codes += [fault.code for fault in faults]
+        assert frame.values[:2] == (angle, load)
+
+    assert codes == []
