@@ -100,7 +100,7 @@ class MissionRun:
         self._requests = requests or StopRequests()
         self._clock = clock or WallClock()
         self.state: EngineState | None = None
-        self.now_s = after.now_s if after is not None else 0.0
+        self.now_s: float = after.now_s if after is not None else 0.0
         factor = inf if backend.real_time else factor
         self._pacer = Pacer(factor, self._clock, self.now_s)
         self.ended: Ended | None = None
