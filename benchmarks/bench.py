@@ -24,6 +24,7 @@ from time import perf_counter
 from typing import Any
 
 from benchmarks.campaign import run
+from benchmarks.console import measure_console
 from benchmarks.recording import measure_recording
 from pirate_sm.engine.chart_table import ChartTable
 from pirate_sm.loading import library
@@ -42,6 +43,7 @@ def main() -> int:
     _simulator()
     print("recording")
     measure_recording()
+    measure_console()
     _processes()
     return 0
 

@@ -85,7 +85,7 @@ def states(snapshot: Snapshot, width: int) -> list[Content]:
     for region, label, name in zip(robot.regions, labels, change.states, strict=True):
         open_ = region in change.unconfirmed
         mark, style = ("○", WARN) if open_ else ("●", GOOD)
-        text = f"{name} (unconfirmed)" if open_ else name
+        text = f"{name} ?" if open_ else name
         cells.append(
             line((f"{mark} ", style), (f"{label:<{wide}} ", MUTED), (text, style if open_ else ""))
         )

@@ -1,0 +1,165 @@
+"""How fast the console draws, and how soon its stop acts.
+
+    python -m benchmarks.console
+
+A mission runs in the simulator in real time, at 160 × 48 characters, all panels visible. Frames
+are drawings of the robot that were put on the (headless) terminal. The stop is timed from the
+moment at which the thread that reads the terminal has the key until the safe array is handed to
+the backend; under load, the console's own loop is kept busy and so is every core but one.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from statistics import median
+from threading import Event, Thread
+from time import perf_counter
+from typing import Any
+
+from textual.events import Key
+
+from pirate_sm.console.app import Console
+from pirate_sm.console.driver import StopDriver
+from pirate_sm.console.session import Session
+from pirate_sm.console.widgets import Picture
+from pirate_sm.model.events import OperatorCommand
+from pirate_sm.wiring import Order, load, prepare
+
+SIZE = (160, 48)
+WATCHED_S = 10.0
+STOPS = 20
+SLICE_S = 0.4
+
+
+def main() -> int:
+    """Both are measured and printed."""
+    measure_console()
+    return 0
+
+
+def measure_console() -> None:
+    """Both are measured and printed."""
+    frames = asyncio.run(_frames())
+    idle = asyncio.run(_stops(loaded=False))
+    loaded = asyncio.run(_stops(loaded=True))
+    columns, rows = SIZE
+    print(f"console, {columns} × {rows}, simulator in real time, {os.cpu_count()} cores")
+    print(f"    frames drawn     {frames:6.1f} /s over {WATCHED_S:g} s of the bend mission")
+    for name, found in (("", idle), (", under load", loaded)):
+        print(
+            f"    stop{name:13} {median(found) * 1e3:6.1f} ms to the safe array, "
+            f"most {max(found) * 1e3:.1f} ms of {len(found)}"
+        )
+
+
+class Timed:
+    """A backend that notes when an array was handed to it."""
+
+    def __init__(self, backend: Any) -> None:
+        self._backend = backend
+        self.submitted_s = 0.0
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._backend, name)
+
+    def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
+        """It is noted."""
+        self.submitted_s = perf_counter()
+        self._backend.submit(setpoint_id, values)
+
+
+def _session() -> tuple[Session, Timed]:
+    order = Order("mitre_bend")
+    prepared = prepare(order, load(order))
+    timed = Timed(prepared.backend)
+    return Session(replace(prepared, backend=timed)), timed
+
+
+async def _frames() -> float:
+    session, _ = _session()
+    app = Console(session)
+    async with app.run_test(size=SIZE) as pilot:
+        await asyncio.sleep(1.0)
+        await pilot.press("R")
+        await asyncio.sleep(1.0)
+        picture = app.query_one(Picture)
+        began, before = perf_counter(), picture.frames
+        await asyncio.sleep(WATCHED_S)
+        rate = (picture.frames - before) / (perf_counter() - began)
+    session.quit()
+    session.join()
+    return rate
+
+
+async def _stops(*, loaded: bool) -> list[float]:
+    session, timed = _session()
+    app = Console(session)
+    found = []
+    async with app.run_test(size=SIZE):
+        await asyncio.sleep(1.0)
+        for number in range(STOPS):
+            with _busy(loaded):
+                await _drive(session)
+                driver = StopDriver(app)
+                pressed: list[float] = []
+
+                def press(driver: StopDriver = driver, pressed: list[float] = pressed) -> None:
+                    _wait(0.05)
+                    pressed.append(perf_counter())
+                    driver.process_message(Key("space", " "))
+
+                thread = Thread(target=press)
+                thread.start()
+                _spin(SLICE_S) if loaded else await asyncio.sleep(SLICE_S)
+                thread.join()
+            assert timed.submitted_s > pressed[0], f"stop {number} did nothing"
+            found.append(timed.submitted_s - pressed[0])
+    session.quit()
+    session.join()
+    return found
+
+
+async def _drive(session: Session) -> None:
+    """The wheels turn."""
+    for command in ("ClampFront", "ClampRear", "DriveForward"):
+        session.tell(OperatorCommand(command))
+        for _ in range(400):
+            await asyncio.sleep(0.025)
+            state = session.latest.state
+            if state is not None and state.robot.motion is None and state.robot.flight is None:
+                break
+
+
+@contextmanager
+def _busy(wanted: bool) -> Iterator[None]:
+    """Every core but one has something else to do."""
+    count = max((os.cpu_count() or 2) - 1, 1) if wanted else 0
+    burn = [sys.executable, "-c", "while True: sum(range(10_000))"]
+    others = [subprocess.Popen(burn) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for each in others:
+            each.kill()
+            each.wait()
+
+
+def _spin(seconds: float) -> None:
+    """The console's own loop is busy for so long."""
+    until = perf_counter() + seconds
+    while perf_counter() < until:
+        sum(range(1_000))
+
+
+def _wait(seconds: float) -> None:
+    Event().wait(seconds)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
