@@ -51,7 +51,10 @@ class DiskFile:
     """
 
     def __init__(self, path: Path) -> None:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except FileExistsError as error:  # it is the folder's name that is taken
+            raise NotADirectoryError(error.errno, "its folder is a file") from None
         self._file = path.open("xb", buffering=0)
         self._sync_folder(path.parent)
 
@@ -192,4 +195,4 @@ class RecordingFile:
 
 
 def _json(data: Mapping[str, Any]) -> bytes:
-    return json.dumps(data, ensure_ascii=False, allow_nan=False).encode()
+    return json.dumps(data, allow_nan=False).encode()

@@ -171,7 +171,7 @@ def _files(loaded: LoadedMission) -> tuple[RecordedFile, ...]:
     return tuple(
         RecordedFile(
             role, document.name, _place(Path(document.name)), loaded.files[document.name],
-            f"{FILES}{number}/{Path(document.name).name}", document.text,
+            f"{FILES}{number}_{role}.yaml", document.text,
         )
         for number, (role, document) in enumerate(roles)
     )  # fmt: skip

@@ -1,0 +1,163 @@
+"""Where a run is kept, and what is said when it cannot be."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import Result
+
+from pirate_sm.recording import live
+from pirate_sm.recording.file import DiskFile
+from pirate_sm.recording.reader import read_recording
+
+TRACE = ("mitre_bend", "--backend", "trace", "--quiet")
+Run = Callable[..., Result]
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("PIRATE_SM_RUNS")
+    return tmp_path
+
+
+def test_a_run_is_kept_in_runs_unless_told_otherwise(here: Path, pirate_run: Run) -> None:
+    for _ in range(3):
+        assert pirate_run(*TRACE).exit_code == 0
+
+    kept = sorted((here / "runs").iterdir())
+    assert len(kept) == 3
+    assert all("_mitre_bend_trace" in path.name and path.suffix == ".mcap" for path in kept)
+    assert all(read_recording(path).complete for path in kept)
+
+
+def test_the_run_says_where_it_is_kept(here: Path, pirate_run: Run) -> None:
+    result = pirate_run(*TRACE[:-1], "--plain")
+
+    assert "recording: runs/" in result.stdout
+    assert result.stderr == ""
+
+
+def test_the_options_are_kept(here: Path, pirate_run: Run) -> None:
+    pirate_run(
+        "mitre_bend", "--seed", "7", "--set", "give_up=30s", "--record", "a.mcap", "--no-check"
+    )
+
+    header = read_recording(here / "a.mcap").header
+    assert header.options["seed"] == 7
+    assert header.options["settings"] == {"give_up": "30s"}
+    assert header.options["check"] is False
+    assert header.options["speed"] == "max"
+    assert (header.mission, header.backend, header.detector) == ("mitre_bend", "sim", "sim")
+    assert header.parameters["give_up"] == "30s"
+
+
+def test_nothing_is_kept_where_nobody_wants_it(here: Path, pirate_run: Run) -> None:
+    pirate_run(*TRACE, "--no-record")
+
+    assert list(here.iterdir()) == []
+
+
+@pytest.mark.parametrize(("folder", "found"), [("", None), ("kept", "kept")])
+def test_the_environment_names_another_folder_or_none(
+    folder: str, found: str | None, here: Path, pirate_run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PIRATE_SM_RUNS", folder)
+    pirate_run(*TRACE)
+
+    assert [path.name for path in here.iterdir()] == ([found] if found else [])
+
+
+def test_a_file_that_was_asked_for_is_written_though_the_environment_says_none(
+    here: Path, pirate_run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PIRATE_SM_RUNS", "")
+    pirate_run(*TRACE, "--record", "there/it.mcap")
+
+    assert read_recording(here / "there" / "it.mcap").complete
+
+
+def test_a_recording_is_never_overwritten(here: Path, pirate_run: Run) -> None:
+    (here / "a.mcap").write_text("mine")
+    result = pirate_run(*TRACE, "--record", "a.mcap")
+
+    assert result.exit_code == 2
+    assert result.stderr == "a.mcap exists already; nothing has moved\n"
+    assert (here / "a.mcap").read_text() == "mine"
+
+
+def test_two_wishes_that_exclude_each_other_are_refused(here: Path, pirate_run: Run) -> None:
+    result = pirate_run(*TRACE, "--record", "a.mcap", "--no-record")
+
+    assert result.exit_code == 2
+    assert "exclude each other" in result.stderr
+
+
+def test_a_folder_that_cannot_be_written_is_told_and_the_mission_runs(
+    here: Path, pirate_run: Run
+) -> None:
+    (here / "runs").write_text("a file")
+    result = pirate_run(*TRACE)
+
+    assert result.exit_code == 0
+    assert result.stderr.startswith("warning: nothing is recorded: runs/")
+    assert result.stderr.count("\n") == 1
+
+
+def test_a_file_that_was_asked_for_and_cannot_be_written_stops_the_mission_before_it_begins(
+    here: Path, pirate_run: Run
+) -> None:
+    (here / "runs").write_text("a file")
+    result = pirate_run(*TRACE, "--record", "runs/a.mcap")
+
+    assert result.exit_code == 2
+    assert "nothing has moved" in result.stderr
+
+
+@pytest.mark.parametrize("backend", ["trace", "sim"])
+def test_a_disk_that_fills_up_is_told_once_and_the_mission_runs(
+    backend: str, here: Path, pirate_run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    writes = 0
+    right = DiskFile.write
+
+    def full(self: DiskFile, data: bytes, /) -> None:
+        nonlocal writes
+        writes += 1
+        if writes > 1:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        right(self, data)
+
+    monkeypatch.setattr(DiskFile, "write", full)
+    result: Any = pirate_run("mitre_bend", "--backend", backend, "--plain")
+
+    told = (result.stdout + result.stderr).count("No space left on device")
+    assert result.exit_code == 0
+    assert told == 1
+    assert "succeeded" in result.stdout
+
+
+def test_a_run_can_be_looked_at_without_being_kept(
+    here: Path, pirate_run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("foxglove")
+    monkeypatch.setattr(live.Live.__init__, "__defaults__", (0,))
+    result = pirate_run(*TRACE[:-1], "--plain", "--live", "--no-record")
+
+    assert result.exit_code == 0
+    assert "live: open ws://127.0.0.1:" in result.stdout
+    assert list(here.iterdir()) == []
+
+
+def test_looking_on_without_the_extra_says_what_to_install(
+    here: Path, pirate_run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "foxglove", None)
+    result = pirate_run(*TRACE, "--live")
+
+    assert result.exit_code == 2
+    assert "pip install 'pirate-sm[live]'" in result.stderr
