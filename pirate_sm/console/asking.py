@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
+from signal import SIGHUP
 from typing import TYPE_CHECKING, Any
 
 from textual.app import SystemCommand
@@ -18,6 +19,7 @@ from pirate_sm.console.snapshot import Snapshot
 from pirate_sm.errors import PirateError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import Answer, DetectorWord, Event, OperatorCommand, Pause, Skip, Step
+from pirate_sm.runtime.stopping import BY_SIGNAL
 
 if TYPE_CHECKING:
     from textual.app import App
@@ -52,6 +54,10 @@ class Asking(_Base):
     def stop_now(self) -> None:
         """The robot is on its way to its safe state; may be called from any thread."""
         self.session.stop()
+
+    def leave_now(self) -> None:
+        """So it is, and the console is about to end, for nobody sees it any more."""
+        self.session.quit(BY_SIGNAL[SIGHUP])
 
     def action_stop(self) -> None:
         """The same."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,7 +11,7 @@ from textual.events import Key
 
 from pirate_sm.console.app import Console
 from pirate_sm.console.dialogs import Confirm, Pick
-from pirate_sm.console.driver import StopDriver
+from pirate_sm.console.driver import Lossy, StopDriver
 from pirate_sm.console.session import Session
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event
@@ -209,3 +210,17 @@ def test_a_robot_that_fails_again_and_again_is_not_run_for_ever(
     assert session.join(10.0)
     assert len(begun) == 3
     assert session.latest.over
+
+
+def test_a_terminal_that_has_gone_is_told_once_and_nobody_waits_for_it() -> None:
+    class Closed(io.StringIO):
+        def write(self, text: str) -> int:
+            raise OSError("the other end has gone")
+
+    told: list[bool] = []
+    file = Lossy(Closed(), lambda: told.append(True))
+
+    assert file.write("one") == 3
+    assert file.write("two") == 3
+    file.flush()
+    assert told == [True]
