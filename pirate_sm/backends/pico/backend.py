@@ -207,7 +207,16 @@ class SerialBackend:
             if not self.exchange.conversation.known:
                 self._sample = (self._sample + data)[-_SAMPLE_BYTES:]
             self.exchange.receive(data, self.port.now())
-        if self.port.overruled():
+        self._heed_guardian()
+
+    def _heed_guardian(self) -> None:
+        """Whoever has been overruled says so."""
+        try:
+            overruled = self.port.overruled()
+        except PortLostError as error:
+            self._lose(str(error))
+            return
+        if overruled:
             message = "this program stood still for too long, the guardian of the port has stopped"
             self._events.append(FaultReport(OVERRULED, f"{message} the robot"))
 

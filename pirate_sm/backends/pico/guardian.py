@@ -34,6 +34,9 @@ _MOST_BYTES = 65536
 _POLL_S = 0.005
 """For ports that have no descriptor to wait for."""
 
+_MOST_WAITING = 16384
+"""Bytes kept for a runner that stands still: some seconds of the line."""
+
 
 class Guardian:
     """The guard with its hands on a port and a pipe.
@@ -47,6 +50,8 @@ class Guardian:
     def __init__(self, port: SerialPort, pipe: socket.socket, guard: Guard) -> None:
         self._port = port
         self._pipe: socket.socket | None = pipe
+        pipe.setblocking(False)  # whoever waits for a runner guards nothing
+        self._waiting = bytearray()
         self._guard = guard
         self._reader = NoteReader()
         self._plugged = False
@@ -100,13 +105,19 @@ class Guardian:
                 wait_s = min(wait_s, _POLL_S)
             else:
                 sources.append(descriptor)
-        return select.select(sources, [], [], None if wait_s == inf else wait_s)[0]
+        full = [self._pipe] if self._pipe is not None and self._waiting else []
+        readable, writable, _ = select.select(sources, full, [], None if wait_s == inf else wait_s)
+        if writable:
+            self._push()
+        return readable
 
     def _hear(self) -> None:
         assert self._pipe is not None  # it has just been readable
         try:
             data = self._pipe.recv(_MOST_BYTES)
             notes = self._reader.feed(data)
+        except BlockingIOError:
+            return
         except (OSError, ValueError):
             data, notes = b"", []
         for note in notes:
@@ -118,6 +129,7 @@ class Guardian:
         if self._pipe is not None:
             self._pipe.close()
             self._pipe = None
+            self._waiting.clear()
             self._do(self._guard.bereave(self._port.now()))
 
     def _do(self, actions: list[Action]) -> None:
@@ -139,11 +151,21 @@ class Guardian:
                 self._lose(error)
 
     def _say(self, note: Note) -> None:
-        if self._pipe is not None:
-            try:
-                self._pipe.sendall(note.to_bytes())
-            except OSError:
-                self._orphan()
+        """The runner is told as soon as it listens; of the port's bytes it is kept only so many."""
+        if self._pipe is None or (note.kind == Kind.DATA and len(self._waiting) > _MOST_WAITING):
+            return
+        self._waiting += note.to_bytes()
+        self._push()
+
+    def _push(self) -> None:
+        if self._pipe is None:
+            return
+        try:
+            del self._waiting[: self._pipe.send(self._waiting)]
+        except BlockingIOError:
+            return  # it stands still
+        except OSError:
+            self._orphan()
 
     def _open(self) -> None:
         try:
@@ -169,7 +191,6 @@ def main(arguments: list[str]) -> None:
     """
     descriptor, url, baud, silence_s = arguments
     pipe = socket.socket(fileno=int(descriptor))
-    pipe.settimeout(float(silence_s))
     Guardian(SerialPort(url, int(baud)), pipe, Guard(float(silence_s))).serve()
 
 

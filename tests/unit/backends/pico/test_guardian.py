@@ -36,6 +36,8 @@ print(port.guardian_pid, flush=True)
 while True:
     port.beat(bytes.fromhex(sys.argv[2]))
     port.read(port.now() + 0.05)
+    if port.overruled():
+        print("overruled", flush=True)
 """
 
 
@@ -111,6 +113,23 @@ def test_however_the_runner_ends_the_safe_frame_follows_within_half_a_second(
     runner.kill()
     runner.wait()
     assert _gone(guardian)
+
+
+def test_a_runner_that_stood_still_is_told_however_much_the_device_has_said_meanwhile(
+    bench: Bench, runner: subprocess.Popen[str]
+) -> None:
+    assert runner.stdout is not None
+    runner.stdout.readline()
+    bench.hear(b"drive")
+    runner.send_signal(signal.SIGSTOP)
+    for _ in range(200):
+        os.write(bench.ours, bytes(2000))  # more than the pipe between the two holds
+    bench.hear(b"safe")
+    os.write(bench.ours, encode(126, b"safe"))
+    runner.send_signal(signal.SIGCONT)
+
+    assert runner.stdout.readline() == "overruled\n"
+    assert runner.poll() is None
 
 
 def test_the_terminals_interrupt_does_not_reach_the_guardian_and_a_termination_ends_safely(
