@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 _LOOK_EVERY_S = 0.1
 
+RECORDING = ".mcap"
+"""What ends like this is looked at, not run."""
+
 
 def open_console(
     order: Order, factor: float, recording: RecordingWishes, *, debug: bool = False
@@ -48,6 +51,8 @@ def open_console(
         raise UsageError(
             "the console needs textual, which is not installed: pip install 'pirate-sm[console]'"
         ) from None
+    if order.mission.endswith(RECORDING):
+        return _view(order.mission)
     from pirate_sm.console.driver import StopDriver
     from pirate_sm.console.session import Session, unkept
 
@@ -68,6 +73,23 @@ def open_console(
             while not session.join(_LOOK_EVERY_S):
                 pass  # a signal may insist meanwhile
     return _conclude(app, session, debug)
+
+
+def _view(path: str) -> int:
+    """A recording has been looked at.
+
+    Raises:
+        RecordingError: It cannot be read.
+    """
+    from pathlib import Path
+
+    from pirate_sm.console.reel import reel_of
+    from pirate_sm.console.viewer import Viewer
+    from pirate_sm.recording.reader import read_recording
+
+    say("reading the recording ...")
+    Viewer(reel_of(read_recording(Path(path))), Path(path).name).run()
+    return SUCCEEDED
 
 
 def _prepared(order: Order) -> Prepared:

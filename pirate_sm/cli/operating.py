@@ -19,7 +19,10 @@ class Worlds(str, Enum):  # noqa: UP042 - a StrEnum would show its members in ca
 def console(
     mission: Annotated[
         str | None,
-        typer.Argument(metavar="[MISSION]", help="A shipped mission's name, or a file."),
+        typer.Argument(
+            metavar="[MISSION|RUN.mcap]",
+            help="A shipped mission's name, or a file; a recording to look through.",
+        ),
     ] = None,
     backend: Annotated[
         Worlds,

@@ -54,7 +54,8 @@ def pose_of(snapshot: Snapshot) -> Pose:
         origin = "drawn from joint angles" if seen else "drawn straight: no sensor speaks"
         return Pose(wheels, (), by_part, links, origin)
     if not truth.touching:
-        return Pose(truth.wheels, truth.walls, by_part, links, "reckoned from odometry")
+        origin = "reckoned from odometry" if snapshot.reckoned else ""
+        return Pose(truth.wheels, truth.walls, by_part, links, origin)
     touching = tuple(
         _nearest(place, truth.walls) if touches else -1
         for place, touches in zip(truth.wheels, truth.touching, strict=True)

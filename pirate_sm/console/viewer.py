@@ -1,0 +1,180 @@
+"""The console's view of a run that is over: everything is seen, nothing can be steered."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import ClassVar, TypeVar
+
+from textual.app import App, ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
+from textual.events import Resize
+from textual.widget import Widget
+from textual.widgets import Footer
+
+from pirate_sm.console import panels
+from pirate_sm.console.body import body
+from pirate_sm.console.reel import Reel
+from pirate_sm.console.widgets import EventLog, Lines, Picture
+
+_W = TypeVar("_W", bound=Widget)
+
+FRAMES_PER_S = 20
+
+_WIDE, _HIGH = 120, 36
+_PAGES = ("drive", "body", "log")
+"""Pages of a small terminal, as the stylesheet names them."""
+
+
+class Viewer(App[None]):
+    """Scrubs through a recording.
+
+    Args:
+        reel: The recording.
+        name: What it is called.
+
+    Attributes:
+        time_s: The moment that is shown.
+        playing: Whether time goes on by itself.
+    """
+
+    CSS_PATH = Path(__file__).with_name("console.tcss")
+    TITLE = "recording"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("space", "play", "Play or stop"),
+        Binding("left", "by(-1)", "1 s back"),
+        Binding("right", "by(1)", "1 s on"),
+        Binding("shift+left,comma", "by(-0.1)", "0.1 s back", show=False),
+        Binding("shift+right,full_stop", "by(0.1)", "0.1 s on", show=False),
+        Binding("down,pagedown", "by(10)", "10 s on"),
+        Binding("up,pageup", "by(-10)", "10 s back"),
+        Binding("home", "to(0)", "Start"),
+        Binding("end", "to(1)", "End"),
+        Binding("p", "phase(-1)", "Phase before"),
+        Binding("n", "phase(1)", "Next phase"),
+        Binding("tab", "page", "Page", show=False, priority=True),
+        Binding("q,ctrl+q", "quit", "Quit"),
+    ]
+
+    def __init__(self, reel: Reel, name: str, **options: object) -> None:
+        super().__init__(**options)  # type: ignore[arg-type]
+        self.reel = reel
+        self.time_s = 0.0
+        self.playing = False
+        self._recording = name
+        self._page = 0
+
+    def compose(self) -> ComposeResult:
+        """The console's panels without those that steer."""
+        yield Lines(id="header")
+        yield Lines(id="alarm")
+        yield Lines(id="pages")
+        with Horizontal(id="main"):
+            with Vertical(id="left"):
+                yield _panel("now", "Now")
+                yield _panel("phases", "Phases")
+            with Vertical(id="centre"):
+                yield Picture(id="picture")
+                yield _panel("states", "States")
+                yield _panel("body", "Joints and wheels")
+        log = EventLog(id="log", title="Log")
+        log.add_class("panel")
+        yield log
+        yield Lines(id="slider")
+        yield Footer(show_command_palette=False, compact=True)
+
+    def on_mount(self) -> None:
+        """The first moment is shown."""
+        self.set_interval(1 / FRAMES_PER_S, self._tick)
+        self.call_after_refresh(self.show)
+
+    def on_resize(self, event: Resize) -> None:
+        """Everything is visible, or one page of it."""
+        base = self.screen_stack[0]
+        base.set_class(event.size.width < _WIDE or event.size.height < _HIGH, "-paged")
+        self._turn(0)
+        self.call_after_refresh(self.show)
+
+    def show(self) -> None:
+        """The moment of ``time_s`` is on the screen."""
+        snapshot = self.reel.at(self.time_s)
+        self._base(Picture, "picture").show(snapshot)
+        self._base(Lines, "header").show([panels.header(snapshot, self.size.width)])
+        for name, lines in (("now", panels.now), ("states", panels.states), ("body", body)):
+            panel = self._base(Lines, name)
+            if panel.size:
+                panel.show(lines(snapshot, panel.content_size.width))
+        phases = self._base(Lines, "phases")
+        width, rows = phases.content_size
+        phases.border_title = snapshot.scene.mission or "Phases"
+        phases.show(panels.phases(snapshot, width, max(rows, 1)))
+        self._base(EventLog, "log").tell(snapshot)
+        self._base(Lines, "slider").show([panels.line(*self._slider())])
+
+    def _slider(self) -> list[str | tuple[str, str]]:
+        """Where the moment is in the recording."""
+        mark = "▶" if self.playing else "‖"
+        whole = self.reel.length_s
+        said = f" {mark} {self.time_s:8.2f} s of {whole:.2f} s  "
+        room = max(self.size.width - len(said) - len(self._recording) - 4, 10)
+        at = round(room * (self.time_s / whole if whole else 0.0))
+        return [(said, "bold"), "━" * at, ("●", "bold"), "─" * (room - at), f"  {self._recording}"]
+
+    def _tick(self) -> None:
+        if not self.playing:
+            return
+        self._move(self.time_s + 1 / FRAMES_PER_S)
+        if self.time_s >= self.reel.length_s:
+            self.playing = False
+            self.show()
+
+    def _move(self, time_s: float) -> None:
+        self.time_s = min(max(time_s, 0.0), self.reel.length_s)
+        self.show()
+
+    def _base(self, kind: type[_W], name: str) -> _W:
+        return self.screen_stack[0].query_one(f"#{name}", kind)
+
+    def _turn(self, by: int) -> None:
+        self._page = (self._page + by) % len(_PAGES)
+        for number, name in enumerate(_PAGES):
+            self.screen_stack[0].set_class(number == self._page, f"-{name}")
+
+    # --- what a person wants -------------------------------------------------------------------
+
+    def action_play(self) -> None:
+        """Time goes on by itself, from the start if it was at the end; or it stands."""
+        self.playing = not self.playing
+        if self.playing and self.time_s >= self.reel.length_s:
+            self.time_s = 0.0
+        self.show()
+
+    def action_by(self, seconds: float) -> None:
+        """So much later, or earlier."""
+        self._move(self.time_s + seconds)
+
+    def action_to(self, share: float) -> None:
+        """At this share of the recording."""
+        self._move(share * self.reel.length_s)
+
+    def action_phase(self, by: int) -> None:
+        """At the beginning of the phase before or after this one."""
+        starts = sorted({frame.story.phase.since_s for frame in self.reel.frames})
+        if by > 0:
+            later = [each for each in starts if each > self.time_s + 1e-6]
+            self._move(later[0] if later else self.reel.length_s)
+        else:
+            earlier = [each for each in starts if each < self.time_s - 1e-6]
+            self._move(earlier[-1] if earlier else 0.0)
+
+    def action_page(self) -> None:
+        """Another page of a small terminal."""
+        self._turn(1)
+        self.call_after_refresh(self.show)
+
+
+def _panel(name: str, title: str) -> Lines:
+    panel = Lines(id=name)
+    panel.border_title = title
+    panel.add_class("panel")
+    return panel

@@ -1,0 +1,78 @@
+"""A recording in the console: every moment of it can be looked at, back and forth."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit" / "recording"))
+
+from recording_runs import record
+
+from pirate_sm.console.reel import reel_of
+from pirate_sm.console.viewer import Viewer
+from pirate_sm.console.widgets import Lines
+from pirate_sm.engine.robot_state import states_of
+from pirate_sm.wiring import Order
+
+
+@pytest.fixture(scope="module")
+def reel(tmp_path_factory):
+    path = tmp_path_factory.mktemp("runs") / "bend.mcap"
+    return reel_of(record(path, Order("mitre_bend", backend="trace")))
+
+
+def state_at(reel, time_s):
+    snapshot = reel.at(time_s)
+    return dict(
+        zip(
+            snapshot.scene.robot.regions,
+            states_of(snapshot.scene.robot, snapshot.state.robot),
+            strict=True,
+        )
+    )
+
+
+def test_moments_are_those_of_the_run(reel):
+    assert state_at(reel, 0.0)["BendingState"] == "Unclamped"
+    assert state_at(reel, reel.length_s)["BendingState"] == "DoubleClamped"
+    assert reel.at(-1.0) is reel.frames[0]
+    assert reel.at(1e9) is reel.frames[-1]
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 48)])
+def test_a_person_scrubs_back_and_forth(reel, size):
+    async def scrub():
+        viewer = Viewer(reel, "bend.mcap")
+        async with viewer.run_test(size=size) as pilot:
+            seen = []
+            for key in ("end", "home", "right", "right", "n", "p", "down"):
+                await pilot.press(key)
+                await pilot.pause()
+                seen.append(round(viewer.time_s, 3))
+            slider = viewer.query_one("#slider", Lines)
+            assert slider.size.height == 1
+            return seen
+
+    seen = asyncio.run(scrub())
+
+    assert seen[:4] == [round(reel.length_s, 3), 0.0, 1.0, 2.0]
+    phases = sorted({frame.story.phase.since_s for frame in reel.frames})
+    assert seen[4] == round(next(each for each in phases if each > 2.0), 3)
+    assert seen[5] < seen[4]
+
+
+def test_playing_ends_at_the_end_and_begins_again(reel):
+    async def play():
+        viewer = Viewer(reel, "bend.mcap")
+        async with viewer.run_test(size=(120, 40)) as pilot:
+            await pilot.press("end")
+            await pilot.press("space")
+            began = viewer.playing, viewer.time_s < reel.length_s
+            await pilot.press("space")
+            return began, viewer.playing
+
+    assert asyncio.run(play()) == ((True, True), False)
