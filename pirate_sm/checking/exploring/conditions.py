@@ -65,13 +65,14 @@ class Conditions:
         regions: How many of the words are states, which are known.
 
     Attributes:
+        region_count: How many of the words are states.
         tests: How much has been tried so far, for who must come to an end.
     """
 
     def __init__(self, vocabulary: Vocabulary, spans: Mapping[str, Range], regions: int) -> None:
         self._vocabulary = vocabulary
         self._spans = spans
-        self._regions = regions
+        self.region_count = regions
         self._answers: dict[tuple[tuple[Fact, ...], tuple[str | None, ...]], Answer] = {}
         self._seen: dict[tree.Node, tuple[frozenset[str], tuple[int, ...]]] = {}
         self.tests = 0
@@ -92,7 +93,7 @@ class Conditions:
     def _look(self, node: tree.Node) -> tuple[frozenset[str], tuple[int, ...]]:
         if node not in self._seen:
             signals = [each for each in tree.walk(node) if isinstance(each, tree.Signal)]
-            known = self._vocabulary.words[: self._regions]
+            known = self._vocabulary.words[: self.region_count]
             regions = {each.index for each in signals if each.name in known}
             free = frozenset(each.name for each in signals if each.name not in known)
             self._seen[node] = free, tuple(sorted(regions))
@@ -117,7 +118,7 @@ class Conditions:
         self.tests += len(facts)
         relevant = {region for node, _ in facts for region in self.regions(node)}
         known = tuple(
-            states[region] if region in relevant else None for region in range(self._regions)
+            states[region] if region in relevant else None for region in range(self.region_count)
         )
         key = (facts, known)
         if key not in self._answers:
@@ -194,7 +195,7 @@ class Conditions:
             for each in tree.walk(node)
             if isinstance(each, tree.Signal)
             and each.kind == "word"
-            and self._regions <= each.index < len(self._vocabulary.words)
+            and self.region_count <= each.index < len(self._vocabulary.words)
         )
         found: dict[str, tuple[str | None, ...]] = {}
         for name in names:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.lasting import lasting
 from pirate_sm.checking.exploring.moves import Move, Moves
-from pirate_sm.checking.exploring.oracle import Moment, Oracle
+from pirate_sm.checking.exploring.oracle import Moment, Oracle, TooManyQuestionsError
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.program import Program, Require, Say, Wait
 from pirate_sm.engine.robot import RobotSpec
@@ -33,7 +33,7 @@ MOST_WORK = 100_000
 them; some seven seconds."""
 
 _EFFECTS_A_STEP = 20
-_TESTS_A_STEP = 50
+_TESTS_A_STEP = 20
 """So many take about as long as a step that has no more to do."""
 
 BEGINS = "\0begins "
@@ -239,14 +239,17 @@ class _Walk:
     ) -> Iterator[tuple[tuple[EngineState, tuple[Effect, ...]], Moment]]:
         """The results of the step, as far as they are not too much."""
         conditions, tests = self.moves.conditions, self.moves.conditions.tests
-        for result, moment in self.oracle.every(step):
-            yield result, moment
-            more = (conditions.tests - tests) / _TESTS_A_STEP
-            tests = conditions.tests
-            self.found.work += 1 + len(result[1]) / _EFFECTS_A_STEP + more
-            if self.found.work > self.most_work or not self.found.complete:
-                self.found.complete = False
-                return
+        try:
+            for result, moment in self.oracle.every(step):
+                yield result, moment
+                more = (conditions.tests - tests) / _TESTS_A_STEP
+                tests = conditions.tests
+                self.found.work += 1 + len(result[1]) / _EFFECTS_A_STEP + more
+                if self.found.work > self.most_work or not self.found.complete:
+                    self.found.complete = False
+                    return
+        except TooManyQuestionsError:
+            self.found.complete = False
 
     def _arrive(
         self,
