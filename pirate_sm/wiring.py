@@ -97,6 +97,7 @@ class Prepared:
         companions: Who must be beside the mission for this backend.
         notices: What a person must know before they see the run.
         truth: Where the robot really is, for backends that know.
+        wheels: The same of its wheels alone, in the plane of the pipe, m, for whoever asks often.
         reckoned: Where a detector takes it to be, where one does; None before it knows.
         link: How the link is, where there is one.
         confirmation: What a person must agree to before anything moves; empty: nothing.
@@ -112,6 +113,7 @@ class Prepared:
     companions: tuple[Companion, ...] = ()
     notices: tuple[str, ...] = ()
     truth: Callable[[], Truth] | None = None
+    wheels: Callable[[], tuple[tuple[float, float], ...]] | None = None
     reckoned: Callable[[], Truth | None] | None = None
     link: Callable[[], LinkHealth] | None = None
     confirmation: str = ""
@@ -229,7 +231,7 @@ def _simulator(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
     engine = Engine(loaded.robot, loaded.program, nominal=False)
     return Prepared(
         order, loaded, engine, backend, detector.companions, detector.notices, truth=truth,
-        detector=detector.kind,
+        wheels=lambda: backend.wheels, detector=detector.kind,
     )  # fmt: skip
 
 
@@ -253,7 +255,7 @@ def _start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
 
 
 def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
-    if order.port is None:
+    if not order.port:
         raise UsageError("--backend serial needs a port: --port /dev/ttyACM0, or a pyserial URL")
     if order.defects:
         raise UsageError("a real robot has the defects that it has: --defect is for --backend sim")

@@ -107,7 +107,8 @@ class Listening:
             if conversation.offered and first_s == inf:
                 first_s = self.port.now()
         if not conversation.offered:
-            raise BackendError(unanswered(self.port.name, self._baud, conversation, self._sample))
+            name, usual = self.port.name, self._plan.serial.baud
+            raise BackendError(unanswered(name, self._baud, conversation, self._sample, usual))
         self._answer_s = first_s - opened_s
         self._connected = True
 

@@ -9,6 +9,7 @@ import select
 import time
 from contextlib import suppress
 from math import inf
+from pathlib import Path
 
 from pirate_sm.backends.pico.port import PortLostError
 from pirate_sm.errors import BackendError, UsageError
@@ -25,6 +26,10 @@ except ModuleNotFoundError as error:
 _WRITE_WITHIN_S = 0.5
 _POLL_S = 0.005
 _MOST_BYTES = 4096
+_NO_ADDRESS = "{} is no address that pyserial can use, such as socket://HOST:PORT"
+_NOT_THERE = {errno.ENOENT, errno.ENOTDIR, errno.ELOOP, errno.ENAMETOOLONG}
+_NO_PORT = {errno.ENOTTY, errno.EINVAL, errno.EISDIR, errno.ENXIO, errno.EIO, errno.ENODEV}
+_NOT_REACHED = {errno.EHOSTUNREACH, errno.ENETUNREACH, errno.ETIMEDOUT, errno.EHOSTDOWN}
 
 
 class SerialPort:
@@ -45,6 +50,8 @@ class SerialPort:
 
     def open(self) -> None:
         """It is ours alone."""
+        if not self.name.strip():
+            raise BackendError("the name of the port is empty")
         try:
             self._port = serial.serial_for_url(
                 self.name, baudrate=self._baud, timeout=0, write_timeout=_WRITE_WITHIN_S,
@@ -54,6 +61,8 @@ class SerialPort:
             raise BackendError(f"{self.name} cannot be a serial port: {error}") from None
         except (serial.SerialException, OSError) as error:
             raise BackendError(_advice(self.name, error)) from None
+        except Exception:  # pyserial stumbles over options of its URLs
+            raise BackendError(_NO_ADDRESS.format(self.name)) from None
 
     def reopen(self) -> bool:
         """Whether the port is ours again."""
@@ -129,12 +138,14 @@ class SerialPort:
 def _advice(name: str, error: OSError) -> str:
     """Why a port cannot be opened, and what to do about it."""
     code = error.errno
-    within = re.search(r"\((\d+), ", str(error))
+    within = re.search(r"(?:\(|\[Errno )(\d+)[],]", str(error))
     if code is None and within:
         code = int(within[1])  # pyserial puts some errors into its words
     if code is None and "exclusively lock" in str(error):
         code = errno.EBUSY
-    if code == errno.ENOENT:
+    if "://" in name:
+        return _no_answer(name, code, error)
+    if code in _NOT_THERE:
         found = ", ".join(sorted(port.device for port in list_ports.comports()))
         there = f"there are {found}" if found else "there is none at all: is it plugged in?"
         return f"there is no port {name}; {there}"
@@ -144,8 +155,25 @@ def _advice(name: str, error: OSError) -> str:
         return f"you may not use {name}: join the group that owns it{join}"
     if code in {errno.EBUSY, errno.EAGAIN}:
         return f"{name} is in use by another program: close it, or wait until its mission has ended"
-    if code in {errno.ENOTTY, errno.EINVAL, errno.EISDIR, errno.ENXIO, errno.EIO}:
+    if Path(name).is_dir():
+        return f"{name} is a directory and no serial port"
+    if Path(name).is_file():
+        return f"{name} is a file and no serial port"
+    if code in _NO_PORT:
         return f"{name} is no serial port, or nothing is connected to it"
+    return f"{name} cannot be opened: {error}"
+
+
+def _no_answer(name: str, code: int | None, error: OSError) -> str:
+    """Why nobody speaks at an address."""
+    if code == errno.ECONNREFUSED:
+        return f"nobody listens at {name}: is the program there running?"
+    if code in _NOT_REACHED or "timed out" in str(error):
+        return f"{name} cannot be reached: is the host on, and in this network?"
+    if "[Errno -" in str(error):
+        return f"{name} cannot be reached: its host has no known address"
+    if name.startswith(("socket://", "rfc2217://")):
+        return _NO_ADDRESS.format(name)
     return f"{name} cannot be opened: {error}"
 
 

@@ -79,6 +79,32 @@ def test_a_port_that_is_not_there_is_exit_code_3(pirate: Call) -> None:
     assert "there is no port /nowhere/tty" in result.stderr
 
 
+@pytest.mark.parametrize(
+    ("port", "told"),
+    [
+        ("/nowhere/tty", "there is no port /nowhere/tty"),
+        ("/dev/null", "/dev/null is no serial port"),
+        ("loop://?x=1", "loop://?x=1 is no address"),
+    ],
+)
+def test_a_run_on_a_port_that_cannot_be_opened_says_so_in_one_sentence(
+    pirate_run: Call, port: str, told: str
+) -> None:
+    options = ("--backend", "serial", "--port", port, "--yes", "--quiet", "--no-record")
+    result = pirate_run("mitre_bend", *options)
+
+    assert result.exit_code == 3
+    (line,) = result.output.splitlines()
+    assert told in line
+
+
+def test_a_run_without_a_port_is_refused(pirate_run: Call) -> None:
+    result = pirate_run("mitre_bend", "--backend", "serial", "--port", "", "--yes")
+
+    assert result.exit_code == 2
+    assert "--backend serial needs a port" in result.stderr
+
+
 def test_nothing_is_moved_that_nobody_agreed_to(pirate: Call) -> None:
     result = pirate("doctor", "--port", "/nowhere/tty", "--move")
 
