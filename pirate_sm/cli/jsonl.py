@@ -44,6 +44,7 @@ class JsonLines:
                 "polarity": loaded.robot.polarity,
                 "pipe": loaded.pipe_name or None,
                 "backend": order.backend,
+                "detector": self._situation.prepared.detector,
                 "ideal": self._situation.prepared.engine.nominal,
                 "seed": order.seed,
                 "defects": list(order.defects),
