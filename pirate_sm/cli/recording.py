@@ -74,14 +74,15 @@ class Kept:
             return
         from pirate_sm.recording.viewing import Snapshot
 
-        truth, reckoned = self.prepared.truth, self.prepared.reckoned
+        wheels, reckoned = self.prepared.wheels, self.prepared.reckoned
 
         def look() -> Snapshot | None:
             if run.state is None:
                 return None
-            if truth is not None:
-                return Snapshot(run.state, truth(), True)
-            return Snapshot(run.state, reckoned() if reckoned else None, False)
+            if wheels is not None:
+                return Snapshot(run.state, wheels(), True)
+            taken = reckoned() if reckoned else None
+            return Snapshot(run.state, taken.wheels if taken else None, False)
 
         self.side.follow(look)
 

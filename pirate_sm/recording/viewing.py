@@ -14,10 +14,10 @@ from importlib.resources import files
 from math import isfinite
 from typing import Any, NamedTuple
 
+from pirate_sm.detectors.route import Place
 from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
-from pirate_sm.model.truth import Truth
 from pirate_sm.recording.alphabet import DIALECT
 from pirate_sm.recording.frames import Transforms
 from pirate_sm.recording.kinematics import frames_of
@@ -43,12 +43,12 @@ class Snapshot(NamedTuple):
 
     Attributes:
         state: The engine's.
-        truth: Where the robot is, where anybody knows or reckons.
+        wheels: Where the wheels are in the plane of the pipe, m, where anybody knows or reckons.
         known: Whether it is known.
     """
 
     state: EngineState
-    truth: Truth | None
+    wheels: tuple[Place, ...] | None
     known: bool
 
 
@@ -98,7 +98,7 @@ class Viewer:
         now = stamp(time_ns)
         shown = it.state.sensing.shown
         numbers = dict(zip(self._numbers, shown, strict=True))
-        points = it.truth.wheels if it.truth else self._placing.look(it.state, at_s)
+        points = it.wheels or self._placing.look(it.state, at_s)
         if points is not None:
             yield self._tf, self._transforms.message(now, frames_of(points), numbers)
             known = '{"known":true,' if it.known else '{"known":false,'

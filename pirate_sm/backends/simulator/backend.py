@@ -173,6 +173,11 @@ class SimulatorBackend:
             world.gone,
         )
 
+    @property
+    def wheels(self) -> tuple[tuple[float, float], ...]:
+        """Place of each wheel in the drawing of the pipe, m: of the truth what costs little."""
+        return tuple((x, y) for x, y in self._world.state.position.tolist())
+
     def _middle(self) -> float:
         arcs = self._world.values("arc")
         return sum(arcs) / len(arcs)
