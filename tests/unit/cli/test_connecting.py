@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from jsonschema import Draft202012Validator
 from typer.testing import Result
 
 from pirate_sm.bay.switches import Switches
@@ -21,6 +22,16 @@ from pirate_sm.loading.robot import load_robot
 ROOT = Path(__file__).resolve().parents[3]
 PATIENCE_S = 10.0
 Call = Callable[..., Result]
+
+LIGHT = """
+format: 1
+mission: light
+robot: pirate_ii
+pipe: mitre_90
+start: only
+phases: {only: {do: [ToggleLighting], go: lit}}
+ends: {lit: {succeed: The lights are on}}
+"""
 
 
 @pytest.fixture
@@ -47,8 +58,8 @@ def port(robot: Path) -> Iterator[str]:
         thread.join(PATIENCE_S)
 
 
-def test_a_robot_is_looked_at_moved_and_calibrated_over_a_real_port(
-    pirate: Call, port: str, robot: Path
+def test_a_robot_is_looked_at_moved_calibrated_and_run_over_a_real_port(
+    pirate: Call, pirate_run: Call, port: str, robot: Path
 ) -> None:
     looked = pirate("doctor", "--port", port, "--robot", robot, "--seconds", 1, "--move", "--yes")
 
@@ -70,6 +81,21 @@ def test_a_robot_is_looked_at_moved_and_calibrated_over_a_real_port(
     assert found["go"] is (again.exit_code == 0)
     assert any("joint zeros of" in finding["message"] for finding in found["findings"])
     assert found["move"] is None
+
+    mission = robot.parent / "light.yaml"
+    mission.write_text(LIGHT, "utf-8")
+    ran = pirate_run(
+        *(mission, "--robot", robot, "--backend", "serial", "--port", port, "--yes", "--json"),
+        *("--detector", "odometry", "--no-record"),
+    )
+
+    lines = [json.loads(line) for line in ran.stdout.splitlines()]
+    assert ran.exit_code == 0, ran.output
+    assert (lines[0]["backend"], lines[0]["detector"]) == ("serial", "odometry")
+    assert any("joint zeros of" in line["message"] for line in lines if line["type"] == "log")
+    schema = json.loads((ROOT / "docs" / "schemas" / "output.schema.json").read_text("utf-8"))
+    for line in lines:
+        Draft202012Validator(schema).validate(line)
 
 
 def test_a_port_that_is_not_there_is_exit_code_3(pirate: Call) -> None:
