@@ -1,6 +1,6 @@
 """Safety rules: watched in every run, and the command that would break one is not sent.
 
-A rule sees the robot as it is commanded: the state of each region and the command accepted last
+A rule sees the robot as it is commanded: the state of each region and the command just accepted
 (words), and how many parts are held, are confirmed to hold, and how many wheels are driven
 (numbers). Where a rule is, is one integer: how many commands may still be accepted until it must
 hold, or one of two marks.
@@ -19,7 +19,7 @@ NUMBERS = ("clamps", "confirmed_clamps", "driven_wheels")
 """Numbers that conditions of rules know, in this order."""
 
 COMMAND = "command"
-"""The word after those of the regions: the command accepted last."""
+"""The word after those of the regions: the command just accepted, unknown at other times."""
 
 CODE = "rule.violated"
 
@@ -44,7 +44,7 @@ def follow(
         before: Where the rules were.
         body: What the robot has been commanded to.
         steps: How many commands have been accepted since ``before``.
-        command: The one accepted last.
+        command: The one just accepted, if one is.
     """
     if not program.rules:
         return (), ()
@@ -58,10 +58,10 @@ def follow(
     after, broken = [], []
     for rule, at in zip(program.rules, before, strict=True):
         begins = rule.after is None or rule.after.evaluate(numbers, words) is True
-        holds = rule.must.evaluate(numbers, words) is True
+        holds = rule.must.evaluate(numbers, words)
         if rule.within is None:
             now = _IN_FORCE if begins or at == _IN_FORCE else _NOT_YET
-            violated = now == _IN_FORCE and not holds
+            violated = now == _IN_FORCE and holds is False  # unknown where no command is accepted
         elif holds:
             now, violated = _NOT_YET, False
         elif at > 0:

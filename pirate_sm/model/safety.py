@@ -14,7 +14,7 @@ class SafetyRule(Frozen):
     """What must never happen, or always hold, whatever a mission commands.
 
     Exactly one of ``always``, ``never`` and ``expect`` is given. Conditions see the state of each
-    region, ``command`` (accepted last), ``clamps`` (parts that the states hold),
+    region, ``command`` (just accepted), ``clamps`` (parts that the states hold),
     ``confirmed_clamps`` and ``driven_wheels``.
 
     Attributes:
