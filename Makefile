@@ -77,7 +77,7 @@ clean:
 
 # One environment; each set of extras is installed once, and again when pyproject.toml changes.
 $(VENV)/.ready-sim: EXTRAS := sim
-$(VENV)/.ready-dev: EXTRAS := dev,sim,serial,report,console
+$(VENV)/.ready-dev: EXTRAS := dev,sim,serial,live,report,console
 $(VENV)/.ready-browser: EXTRAS := browser,dev,sim,report
 $(VENV)/.ready-bench: EXTRAS := bench,sim,console
 $(VENV)/.ready-soak: EXTRAS := sim,serial
