@@ -232,12 +232,16 @@ class Engine:
         due = has_come(now, state.wake_at_s)
         if due:
             state = self._housekeep(state, now, effects)
+        judged = before
         if state.mission.ending is not None:
             state = self._finish_ending(state, now, effects)
         elif not state.mission.ended:
-            state = self._go_on(state, now, effects)
-        if state.robot is not before.robot and state.rules:
-            state = watch(self._setting, before, state, now, effects)
+            state = self._see_done(state, now, effects)
+            # Whether the next command would break a rule is asked of where the rules are now.
+            state = judged = self._judge(before, state, now, effects)
+            if not (state.mission.ending or state.mission.ended):
+                state = self._go_on(state, now, effects)
+        state = self._judge(judged, state, now, effects)
         mission = state.mission
         if mission.answer is not None or mission.skipped is not None:
             state = state._replace(mission=spoken(self._setting, state))
@@ -250,10 +254,20 @@ class Engine:
             state = self._set_wake(state, effects)
         return state, tuple(effects)
 
-    def _go_on(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
+    def _judge(
+        self, before: EngineState, state: EngineState, now: float, effects: list[Effect]
+    ) -> EngineState:
+        if state.robot is before.robot or not state.rules:
+            return state
+        return watch(self._setting, before, state, now, effects)
+
+    def _see_done(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
         before = state.mission.before_pause
-        if state.robot.motion is not None and not (before and before.suspended):
-            state = self._watch(state, now, effects)
+        if state.robot.motion is None or (before and before.suspended):
+            return state
+        return self._watch(state, now, effects)
+
+    def _go_on(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
         if state.mission.diverting is not None:
             state = divert(self._setting, state, now, effects)
         if state.mission.pause_wanted:
