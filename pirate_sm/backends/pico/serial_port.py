@@ -88,10 +88,10 @@ class SerialPort:
         try:
             self._wait(self._port, until_s)
             return bytes(self._port.read(_MOST_BYTES))
-        except (serial.SerialException, OSError, TypeError) as error:
+        except (serial.SerialException, OSError, TypeError):
             # pyserial raises a TypeError when its descriptor is taken away meanwhile.
             self._let_go()
-            raise PortLostError(f"{self.name} has gone: {error}") from None
+            raise PortLostError(f"{self.name} has gone") from None
 
     @property
     def descriptor(self) -> int:
