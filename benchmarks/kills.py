@@ -18,42 +18,36 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from itertools import chain, cycle, islice
-from math import degrees, inf
+from itertools import cycle, islice
+from math import degrees
 from pathlib import Path
 from random import Random
 from statistics import median
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
+from benchmarks.witness import CABLE_OUT_S, SAMPLE_EVERY_S, driven_now, samples_of
+
 MISSION = "mitre_bend"
-BEGINS_AFTER_S, ENDS_BEFORE_S = 0.1, 34.0
+BEGINS_AFTER_S, ENDS_BEFORE_S = 0.1, 33.0
 """Since the runner was started; the mission itself takes 32 s, the start 2.5 s."""
 
-CABLE_OUT_S = 1.0
+DRIVES_BEFORE_S = 25.0
+DRIVES_FOR_S = 0.5
+"""Wheels are driven for a sixth of the mission: every second moment of a kind is one of these."""
+
 STANDS_STILL_S = 1.0
-SAMPLE_EVERY_S = 0.02
 PATIENCE_S = 30.0
 WATCH_ON_S = 0.6
 
 STILL_RAD, HELD_RAD = 0.02, 0.05
-"""A joint that moved less in the last half second stood; one that moved less since is held."""
+"""A joint that moved less in a second of the same duty clamped; one that moved less since held."""
 
 RUNNER = "from pirate_sm.cli.entry import run_main; run_main()"
 DOCTOR = "from pirate_sm.cli.entry import main; main()"
-
-
-class Sample(NamedTuple):
-    """The bay at one moment: duties of motors, angles at the wheels' joints, wheels in the pipe."""
-
-    at_s: float
-    joints: tuple[float, ...]
-    wheels: tuple[float, ...]
-    bends_rad: tuple[float, ...]
-    arcs_m: tuple[float, ...]
 
 
 @dataclass
@@ -61,6 +55,8 @@ class Case:
     """One moment and what came of it.
 
     Attributes:
+        at_s: Since the runner was started.
+        driving: Whether wheels shall be driven: it waits until they are, and a little longer.
         broken: What must not be, in words.
         stopped_s: When the last wheel had been told to stand; None: it had not been driven.
         gone_s: When the last process of the run had ended, after the runner.
@@ -69,6 +65,7 @@ class Case:
     kind: str
     seed: int
     at_s: float
+    driving: bool
     folder: Path
     doing: str = "starting"
     code: int | None = None
@@ -104,8 +101,6 @@ class Kind(NamedTuple):
 
 def main() -> int:
     """A line for each moment and one for each kind is printed; 1 when a rule was broken."""
-    if sys.argv[1:2] == ["bay"]:
-        return emulate(Path(sys.argv[2]))
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
@@ -118,7 +113,7 @@ def main() -> int:
     kinds = [kind for kind in KINDS if kind.startswith(wishes.only)]
     with TemporaryDirectory() as folder, ThreadPoolExecutor(wishes.at_once) as pool:
         cases = [
-            Case(kind, seed, random.uniform(BEGINS_AFTER_S, ENDS_BEFORE_S), Path(folder))
+            _case(kind, seed, seed // len(kinds) % 2 == 1, random, Path(folder))
             for seed, kind in enumerate(islice(cycle(kinds), wishes.moments))
         ]
         done = []
@@ -128,57 +123,9 @@ def main() -> int:
     return _sum_up(done)
 
 
-# --- the bay, as a process of its own -----------------------------------------------------------
-
-
-def emulate(link: Path) -> int:
-    """The bay has run as `pirate bay` runs it, and its truth is beside its link."""
-    from pirate_sm.bay.terminal import Terminal, Told, serve
-    from pirate_sm.bay.texts import message_texts
-    from pirate_sm.bay.virtual import VirtualBay
-    from pirate_sm.loading import library
-    from pirate_sm.loading.mission import load_mission
-
-    loaded = load_mission(library.find_mission(MISSION))
-    assert loaded.pipe is not None
-    profile = loaded.loaded_robot.profile
-    assert profile.serial is not None
-    bay = VirtualBay(profile, loaded.pipe, message_texts(loaded.loaded_robot.folder, profile))
-    began_s = time.monotonic()
-    sampled_s = -inf
-    unplugged = False
-
-    def pull(number: int, frame: object) -> None:
-        nonlocal unplugged
-        unplugged = True
-
-    def stopped() -> bool:
-        nonlocal sampled_s
-        now = time.monotonic()
-        if now >= sampled_s + SAMPLE_EVERY_S:
-            sampled_s = now
-            duties, truth = bay.duties, bay.truth
-            wheels = len(truth.bends_rad)
-            out.write(
-                json.dumps(
-                    Sample(now, duties[:wheels], duties[wheels:], truth.bends_rad, truth.arcs_m)
-                )
-                + "\n"
-            )
-        return told.stop or unplugged
-
-    signal.signal(signal.SIGUSR1, pull)
-    with Told() as told, link.with_suffix(".truth").open("w", buffering=1) as out:
-        while not told.stop:
-            with Terminal(link, profile.serial.baud) as terminal:
-                print(terminal.name, flush=True)
-                moments = chain([began_s], iter(time.monotonic, None))
-                serve(bay, terminal, stopped, clock=lambda: next(moments))  # noqa: B023
-            bay.close(time.monotonic() - began_s)
-            if unplugged:
-                time.sleep(CABLE_OUT_S)
-            unplugged = False
-    return 0
+def _case(kind: str, seed: int, driving: bool, random: Random, folder: Path) -> Case:
+    last_s = DRIVES_BEFORE_S if driving else ENDS_BEFORE_S
+    return Case(kind, seed, random.uniform(BEGINS_AFTER_S, last_s), driving, folder)
 
 
 # --- one moment ---------------------------------------------------------------------------------
@@ -190,18 +137,39 @@ def run(case: Case) -> Case:
     out, err = case.link.with_suffix(".out"), case.link.with_suffix(".err")
     bay = _start_bay(case)
     try:
-        arguments = (MISSION, "--backend", "serial", "--port", str(case.link), "--yes", "--json")
+        arguments = (
+            MISSION,
+            "--backend",
+            "serial",
+            "--port",
+            str(case.link),
+            "--yes",
+            "--json",
+            "--record",
+            str(case.link.with_suffix(".mcap")),
+        )
         with out.open("wb") as lines, err.open("wb") as errors:
             runner = subprocess.Popen(
                 [sys.executable, "-c", RUNNER, *arguments],
                 stdin=subprocess.DEVNULL, stdout=lines, stderr=errors, start_new_session=True,
                 preexec_fn=_heed,  # noqa: PLW1509 - no thread of ours holds a lock here
             )  # fmt: skip
+        began_s = time.monotonic()
         time.sleep(case.at_s)
+        if case.driving:
+            extra_s = case.at_s % DRIVES_FOR_S
+            _await(
+                lambda: runner.poll() is not None or driven_now(case.link), case, "it never drove"
+            )
+            time.sleep(extra_s)
         while case.kind.startswith("guardian") and not _guardians(case):
             time.sleep(0.01)  # too early: there is none yet
         acted_s = time.monotonic()
-        kind.act(case, runner, bay)
+        case.at_s = acted_s - began_s
+        if runner.poll() is not None:
+            case.broken.append("the run had ended before")
+        else:
+            kind.act(case, runner, bay)
         case.code = _ended(runner, case)
         left_s = time.monotonic()
         _await(lambda: not _guardians(case), case, "a process was left")
@@ -221,13 +189,14 @@ def run(case: Case) -> Case:
 
 
 def _heed() -> None:
-    """Ctrl-C is heard, also where this program was started in the background."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """Ctrl-C and hang-ups are heard, also where this program was started in the background."""
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
 
 
 def _start_bay(case: Case) -> subprocess.Popen[str]:
     bay = subprocess.Popen(
-        [sys.executable, "-m", "benchmarks.kills", "bay", str(case.link)],
+        [sys.executable, "-m", "benchmarks.witness", MISSION, str(case.link)],
         stdout=subprocess.PIPE, text=True,
     )  # fmt: skip
     assert bay.stdout is not None
@@ -286,7 +255,7 @@ def _judge_words(case: Case, out: str, err: str) -> None:
 
 def _judge_truth(case: Case, kind: Kind, acted_s: float) -> None:
     """Wheels stand, and joints that clamped are where they were."""
-    samples = list(_samples(case))
+    samples = list(samples_of(case.link))
     before = [sample for sample in samples if sample.at_s <= acted_s]
     after = [sample for sample in samples if sample.at_s > acted_s]
     driven = [sample.at_s for sample in after if any(sample.wheels)]
@@ -294,26 +263,18 @@ def _judge_truth(case: Case, kind: Kind, acted_s: float) -> None:
         case.stopped_s = max([*driven, acted_s]) - acted_s + SAMPLE_EVERY_S
     if any(after[-1].wheels) == kind.stops and any(before[-1].wheels):
         case.broken.append("wheels are driven" if kind.stops else "somebody stopped the wheels")
-    earlier = before[max(0, len(before) - round(0.5 / SAMPLE_EVERY_S))]
+    second = before[max(0, len(before) - round(1.0 / SAMPLE_EVERY_S)) :]
     moved = [
-        abs(end - then)
-        for duty, was, then, end in zip(
-            before[-1].joints, earlier.bends_rad, before[-1].bends_rad, after[-1].bends_rad,
-            strict=True,
-        )
-        if duty and abs(then - was) < STILL_RAD
-    ]  # fmt: skip
+        abs(after[-1].bends_rad[at] - before[-1].bends_rad[at])
+        for at, duty in enumerate(before[-1].joints)
+        if duty
+        and all(sample.joints[at] == duty for sample in second)
+        and abs(before[-1].bends_rad[at] - second[0].bends_rad[at]) < STILL_RAD
+    ]
     if moved:
         case.moved_deg = degrees(max(moved))
         if max(moved) > HELD_RAD:
             case.broken.append(f"a clamped joint moved by {case.moved_deg:.0f} deg")
-
-
-def _samples(case: Case) -> Iterator[Sample]:
-    for line in case.link.with_suffix(".truth").read_text().splitlines():
-        if line.endswith("]"):
-            at_s, *rest = json.loads(line)
-            yield Sample(at_s, *(tuple(each) for each in rest))
 
 
 def _again(case: Case) -> None:
@@ -360,6 +321,8 @@ def _both(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str
 def _bay(number: signal.Signals) -> Callable[..., None]:
     def act(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str]) -> None:
         bay.send_signal(number)
+        if number == signal.SIGKILL:
+            case.link.unlink()  # what it points to may soon be another pseudo-terminal
 
     return act
 
@@ -374,7 +337,7 @@ KINDS = {
     "guardian: kill -9": Kind((3,), _guardian(signal.SIGKILL)),
     "guardian: SIGTERM": Kind((3,), _guardian(signal.SIGTERM)),
     "bay: kill -9": Kind((3,), _bay(signal.SIGKILL), alive=False),
-    "cable out for 1 s": Kind((3,), _bay(signal.SIGUSR1)),
+    f"cable out for {CABLE_OUT_S:g} s": Kind((3,), _bay(signal.SIGUSR1)),
     "guardian and runner: kill -9": Kind((_BY_SIGNAL,), _both, stops=False, words=False),
 }
 

@@ -34,7 +34,8 @@ PLAIN_NAMES = {
 
 # The name of this software: its package, its two commands, its errors, its environment variables.
 OUR_NAME = re.compile(
-    r"""\bpirate[_-]sm\b|\bPIRATE_SM_[A-Z]+\b|\bpirate-run\b|\bPirateError\b|\bpirate (?=[a-z])|\bpirate:(?=\[| allow|")"""
+    r"""\bpirate[_-]sm\b|\bPIRATE_SM_[A-Z]+\b|\bpirate-run\b|\bPirateError\b|\bpirate (?=[a-z])"""
+    r"""|\bpirate:(?=\[| allow|")"""
 )
 OUR_COMMAND = re.compile(r"""["'`]pirate["'`]""")
 

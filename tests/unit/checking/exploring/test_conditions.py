@@ -5,6 +5,9 @@ from __future__ import annotations
 from random import Random
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from checking.exploring.conditions_by_lot import (
     FACTS,
     STATES,
@@ -13,8 +16,6 @@ from checking.exploring.conditions_by_lot import (
     hold,
     somewhere,
 )
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 
 def possible(*texts: str, state: str = "Up", but_not: tuple[str, ...] = ()) -> bool:

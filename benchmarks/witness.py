@@ -1,0 +1,103 @@
+"""A bay behind a pseudo-terminal, as `pirate bay` is one, that writes down its truth.
+
+    python -m benchmarks.witness MISSION LINK
+
+The truth stands in a file beside the link. SIGUSR1 pulls the cable out for a moment.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from itertools import chain
+from math import inf
+from pathlib import Path
+from typing import NamedTuple
+
+CABLE_OUT_S = 1.0
+SAMPLE_EVERY_S = 0.02
+_LAST_BYTES = 4096
+
+
+class Sample(NamedTuple):
+    """The bay at one moment: duties of motors, angles at the wheels' joints, wheels in the pipe."""
+
+    at_s: float
+    joints: tuple[float, ...]
+    wheels: tuple[float, ...]
+    bends_rad: tuple[float, ...]
+    arcs_m: tuple[float, ...]
+
+
+def samples_of(link: Path) -> Iterator[Sample]:
+    """What the bay at this link has written down, oldest first."""
+    for line in _truth(link).read_text().splitlines():
+        if line.endswith("]"):
+            at_s, *rest = json.loads(line)
+            yield Sample(at_s, *(tuple(each) for each in rest))
+
+
+def driven_now(link: Path) -> bool:
+    """Whether wheels are driven at the bay at this link."""
+    with _truth(link).open("rb") as file:
+        file.seek(max(0, file.seek(0, os.SEEK_END) - _LAST_BYTES))
+        line = file.read().splitlines()[-2:-1]  # the last one may not be whole
+    return bool(line) and any(json.loads(line[0])[Sample._fields.index("wheels")])
+
+
+def main() -> int:
+    """The bay has run in real time until it was told to end."""
+    from pirate_sm.bay.terminal import Terminal, Told, serve
+    from pirate_sm.bay.texts import message_texts
+    from pirate_sm.bay.virtual import VirtualBay
+    from pirate_sm.loading import library
+    from pirate_sm.loading.mission import load_mission
+
+    mission, link = sys.argv[1], Path(sys.argv[2])
+    loaded = load_mission(library.find_mission(mission))
+    profile = loaded.loaded_robot.profile
+    assert loaded.pipe is not None
+    assert profile.serial is not None
+    bay = VirtualBay(profile, loaded.pipe, message_texts(loaded.loaded_robot.folder, profile))
+    began_s = time.monotonic()
+    sampled_s, unplugged = -inf, False
+
+    def pull(number: int, frame: object) -> None:
+        nonlocal unplugged
+        unplugged = True
+
+    def stopped() -> bool:
+        nonlocal sampled_s
+        now = time.monotonic()
+        if now >= sampled_s + SAMPLE_EVERY_S:
+            sampled_s = now
+            duties, truth = bay.duties, bay.truth
+            joints = len(truth.bends_rad)
+            sample = Sample(now, duties[:joints], duties[joints:], truth.bends_rad, truth.arcs_m)
+            out.write(json.dumps(sample) + "\n")
+        return told.stop or unplugged
+
+    signal.signal(signal.SIGUSR1, pull)
+    with Told() as told, _truth(link).open("w", buffering=1) as out:
+        while not told.stop:
+            with Terminal(link, profile.serial.baud) as terminal:
+                print(terminal.name, flush=True)
+                moments = chain([began_s], iter(time.monotonic, None))
+                serve(bay, terminal, stopped, clock=lambda: next(moments))  # noqa: B023
+            bay.close(time.monotonic() - began_s)
+            if unplugged:
+                time.sleep(CABLE_OUT_S)
+            unplugged = False
+    return 0
+
+
+def _truth(link: Path) -> Path:
+    return link.with_suffix(".truth")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
