@@ -1,0 +1,127 @@
+"""Everything that can happen to a mission, each by the fewest events, told in sentences."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import pytest
+
+from checking.small_missions import checked, write
+from pirate_sm.checking.exploring.explorer import Exploration, explore
+from pirate_sm.checking.exploring.ledger import ledger
+from pirate_sm.checking.exploring.story import story
+from pirate_sm.checking.mission import conditions_of
+from pirate_sm.loading.mission import load_mission
+
+ONE = "start: p\nphases: {p: {do: [HoldNose], go: good}}\n"
+WAITING = """
+start: p
+phases:
+  p:
+    do: [SwitchLamp]
+    wait: [{when: way > 50 mm, held: 1 s, go: good}, {operator: no, go: bad}]
+    within: {time: 5 s, go: bad}
+"""
+HANDLING = """
+on_fault: [{fault: sensor.silent, go: h}, {fault: robot.stuck, go: h}]
+start: p
+phases:
+  p: {do: [HoldNose, GoAhead, Rest], go: good}
+  h: {do: [{command: Rest, unneeded: skip}], go: bad}
+"""
+
+
+def explored(folder: Path, body: str, **limits: float) -> Exploration:
+    loaded = load_mission(write(folder, body))
+    return explore(loaded.robot, loaded.program, conditions_of(loaded), **limits)  # type: ignore[arg-type]
+
+
+def moves(found: Exploration) -> list[str]:
+    return [step.move.kind for step in found.steps]
+
+
+def test_a_command_is_accepted_or_not_done_or_not(tmp_path: Path) -> None:
+    assert moves(explored(tmp_path, ONE)) == ["start", "accepted", "rejected", "time", "failed"]
+
+
+def test_a_wait_is_ended_by_sensors_operator_or_time(tmp_path: Path) -> None:
+    book = ledger(explored(tmp_path, WAITING)).waits["p"]
+
+    assert set(book.fired) == {"good", "bad", "within"}
+    assert not book.at_once["good"]
+
+
+def test_a_fault_that_only_a_rule_tells_comes_where_the_rule_can_hold(tmp_path: Path) -> None:
+    found = explored(tmp_path, HANDLING)
+    faults = {
+        (step.move.word, found.robot.table.configurations[
+            found.nodes[step.source].state.robot.configuration][1])
+        for step in found.steps if step.move.kind == "fault"
+    }  # fmt: skip
+
+    assert ("sensor.silent", "Resting") in faults  # the first of those that lead to one handler
+    assert not any(code == "robot.stuck" and state == "Resting" for code, state in faults)
+
+
+def test_a_fault_is_no_choice_while_one_is_handled(tmp_path: Path) -> None:
+    found = explored(tmp_path, HANDLING)
+
+    assert all(
+        not found.nodes[step.source].state.mission.handling
+        for step in found.steps
+        if step.move.kind == "fault"
+    )
+
+
+def test_nothing_happens_after_the_end(tmp_path: Path) -> None:
+    found = explored(tmp_path, HANDLING)
+
+    assert not any(found.nodes[step.source].over for step in found.steps if step.source >= 0)
+
+
+def test_a_path_leads_from_the_start_to_its_step(tmp_path: Path) -> None:
+    found = explored(tmp_path, HANDLING)
+    path = found.path(len(found.steps) - 1)
+
+    assert path[0].source == -1
+    assert all(after.source == before.target for before, after in itertools.pairwise(path))
+
+
+@pytest.mark.parametrize("limit", [{"most": 3}, {"most_work": 2.5}])
+def test_what_is_too_much_is_cut_off_and_known_to_be(
+    tmp_path: Path, limit: dict[str, float]
+) -> None:
+    found = explored(tmp_path, HANDLING, **limit)
+
+    assert not found.complete
+    assert len(found.nodes) <= 4
+    assert explored(tmp_path, HANDLING).complete
+
+
+def test_a_story_says_what_happens_in_order(tmp_path: Path) -> None:
+    found = explored(tmp_path, WAITING)
+    fired = ledger(found).waits["p"].fired["good"][0]
+
+    told = story(found, fired)
+
+    assert told[0] == "the mission begins; p begins"
+    assert told[1].startswith("SwitchLamp")
+    assert "way > 50 mm" in told[-1]
+    assert told[-1].endswith("the mission has ended: Good") or "so good" in told[-1]
+
+
+def test_what_cannot_be_decided_is_explored_last_and_is_not_sure(tmp_path: Path) -> None:
+    body = """
+start: p
+phases:
+  p:
+    wait: [{when: way * way == 1.7 mm * 1 m and pace / 1 m > way / 1 m / 1 s, go: q}]
+    within: {time: 5 s, go: good}
+  q: {do: [Rest], go: good}
+"""
+    check = checked(tmp_path, body)
+
+    assert [(each.code, each.severity.word) for each in check.findings
+            if each.code.startswith("step.")] == [("step.unneeded", "possible")]  # fmt: skip
+    assert not any(each.course for each in check.findings if each.severity.word == "possible")
