@@ -43,9 +43,13 @@ STANDS_STILL_S = 1.0
 PATIENCE_S = 30.0
 WATCH_ON_S = 0.6
 
+AT_ONCE_S = 0.5
+"""Wheels that are driven for longer than that may move joints that clamp, too."""
+
 STILL_RAD, HELD_RAD = 0.02, 0.05
 """A joint that moved less in a second of the same duty clamped; one that moved less since held."""
 
+_GUARDIAN = b"pirate_sm.backends.pico.guardian"
 RUNNER = "from pirate_sm.cli.entry import run_main; run_main()"
 DOCTOR = "from pirate_sm.cli.entry import main; main()"
 
@@ -170,7 +174,8 @@ def run(case: Case) -> Case:
             case.broken.append("the run had ended before")
         else:
             kind.act(case, runner, bay)
-        case.code = _ended(runner, case)
+        code = _ended(runner, case)
+        case.code = 128 - code if code < 0 else code  # as a shell shows it
         left_s = time.monotonic()
         _await(lambda: not _guardians(case), case, "a process was left")
         case.gone_s = time.monotonic() - left_s
@@ -209,7 +214,7 @@ def _guardians(case: Case) -> list[int]:
     return [
         int(path.parent.name)
         for path in Path("/proc").glob("[0-9]*/cmdline")
-        if b"pico.guardian" in (words := _read(path)) and bytes(case.link) in words
+        if {_GUARDIAN, bytes(case.link)} <= set(_read(path).split(b"\0"))
     ]
 
 
@@ -220,7 +225,7 @@ def _read(path: Path) -> bytes:
         return b""
 
 
-def _ended(runner: subprocess.Popen[bytes], case: Case) -> int | None:
+def _ended(runner: subprocess.Popen[bytes], case: Case) -> int:
     try:
         return runner.wait(PATIENCE_S)
     except subprocess.TimeoutExpired:
@@ -249,8 +254,8 @@ def _judge_words(case: Case, out: str, err: str) -> None:
         case.broken.append(f"exit code {case.code}, documented {kind.codes}")
     if "Traceback" in err or "\n" in case.said:
         case.broken.append(f"more than a sentence: {err}")
-    if kind.words and not case.said:
-        case.broken.append("no word about it")
+    if kind.words and not case.said and out:
+        case.broken.append("no word about it")  # beyond its start
 
 
 def _judge_truth(case: Case, kind: Kind, acted_s: float) -> None:
@@ -273,7 +278,7 @@ def _judge_truth(case: Case, kind: Kind, acted_s: float) -> None:
     ]
     if moved:
         case.moved_deg = degrees(max(moved))
-        if max(moved) > HELD_RAD:
+        if max(moved) > HELD_RAD and (case.stopped_s or 0.0) < AT_ONCE_S:
             case.broken.append(f"a clamped joint moved by {case.moved_deg:.0f} deg")
 
 
@@ -327,7 +332,7 @@ def _bay(number: signal.Signals) -> Callable[..., None]:
     return act
 
 
-_BY_SIGNAL = -signal.SIGKILL
+_BY_SIGNAL = 128 + signal.SIGKILL
 KINDS = {
     "runner: kill -9": Kind((_BY_SIGNAL,), _signal(signal.SIGKILL), words=False),
     "runner: SIGTERM": Kind((143,), _signal(signal.SIGTERM)),
