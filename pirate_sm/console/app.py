@@ -144,8 +144,8 @@ class Console(Asking, App[None]):
     def show(self) -> None:
         """The newest snapshot is on the screen."""
         snapshot = self.session.latest
-        if not (self.screen_stack and self.screen_stack[0].query("#picture")):
-            return  # the screen is being taken down
+        if not (self.is_running and self.screen_stack and self.screen_stack[0].query("#picture")):
+            return  # the screen is not there yet, or its widgets are being removed one by one
         self._frame += 1
         if self.is_visible("#picture"):
             self.on_base(Picture, "picture").show(snapshot)

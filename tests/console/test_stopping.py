@@ -134,6 +134,23 @@ def test_a_signal_ends_the_session_in_the_safe_state(number) -> None:
     played(story)
 
 
+class Closing(Console):
+    """A console whose timer fires once more when the first of its widgets has been removed."""
+
+    async def _close_all(self) -> None:
+        await self.query_one("#header").remove()
+        self.show()
+        await super()._close_all()
+
+
+def test_a_frame_that_is_due_while_the_widgets_are_removed_is_left_out() -> None:
+    async def story() -> None:
+        async with operator(trace(), console=Closing, size=SMALL) as me:
+            await me.command("ClampFront")
+
+    played(story)
+
+
 def test_what_lets_go_of_the_pipe_is_asked_for_twice() -> None:
     async def story() -> None:
         async with operator(trace(), size=SMALL) as me:
