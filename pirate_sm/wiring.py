@@ -16,7 +16,7 @@ from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.model.course import Happening
 from pirate_sm.model.truth import Truth
-from pirate_sm.runtime.companions import Companion, Firing, TriggerScript
+from pirate_sm.runtime.companions import Companion, Firing, LoopWatch, TriggerScript
 from pirate_sm.spelling import nearest, one_of
 
 if TYPE_CHECKING:
@@ -318,8 +318,9 @@ def _trace(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
     _check_firings(order.firings, loaded)
     backend = TraceBackend()
     engine = Engine(loaded.robot, loaded.program, nominal=True)
-    script = TriggerScript(order.firings)
-    return Prepared(order, loaded, engine, backend, (script,), (IDEAL,))
+    script = TriggerScript(loaded.program, order.firings)
+    watch = LoopWatch(lambda: len(script.unused))
+    return Prepared(order, loaded, engine, backend, (watch, script), (IDEAL,))
 
 
 def _course(order: Order, loaded: LoadedMission) -> Prepared:
@@ -335,7 +336,7 @@ def _course(order: Order, loaded: LoadedMission) -> Prepared:
     verdicts = Verdicts(scripted=True)
     player = CoursePlayer(
         [each for each in events if each.happening.happens != "start"],
-        verdicts.decide, verdicts.release,
+        loaded.program, verdicts.decide, verdicts.release,
     )  # fmt: skip
     backend = TraceBackend(verdicts, known)
     # How long commands take in a trace is nothing that a time limit could be held against.

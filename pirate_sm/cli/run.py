@@ -20,7 +20,7 @@ from pirate_sm.cli.recording import RecordingWishes, recorded
 from pirate_sm.cli.script import read_fire, read_script
 from pirate_sm.cli.situation import Situation
 from pirate_sm.errors import UsageError
-from pirate_sm.runtime.companions import Companion, FirstChoice, TriggerScript
+from pirate_sm.runtime.companions import Companion, FirstChoice, LoopWatch, TriggerScript
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.observing import Observer, Watcher
 from pirate_sm.runtime.outcome import BUG, Result
@@ -122,6 +122,8 @@ def _show(
         output = _output(situation, wishes, live, factor, operator, words)
         pipe = watch_pipe(sys.stdout)
         companions: list[Companion] = [*prepared.companions, *kept.companions]
+        if operator and answers(prepared.loaded):  # a person may decide otherwise the next time
+            companions = [each for each in companions if not isinstance(each, LoopWatch)]
         if not prepared.attended:
             companions.append(operator or _nobody(wishes))
         companions += [words] if words else []

@@ -17,14 +17,14 @@ from pirate_sm.loading.validate import try_validate
 from pirate_sm.model.base import Frozen, Name
 from pirate_sm.model.course import Happening
 from pirate_sm.model.quantities import Duration
-from pirate_sm.runtime.companions import FIRST_TRIGGER_AFTER_S, Firing
+from pirate_sm.runtime.companions import Firing
 
 
 class ScriptEntry(Frozen):
     """In a wait (of ``phase``, if given) that has the trigger, take it ``after`` so long."""
 
     trigger: Name
-    after: Annotated[Duration, Field(ge=0)] = FIRST_TRIGGER_AFTER_S
+    after: Annotated[Duration, Field(ge=0)] | None = None
     phase: str = ""
 
 
@@ -37,7 +37,7 @@ def read_fire(texts: Iterable[str]) -> list[Firing]:
     firings = []
     for text in texts:
         trigger, given, after = text.partition("=")
-        firings.append(Firing(trigger, _seconds(after, text) if given else FIRST_TRIGGER_AFTER_S))
+        firings.append(Firing(trigger, _seconds(after, text) if given else None))
     return firings
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from math import inf
 from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, runtime_checkable
 
+from pirate_sm.engine.program import Program, Wait
 from pirate_sm.model.effects import (
     Ask,
     Effect,
@@ -15,7 +16,7 @@ from pirate_sm.model.effects import (
     TriggerFired,
     WaitArmed,
 )
-from pirate_sm.model.events import Answer, Event, Skip
+from pirate_sm.model.events import Abort, Answer, Event, Skip
 
 if TYPE_CHECKING:
     from pirate_sm.engine.state import EngineState
@@ -74,12 +75,13 @@ class Firing(NamedTuple):
 
     Attributes:
         trigger: Name of the trigger, or ``within`` to let the time limit pass.
-        after_s: How long after the wait was armed.
+        after_s: How long after the wait was armed; None: before time ends the wait otherwise, and
+            after ``FIRST_TRIGGER_AFTER_S`` at the latest.
         phase: Only in this phase; empty for any.
     """
 
     trigger: str
-    after_s: float = FIRST_TRIGGER_AFTER_S
+    after_s: float | None = None
     phase: str = ""
 
 
@@ -87,39 +89,115 @@ class TriggerScript:
     """Fires triggers where nothing real can: as listed, else the first one of each wait.
 
     The first entry that fits a wait is used up by it.
+
+    Args:
+        program: The mission, whose waits it looks up.
+        firings: What to fire, in order.
+
+    Attributes:
+        unused: Entries that no wait has used yet.
     """
 
     listening = False
 
-    def __init__(self, firings: Iterable[Firing] = ()) -> None:
+    def __init__(self, program: Program, firings: Iterable[Firing] = ()) -> None:
         self.due_s = inf
         self.unused = list(firings)
+        self._program = program
+        self._armed = False
         self._trigger = ""
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """The trigger of a wait that has begun is planned, that of one that is over is not."""
+        """Ask to look at a wait that has begun, and forget one that is over."""
         for effect in effects:
             if isinstance(effect, WaitArmed):
-                self._plan(effect, now_s)
+                self._armed, self.due_s = True, now_s
             elif isinstance(effect, TriggerFired | PhaseChange | Ended):
-                self.due_s = inf
+                self._armed, self.due_s = False, inf
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """Plan the trigger of a wait that has just been armed."""
+        wait = self._program.instructions[state.mission.pc]
+        if self._armed and isinstance(wait, Wait):
+            self._armed = False
+            self._trigger, after_s = self._plan(wait)
+            self.due_s = now_s + after_s
+        return ()
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """The planned trigger."""
+        """Return the planned trigger once it is due."""
+        if now_s < self.due_s:
+            return ()
         self.due_s = inf
         return (Skip(self._trigger),)
 
-    def _plan(self, wait: WaitArmed, now_s: float) -> None:
+    def _plan(self, wait: Wait) -> tuple[str, float]:
+        """Return the trigger to fire and how long after arming; infinite: let time pass."""
+        names = [trigger.name for trigger in wait.triggers]
         for firing in self.unused:
-            if firing.phase in ("", wait.phase) and firing.trigger in (*wait.triggers, "within"):
+            if firing.phase in ("", wait.phase) and firing.trigger in (*names, "within"):
                 self.unused.remove(firing)
-                self._trigger = firing.trigger
-                self.due_s = inf if firing.trigger == "within" else now_s + firing.after_s
-                return
-        if wait.triggers:
-            # A wait that is shorter than our usual second still sees its trigger.
-            after_s = min(FIRST_TRIGGER_AFTER_S, (wait.deadline_s - now_s) / 2)
-            self._trigger, self.due_s = wait.triggers[0], now_s + after_s
+                if firing.trigger == "within":
+                    return "", inf
+                usual_s = _before_time(wait, firing.trigger)
+                return firing.trigger, usual_s if firing.after_s is None else firing.after_s
+        return (names[0], _before_time(wait, names[0])) if names else ("", inf)
+
+
+def _before_time(wait: Wait, chosen: str) -> float:
+    """Return when to fire the chosen trigger so that no other one comes first by time alone."""
+    others = [
+        each.after_s for each in wait.triggers if each.after_s is not None and each.name != chosen
+    ]
+    return min(FIRST_TRIGGER_AFTER_S, min([wait.within_s, *others]) / 2)
+
+
+class LoopWatch:
+    """Ends a trace that comes back to a situation in which it has been before.
+
+    Nothing but a script decides what happens in a trace. Once the same situation recurs and the
+    script has nothing new for it, the mission would go on in the same way without end.
+
+    Args:
+        pending: Returns how many entries the script still holds.
+    """
+
+    listening = False
+
+    def __init__(self, pending: Callable[[], int]) -> None:
+        self.due_s = inf
+        self._pending = pending
+        self._seen: set[object] = set()
+        self._repeated = ""
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Ask to look when the mission waits for something or asks something."""
+        if any(isinstance(each, WaitArmed) or _asks(each) for each in effects):
+            self.due_s = now_s
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """Compare the situation, without its times, with all earlier ones."""
+        mission = state.mission._replace(armed_s=0.0, since=(), offset_s=0.0)
+        body = state.robot._replace(next_id=0)
+        situation = (mission, body, state.words, state.rules, self._pending())
+        self._repeated = LOOP if situation in self._seen else ""
+        self._seen.add(situation)
+        return ()
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return the end of the run when the situation has recurred."""
+        self.due_s = inf
+        return (Abort(self._repeated),) if self._repeated else ()
+
+
+LOOP = (
+    "the trace has come back to a situation in which it has been before: from here the mission "
+    "would repeat itself without end (name other triggers with --fire)"
+)
+
+
+def _asks(effect: Effect) -> bool:
+    return isinstance(effect, Ask) and bool(effect.question)
 
 
 class Holder:

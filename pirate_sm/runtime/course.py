@@ -7,8 +7,18 @@ from math import inf, isfinite
 
 from pirate_sm.engine.program import Program, Question, Wait
 from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.state import EngineState
 from pirate_sm.model.course import Happening
-from pirate_sm.model.effects import Ask, Effect, Ended, PhaseChange, TriggerFired, WaitArmed, WakeAt
+from pirate_sm.model.effects import (
+    Ask,
+    Effect,
+    Ended,
+    Log,
+    PhaseChange,
+    TriggerFired,
+    WaitArmed,
+    WakeAt,
+)
 from pirate_sm.model.events import (
     Answer,
     CommandFailed,
@@ -18,7 +28,7 @@ from pirate_sm.model.events import (
     SubmitStatus,
     Tick,
 )
-from pirate_sm.runtime.companions import FirstChoice, TriggerScript
+from pirate_sm.runtime.companions import FirstChoice, LoopWatch, TriggerScript
 
 _EARLIER_S = 1e-10
 """A deadline comes so much earlier, before the loop tells it; to the engine that is in time."""
@@ -42,6 +52,7 @@ class CoursePlayer:
 
     Args:
         course: What happens, without the start, and what sensors show then.
+        program: The mission.
         decide: Takes the fate of the array that is under way.
         release: Is called when arrays need no decision any more.
 
@@ -54,6 +65,7 @@ class CoursePlayer:
     def __init__(
         self,
         course: Sequence[tuple[Happening, SignalReport | None]],
+        program: Program,
         decide: Callable[[SubmitStatus, str], None],
         release: Callable[[], None],
     ) -> None:
@@ -62,7 +74,11 @@ class CoursePlayer:
         self._release = release
         self._wake_s = inf
         self._open: dict[type[Effect], Effect] = {}
-        self._after = (TriggerScript(), FirstChoice("the course of events is over"))
+        self._after = (
+            LoopWatch(lambda: 0),
+            TriggerScript(program),
+            FirstChoice("the course of events is over"),
+        )
         self.over = False
         self.due_s = 0.0
         if not course:
@@ -82,12 +98,22 @@ class CoursePlayer:
                 companion.react(effects, now_s)
         self._plan(now_s)
 
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """Show the state to those who decide once everything has happened."""
+        if not self.over:
+            return ()
+        return [
+            line for each in self._after if now_s >= each.due_s for line in each.look(state, now_s)
+        ]
+
     def speak(self, now_s: float) -> Sequence[Event]:
         """The next thing has happened."""
         if self.over:
-            return [
+            said = [
                 event for each in self._after if now_s >= each.due_s for event in each.speak(now_s)
             ]
+            self._plan(now_s)
+            return said
         event, report = self._left.pop()
         said = [*([report] if report is not None else ()), *self._said(event)]
         if not self._left:

@@ -40,7 +40,7 @@ def exit_code(ended: Ended, fault: str, stop: Stop | None, output_lost: bool) ->
         output_lost: Whether its words reached nobody.
     """
     if ended.outcome == "interrupted":
-        return stop.exit_code if stop else INTERRUPTED
+        return stop.exit_code if stop else FAILED  # a trace that would never end
     if ended.outcome == "fault":
         return BACKEND if fault.partition(".")[0] in LINK_FAMILIES else FAILED
     if ended.outcome == "failed":

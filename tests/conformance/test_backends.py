@@ -174,7 +174,7 @@ def test_a_mission_runs_on_it_to_its_end(candidate: Candidate) -> None:
     loaded = load_mission(NEWT / "take_hold.yaml", pipe=str(NEWT / "elbow.yaml"))
     engine = Engine(loaded.robot, loaded.program, nominal=backend.completion == "nominal")
 
-    result = MissionRun(engine, backend, companions=[TriggerScript()]).execute()
+    result = MissionRun(engine, backend, companions=[TriggerScript(loaded.program)]).execute()
 
     assert (result.ended.outcome, result.exit_code) == ("succeeded", 0)
 
@@ -185,7 +185,7 @@ def test_a_slow_answer_delays_a_mission_and_does_not_break_it(delay_s: float) ->
     backend = LateBackend(delay_s, lose_every=1_000)
     engine = Engine(loaded.robot, loaded.program, nominal=True)
 
-    result = MissionRun(engine, backend, companions=[TriggerScript()]).execute()
+    result = MissionRun(engine, backend, companions=[TriggerScript(loaded.program)]).execute()
 
     assert result.ended.outcome == "succeeded"
     # Two commands; the fate of the safe array is awaited for 2 s at most.

@@ -10,7 +10,6 @@ import pytest
 from pirate_sm.errors import BackendError
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
-from pirate_sm.runtime.companions import Firing, FirstChoice, TriggerScript
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.stopping import BY_SIGNAL, Stop, StopRequests
 
@@ -338,95 +337,3 @@ def test_watchers_look_on_at_a_rate_of_the_walls_clock_even_in_a_long_sleep() ->
     gaps = [late - early for early, late in pairwise(looks)]
     assert 40 <= len(looks) <= 90
     assert max(gaps) <= 0.1
-
-
-def _wait(phase: str = "p", deadline: float = 60.0) -> fx.WaitArmed:
-    return fx.WaitArmed(phase, ("first", "second"), ("a", "b"), deadline)
-
-
-def script_run(script: TriggerScript, *waits: fx.WaitArmed) -> list[tuple[float, Any]]:
-    """Each wait is armed when the one before has been skipped; every skip ends one."""
-    left = list(waits)
-
-    def arm(event: Any, now: float) -> tuple:
-        if isinstance(event, ev.SubmitResult):
-            return (left.pop(0),)
-        if isinstance(event, ev.Skip):
-            fired = fx.TriggerFired("p", event.trigger, "next", "")
-            return (fired, left.pop(0)) if left else (fired,)
-        return ()
-
-    engine = FakeEngine(lasting=30.0, react=arm)
-    run(engine, FakeBackend(), companions=[script])
-    return [(now, event.trigger) for now, event in engine.seen if isinstance(event, ev.Skip)]
-
-
-def test_a_script_fires_the_first_trigger_after_a_second() -> None:
-    assert script_run(TriggerScript(), _wait(), _wait()) == [(1.0, "first"), (2.0, "first")]
-
-
-def test_a_script_fires_what_it_is_told_where_it_fits() -> None:
-    script = TriggerScript([Firing("second", 3.0, phase="q"), Firing("second", 0.5)])
-
-    fired = script_run(script, _wait("p"), _wait("q"), _wait("q"))
-
-    assert fired == [(0.5, "second"), (3.5, "second"), (4.5, "first")]
-    assert script.unused == []
-
-
-def test_a_script_lets_the_time_limit_pass_and_is_in_time_for_a_short_one() -> None:
-    script = TriggerScript([Firing("within")])
-
-    assert script_run(script, _wait()) == []
-    assert script_run(TriggerScript(), _wait(deadline=0.5)) == [(0.25, "first")]
-
-
-def test_a_wait_that_is_over_is_not_fired_into_the_next() -> None:
-    def react(event: Any, now: float) -> tuple:
-        if isinstance(event, ev.SubmitResult):
-            return (_wait(deadline=10.0), fx.TriggerFired("p", "within", "q", ""))
-        return ()
-
-    engine = FakeEngine(lasting=10.0, react=react)
-    run(engine, FakeBackend(), companions=[TriggerScript()])
-
-    assert not any(isinstance(event, ev.Skip) for _, event in engine.seen)
-
-
-def test_a_question_that_nobody_hears_gets_its_first_answer() -> None:
-    def ask(event: Any, now: float) -> tuple:
-        return (fx.Ask("Go on?", ("yes", "no")),) if isinstance(event, ev.SubmitResult) else ()
-
-    engine = FakeEngine(lasting=3.0, react=ask)
-    run(engine, FakeBackend(), companions=[FirstChoice()])
-
-    assert (0.0, ev.Answer("yes")) in engine.seen
-
-
-def test_while_a_person_is_asked_time_runs_no_faster_than_theirs() -> None:
-    class Person:
-        due_s = inf
-        listening = False
-
-        def react(self, effects: Sequence[fx.Effect], now_s: float) -> None:
-            if any(isinstance(effect, fx.Ask) for effect in effects):
-                self.due_s, self.listening = now_s + 0.1, True
-
-        def speak(self, now_s: float) -> Sequence[ev.Event]:
-            if clock.time < 1005.0:
-                self.due_s = now_s + 0.1
-                return ()
-            self.due_s, self.listening = inf, False
-            return (ev.Answer("yes"),)
-
-    def ask(event: Any, now: float) -> tuple:
-        return (fx.Ask("Go on?", ("yes",)),) if isinstance(event, ev.SubmitResult) else ()
-
-    clock = FakeClock()
-    engine = FakeEngine(lasting=1000.0, react=ask)
-
-    run(engine, FakeBackend(), companions=[Person()], clock=clock)
-
-    answered = [now for now, event in engine.seen if isinstance(event, ev.Answer)]
-    assert answered == [pytest.approx(5.0, abs=0.2)]
-    assert clock.time == pytest.approx(1005.0, abs=0.2)  # and then as fast as it goes

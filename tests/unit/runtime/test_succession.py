@@ -16,12 +16,12 @@ ROOT = Path(__file__).parents[3]
 def test_the_next_run_has_the_robot_as_it_was_left_and_the_time_goes_on() -> None:
     loaded = load_mission(ROOT / "sequences/enter_2d.yaml")
     engine, backend = Engine(loaded.robot, loaded.program, nominal=True), TraceBackend()
-    first = MissionRun(engine, backend, companions=[TriggerScript()], keep_open=True)
+    first = MissionRun(engine, backend, companions=[TriggerScript(loaded.program)], keep_open=True)
     result = first.execute()
     assert result.ended.outcome == "succeeded"
     assert first.open
 
-    second = MissionRun(engine, backend, companions=[TriggerScript()], after=first)
+    second = MissionRun(engine, backend, companions=[TriggerScript(loaded.program)], after=first)
     assert second.now_s == result.now_s
     again = second.execute()
 
