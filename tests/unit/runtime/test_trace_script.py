@@ -51,7 +51,9 @@ ONE_WAIT = """
 start: p
 phases:
   p:
-    wait: [{when: detector == close, name: first, go: passed}, {operator: b, name: second, go: late}%s]
+    wait:
+      - {when: detector == close, name: first, go: passed}
+      - {operator: b, name: second, go: late}%s
     within: {time: %s, go: late}
 """
 
@@ -66,7 +68,7 @@ def test_the_first_trigger_is_in_time_for_a_short_wait(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("after", ["1 s", "200 ms"])
 def test_a_trigger_of_time_does_not_fire_in_place_of_the_first(tmp_path: Path, after: str) -> None:
-    played = play(tmp_path, ONE_WAIT % (f", {{after: {after}, go: late}}", "60 s"))
+    played = play(tmp_path, ONE_WAIT % (f"\n      - {{after: {after}, go: late}}", "60 s"))
 
     assert [name for _, name in played.fired] == ["first"]
     assert played.ended.outcome == "succeeded"
