@@ -81,7 +81,7 @@ def run_calibrate(wishes: CalibrateWishes) -> int:
     subject = subject_of(loaded, loaded.normal)
     requests = StopRequests()
     try:
-        with CaughtSignals(requests):
+        with CaughtSignals(requests, ends_process=True):
             say(f"connecting to {wishes.port} ...")
             with connection(subject, wishes.port, wishes.baud, requests) as listening:
                 readings = _measure(listening, joints, wishes)

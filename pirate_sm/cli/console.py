@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from pirate_sm.cli.encoding import shows_signs
 from pirate_sm.cli.guard import say, say_bug
 from pirate_sm.cli.recording import RecordingWishes, recorded
 from pirate_sm.cli.run import is_terminal
@@ -43,6 +44,11 @@ def open_console(
     """
     if not (is_terminal() and sys.stdin.isatty() and sys.stderr.isatty()):
         raise UsageError("the console needs a terminal; `pirate run` does without")
+    if not shows_signs(sys.stdout):
+        raise UsageError(
+            f"the console needs a terminal with UTF-8, this one has {sys.stdout.encoding}: "
+            "set LANG=C.UTF-8, or use `pirate run`"
+        )
     try:
         from pirate_sm.console.app import Console
     except ModuleNotFoundError as error:
@@ -63,7 +69,7 @@ def open_console(
 
     session = Session(_prepared(order), factor=factor, keep=keep)
     app = Console(session, driver_class=StopDriver)
-    with CaughtSignals(session.quitting):
+    with CaughtSignals(session.quitting, ends_process=True):
         try:
             app.run()
         except Exception as error:

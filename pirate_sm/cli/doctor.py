@@ -65,7 +65,7 @@ def run_doctor(wishes: DoctorWishes) -> int:
         )
     requests = StopRequests()
     try:
-        with CaughtSignals(requests):
+        with CaughtSignals(requests, ends_process=True):
             facts = _look(subject, wishes, requests)
     except StoppedError as stopped:
         say(f"{stopped}; whatever was turned has been stopped")

@@ -17,6 +17,7 @@ from pirate_sm.cli.checking import check, diff, explain
 from pirate_sm.cli.connecting import calibrate, doctor
 from pirate_sm.cli.drawing import graph
 from pirate_sm.cli.emulating import bay
+from pirate_sm.cli.encoding import degrade
 from pirate_sm.cli.keeping import compare, export, replay
 from pirate_sm.cli.operating import console
 from pirate_sm.cli.reporting import report
@@ -312,13 +313,15 @@ def new_robot(
 
 
 def _enter(app: typer.Typer) -> None:
-    """The app has ended this process; an output that cannot be written is told in one line."""
+    """Run the app, which ends this process; say in one line when its output cannot be written."""
     if sys.stdout is None:
         from pirate_sm.cli.guard import say
         from pirate_sm.runtime.stopping import OUTPUT_LOST
 
         say("the output cannot be written: standard output is closed")
         raise SystemExit(OUTPUT_LOST)
+    degrade(sys.stdout)
+    degrade(sys.stderr)
     try:
         try:
             app()

@@ -23,8 +23,8 @@ def guarded(work: Callable[[], int], debug: bool) -> int:
         code = work()
         sys.stdout.flush()
         return code
-    except KeyboardInterrupt:
-        say("interrupted, nothing has moved")
+    except KeyboardInterrupt as interrupted:
+        say(str(interrupted) or "interrupted, nothing has moved")
         return INTERRUPTED
     except BrokenPipeError:
         silence_stdout()

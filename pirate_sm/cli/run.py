@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from pirate_sm.cli.asking import Operator, SharedKeys, TerminalKeys, can_type
+from pirate_sm.cli.encoding import shows_signs
 from pirate_sm.cli.guard import say, say_bug, show_traceback, silence_stdout
 from pirate_sm.cli.jsonl import JsonLines
 from pirate_sm.cli.lines import Lines
@@ -90,7 +91,7 @@ def run_mission(wishes: Wishes) -> int:
     if prepared.confirmation and not wishes.yes:
         _confirm(prepared.confirmation)
     requests = StopRequests()
-    with CaughtSignals(requests):
+    with CaughtSignals(requests, ends_process=True):
         return _show(prepared, wishes, factor, on_terminal, requests)
 
 
@@ -111,7 +112,7 @@ def _show(
     prepared: Prepared, wishes: Wishes, factor: float, on_terminal: bool, requests: StopRequests
 ) -> int:
     """The run has been shown in the way that was wished, and ended."""
-    live = on_terminal and not wishes.plain
+    live = on_terminal and not wishes.plain and shows_signs(sys.stdout)
     with ExitStack() as stack:
         kept = stack.enter_context(recorded(prepared, wishes.recording, factor))
         situation = Situation(kept.prepared)
@@ -215,7 +216,6 @@ def _output(
 
         speed = "max" if factor == inf else f"{factor:g} ×"
         return View(Console(file=out, highlight=False), situation, speed, operator, words)
-    out.reconfigure(errors="replace")  # type: ignore[union-attr]
     return Lines(out, situation, quiet=wishes.quiet)
 
 

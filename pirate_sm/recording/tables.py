@@ -102,8 +102,18 @@ def headed(name: str, dimension: Dimension) -> str:
 
 
 def _cell(value: Any) -> Any:
-    """Unknown is an empty cell, which pandas and Matlab read as NaN."""
+    """Return the value as a cell; unknown is an empty one, which pandas and Matlab read as NaN.
+
+    Text from a mission must not begin a formula in a spreadsheet: an apostrophe before it makes
+    it text there.
+    """
+    if isinstance(value, str) and value.startswith(_FORMULAS):
+        return f"'{value}"
     return "" if isinstance(value, float) and value != value else value  # noqa: PLR0124
+
+
+_FORMULAS = ("=", "+", "-", "@", "\t", "\r")
+"""What a spreadsheet takes for the beginning of a formula (OWASP, CSV injection)."""
 
 
 def _plain(topic: str) -> Callable[[_Tables, Any], tuple[str, list[str], Iterable[Row]]]:

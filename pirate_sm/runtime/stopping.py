@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import signal
+import time
+from collections.abc import Callable
+from math import inf
 from types import FrameType
 from typing import NamedTuple, Self
 
@@ -51,38 +54,67 @@ class StopRequests:
         self.urgent = True
 
 
+PATIENCE_S = 3.0
+"""Once a person has insisted, the safe array has this long to go out before a signal may break
+into it: several times what a backend needs to close."""
+
+UNFINISHED = "interrupted before the safe stop was finished: look at the robot"
+
+
 class CaughtSignals:
     """Turns signals into requests while it is entered.
 
-    The first one asks. A second one other than SIGHUP insists; what was there before handles a
-    third, in case a backend hangs. A signal that this process was started to ignore (``nohup``, a
-    job in the background) stays ignored.
+    The first one asks, a second one other than SIGHUP insists. Later ones change nothing until
+    ``PATIENCE_S`` have passed: they must not break into the safe stop. Then, in case a backend
+    hangs, one raises KeyboardInterrupt. A signal that this process was started to ignore
+    (``nohup``, a job in the background) stays ignored.
+
+    Args:
+        requests: Where the requests go.
+        ends_process: Whether the process ends after this. Once a stop has been asked for, later
+            signals are then ignored instead of being handled as before.
+        now: Reads a monotonic clock, s.
     """
 
-    def __init__(self, requests: StopRequests) -> None:
+    def __init__(
+        self,
+        requests: StopRequests,
+        *,
+        ends_process: bool = False,
+        now: Callable[[], float] = time.monotonic,
+    ) -> None:
         self._requests = requests
+        self._ends_process = ends_process
+        self._now = now
+        self._insisted_s = inf
+        self._over = False
         self._before: dict[signal.Signals, object] = {}
 
     def __enter__(self) -> Self:
-        """The signals are caught."""
+        """Catch the signals."""
         for number in BY_SIGNAL:
             if signal.getsignal(number) != signal.SIG_IGN:
                 self._before[number] = signal.signal(number, self._catch)
         return self
 
     def __exit__(self, *_: object) -> None:
-        """The signals do what they did before."""
-        for number in tuple(self._before):
-            self._restore(number)
+        """Handle the signals as before, or ignore them where the process ends after a stop."""
+        self._over = True
+        if self._ends_process and self._requests.stop is not None:
+            return
+        for number, before in self._before.items():
+            signal.signal(number, before)  # type: ignore[arg-type]
 
     def _catch(self, number: int, _frame: FrameType | None) -> None:
+        if self._over:
+            return
         caught = signal.Signals(number)
         if self._requests.stop is None:
             self._requests.ask(BY_SIGNAL[caught])
-        elif caught != signal.SIGHUP:
+        elif caught == signal.SIGHUP:
+            return
+        elif not self._requests.urgent:
+            self._insisted_s = self._now()
             self._requests.insist()
-            self._restore(caught)
-
-    def _restore(self, number: signal.Signals) -> None:
-        if number in self._before:
-            signal.signal(number, self._before.pop(number))  # type: ignore[arg-type]
+        elif self._now() >= self._insisted_s + PATIENCE_S:
+            raise KeyboardInterrupt(UNFINISHED)

@@ -2,17 +2,36 @@
 
 from __future__ import annotations
 
-_CONTROLS = [*range(0x20), *range(0x7F, 0xA0)]
-_NAMED = {ord("\n"): "\\n", ord("\r"): "\\r", ord("\t"): "\\t"}
-_ESCAPED = {code: _NAMED.get(code, f"\\x{code:02x}") for code in _CONTROLS}
-_ESCAPED_IN_LINES = {code: text for code, text in _ESCAPED.items() if code != ord("\n")}
+from unicodedata import category
+
+_NAMED = {"\n": "\\n", "\r": "\\r", "\t": "\\t"}
 
 
 def visible(text: str, *, lines: bool = False) -> str:
-    """The text with its control characters (C0, DEL, C1) written out.
+    """Return the text with every character that a reader could not see written out.
+
+    These are control characters, marks that change the direction of text, zero-width characters
+    and Unicode's own line ends, which could hide or reorder what a line says.
 
     Args:
         text: Any text.
         lines: Whether it may have several lines.
     """
-    return text.translate(_ESCAPED_IN_LINES if lines else _ESCAPED)
+    if text.isprintable():
+        return text
+    return "".join(
+        each if _shows(each) or (lines and each == "\n") else _escaped(each) for each in text
+    )
+
+
+def _shows(character: str) -> bool:
+    return character.isprintable() or category(character) == "Zs"
+
+
+def _escaped(character: str) -> str:
+    code = ord(character)
+    if character in _NAMED:
+        return _NAMED[character]
+    if code <= 0xFF:
+        return f"\\x{code:02x}"
+    return f"\\u{code:04x}" if code <= 0xFFFF else f"\\U{code:08x}"

@@ -2,6 +2,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from pirate_sm.showing.visible import visible
 
 from .conftest import NEWT
@@ -10,6 +12,17 @@ from .conftest import NEWT
 def test_control_characters_are_written_out() -> None:
     assert visible("a\x1b[2J\x7f\x00\nb é") == "a\\x1b[2J\\x7f\\x00\\nb é"
     assert visible("a\x1b\nb", lines=True) == "a\\x1b\nb"
+
+
+@pytest.mark.parametrize(
+    "hidden", ["\u202e", "\u2028", "\u2029", "\u200b", "\u200d", "\u2066", "\ufeff", "\u00ad"]
+)
+def test_what_hides_or_reorders_text_is_written_out(hidden: str) -> None:
+    assert visible(f"a{hidden}b") == f"a{hidden.encode('unicode_escape').decode()}b"
+
+
+def test_words_of_any_language_stay_as_they_are() -> None:
+    assert visible("Rohr Ø 120\u00a0mm → ✓ 管 трубa") == "Rohr Ø 120\u00a0mm → ✓ 管 трубa"
 
 
 def test_a_trigger_that_was_never_fired_is_told(pirate_run: Any) -> None:

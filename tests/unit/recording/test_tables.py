@@ -10,7 +10,7 @@ from recording_runs import record
 
 from pirate_sm.errors import RecordingError
 from pirate_sm.recording.reloading import recorded_mission
-from pirate_sm.recording.tables import write_tables
+from pirate_sm.recording.tables import _cell, write_tables
 from pirate_sm.wiring import Order
 
 
@@ -53,6 +53,13 @@ def test_numbers_are_numbers_and_unknown_is_empty(tables):
 
     assert all(cell == "" or float(cell) >= -0.1 for cell in column)
     assert float(column[-1]) > 0.5
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@a", "\t=1", "\r=1"])
+def test_text_does_not_begin_a_formula(text):
+    assert _cell(text) == f"'{text}"
+    assert _cell("a=1") == "a=1"
+    assert _cell(-1.5) == -1.5
 
 
 def test_the_states_are_those_of_the_mission(tables):

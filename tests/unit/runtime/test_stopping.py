@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from pirate_sm.runtime.stopping import BY_SIGNAL, CaughtSignals, StopRequests
+from pirate_sm.runtime.stopping import BY_SIGNAL, PATIENCE_S, CaughtSignals, StopRequests
 
 
 @pytest.mark.parametrize("number", list(BY_SIGNAL))
@@ -21,15 +21,48 @@ def test_a_signal_asks_for_a_stop_with_its_own_exit_code(number: signal.Signals)
     assert signal.getsignal(number) == before
 
 
-def test_a_second_ctrl_c_insists_and_a_third_does_what_it_always_did() -> None:
-    requests = StopRequests()
+class Clock:
+    now_s = 0.0
 
-    with CaughtSignals(requests):
+    def now(self) -> float:
+        return self.now_s
+
+
+def test_a_second_ctrl_c_insists_and_later_ones_do_not_break_into_the_safe_stop() -> None:
+    requests, clock = StopRequests(), Clock()
+
+    with CaughtSignals(requests, now=clock.now):
         signal.raise_signal(signal.SIGINT)
+        assert not requests.urgent
         signal.raise_signal(signal.SIGINT)
         assert requests.urgent
-        with pytest.raises(KeyboardInterrupt):
+        clock.now_s = PATIENCE_S - 0.01
+        for _ in range(100):
             signal.raise_signal(signal.SIGINT)
+
+
+def test_ctrl_c_ends_a_backend_that_hangs_and_does_not_say_that_nothing_moved() -> None:
+    requests, clock = StopRequests(), Clock()
+
+    with CaughtSignals(requests, now=clock.now):
+        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
+        clock.now_s = PATIENCE_S
+        with pytest.raises(KeyboardInterrupt, match="look at the robot"):
+            signal.raise_signal(signal.SIGINT)
+
+
+def test_ctrl_c_after_a_stop_is_ignored_by_a_process_that_ends() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    try:
+        with CaughtSignals(StopRequests(), ends_process=True):
+            signal.raise_signal(signal.SIGINT)
+        for _ in range(10):
+            signal.raise_signal(signal.SIGINT)
+    finally:
+        for number in BY_SIGNAL:
+            signal.signal(number, signal.SIG_DFL)
+        signal.signal(signal.SIGINT, before)
 
 
 def test_a_terminal_that_goes_after_ctrl_c_does_not_insist() -> None:

@@ -1,0 +1,43 @@
+"""Where the commands `pirate` and `pirate-run` begin: quiet about Ctrl-C while they are loading.
+
+Loading the command line takes some tenths of a second. Until it can answer Ctrl-C in a sentence,
+the system's own handling ends the process without a traceback. Nothing has moved by then.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+def main() -> None:
+    """Do what the command line of `pirate` says, and end the process."""
+    with _ctrl_c_without_traceback():
+        from pirate_sm.cli import entry
+    _end(entry.main)
+
+
+def run_main() -> None:
+    """Run the mission on the command line of `pirate-run`, and end the process."""
+    with _ctrl_c_without_traceback():
+        from pirate_sm.cli import entry
+    _end(entry.run_main)
+
+
+@contextmanager
+def _ctrl_c_without_traceback() -> Iterator[None]:
+    """Let Ctrl-C end the process at once; one that was ignored from the start stays ignored."""
+    before = signal.getsignal(signal.SIGINT)
+    if before is signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def _end(command: Callable[[], None]) -> None:
+    """Run the command; ignore Ctrl-C afterwards, when the interpreter is being shut down."""
+    try:
+        command()
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
