@@ -13,7 +13,7 @@ from __future__ import annotations
 import inspect
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias, get_args, get_type_hints
 
@@ -24,6 +24,7 @@ from pirate_sm.recording.json_values import NUMBER, WHOLE, JsonSchema, Kind, kin
 IN, OUT = "/engine/in/", "/engine/out/"
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
+_TIME = replace(NUMBER, schema={"type": "number"})
 _UNITS = {"duty": "duty", "angle": "rad"}
 
 
@@ -90,22 +91,27 @@ class Topic:
 
     @cached_property
     def schema(self) -> JsonSchema:
-        """The JSON Schema of a batch."""
+        """The JSON Schema of a batch.
+
+        Viewers know arrays of one plain type only: one topic with another column is dropped by
+        Lichtblick. Columns that may hold ``null`` (unknown), ``"inf"`` or arrays are therefore
+        described in words.
+        """
         described = inspect.cleandoc(self.made.__doc__ or "")
-        columns = {key: _column(NUMBER if key == "t_s" else WHOLE) for key in self.keys}
-        for number, (name, kind) in enumerate(self.fields):
-            if number == self.spread:
-                each = {name: _column(NUMBER) for name in self.names}
-                columns[name] = {"type": "object", "properties": each, "required": list(each)}
-            else:
-                columns[name] = _column(kind)
+        kinds = {key: _TIME if key == "t_s" else WHOLE for key in self.keys} | dict(self.fields)
+        plain = {name: kind.schema for name, kind in kinds.items() if kind.schema is not None}
+        others = [
+            f"Column {name}: {kind.words}." for name, kind in kinds.items() if not kind.schema
+        ]
+        if self.spread >= 0:
+            others.append(f"It is an object of columns: {', '.join(self.names)}.")
         return {
             "$schema": DIALECT,
             "title": self.schema_name,
-            "description": f"A batch of rows, column by column. {described}",
+            "description": "\n".join([f"A batch of rows, column by column. {described}", *others]),
             "type": "object",
-            "properties": columns,
-            "required": list(columns),
+            "properties": {name: {"type": "array", "items": each} for name, each in plain.items()},
+            "required": list(kinds),
         }
 
     @cached_property
@@ -223,10 +229,6 @@ def _distinct(names: Sequence[str]) -> tuple[str, ...]:
         name if name not in names[:number] else f"{name}_{number}"
         for number, name in enumerate(names)
     )
-
-
-def _column(kind: Kind) -> JsonSchema:
-    return {"type": "array", "items": kind.schema}
 
 
 def _json(columns: dict[str, Any]) -> bytes:

@@ -19,14 +19,16 @@ class Kind:
     """How values of one type are written.
 
     Attributes:
-        schema: Of the JSON.
+        words: What the JSON is, for a reader of the file.
+        schema: Its JSON Schema where it is a number, text or truth value, always; else None.
         decode: Makes the value of JSON, or raises ``ValueError``.
         encode: Makes JSON of a value that holds a NaN or an infinity; None where none can.
     """
 
-    schema: JsonSchema
+    words: str
     decode: Callable[[Any], Any]
     encode: Callable[[Any], Any] | None = None
+    schema: JsonSchema | None = None
 
 
 def number_to_json(value: float) -> float | str | None:
@@ -88,43 +90,39 @@ def _word(value: Any) -> str | None:
     return None if value is None else text(value)
 
 
-def _pairs(schema: JsonSchema, decode: Callable[[Any], Any]) -> Kind:
-    pair = {"type": "array", "prefixItems": [TEXT.schema, schema], "minItems": 2, "maxItems": 2}
+def _pairs(words: str, decode: Callable[[Any], Any]) -> Kind:
     return Kind(
-        {"type": "array", "items": pair},
+        f"array of pairs of a name and a {words}",
         lambda pairs: tuple((text(name), decode(value)) for name, value in pairs),
     )
 
 
-_NUMBER = {"type": ["number", "null", "string"], "pattern": "^-?inf$"}
+_NUMBER = 'number, null where unknown, "inf" or "-inf" where infinite'
 
 NUMBER = Kind(_NUMBER, number_from_json, number_to_json)
-WHOLE = Kind({"type": "integer"}, whole)
-TEXT = Kind({"type": "string"}, text)
+WHOLE = Kind("whole number", whole, schema={"type": "integer"})
+TEXT = Kind("text", text, schema={"type": "string"})
 NUMBERS = Kind(
-    {"type": "array", "items": _NUMBER},
+    f"array of numbers, each a {_NUMBER}",
     lambda values: tuple(number_from_json(value) for value in values),
     lambda values: [number_to_json(value) for value in values],
 )
-_TEXTS = Kind(
-    {"type": "array", "items": TEXT.schema}, lambda values: tuple(text(value) for value in values)
-)
+_TEXTS = Kind("array of texts", lambda values: tuple(text(value) for value in values))
 _NUMBERS_BY_NAME = _pairs(_NUMBER, number_from_json)
-_WORDS_BY_NAME = _pairs({"type": ["string", "null"]}, _word)
 
 _KINDS: dict[Any, Kind] = {
     float: NUMBER,
     int: WHOLE,
-    bool: Kind({"type": "boolean"}, truth),
+    bool: Kind("true or false", truth, schema={"type": "boolean"}),
     str: TEXT,
     tuple[float, ...]: NUMBERS,
     tuple[str, ...]: _TEXTS,
     tuple[tuple[str, float], ...]: Kind(
-        _NUMBERS_BY_NAME.schema,
+        _NUMBERS_BY_NAME.words,
         _NUMBERS_BY_NAME.decode,
         lambda pairs: [[name, number_to_json(value)] for name, value in pairs],
     ),
-    tuple[tuple[str, str | None], ...]: _WORDS_BY_NAME,
+    tuple[tuple[str, str | None], ...]: _pairs("text, null where unknown", _word),
 }
 
 
@@ -136,7 +134,8 @@ def kind_of(hint: Any) -> Kind:
     """
     if get_origin(hint) is Literal:
         words = get_args(hint)
-        return Kind({"type": "string", "enum": list(words)}, _one_of(words))
+        schema = {"type": "string", "enum": list(words)}
+        return Kind(f"one of {', '.join(words)}", _one_of(words), schema=schema)
     return _KINDS[hint]
 
 

@@ -15,7 +15,9 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 from pirate_sm.detectors.route import Place
+from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.state import EngineState
+from pirate_sm.expressions import EnumType
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
 from pirate_sm.recording.alphabet import DIALECT
@@ -68,7 +70,7 @@ class Viewer:
         self._loaded, self._body = loaded, profile.body
         self._numbers = robot.vocabulary.numbers
         signals = signal_names(robot)
-        self._signals = _layout(signals)
+        self._signals = _gaps(signals)
         self._slots = slot_names(robot)
         self._placing = Placing(profile, robot, loaded.pipe, first_wheel_m)
         self._transforms = Transforms(self._body)
@@ -76,8 +78,8 @@ class Viewer:
         self._state: dict[str, Any] = {"phase": "", "detected": ""}
         wheels = [wheel.name for wheel in self._body.wheels]
         coordinates = [f"{name}_{axis}_m" for name in wheels for axis in "xy"]
-        self._coordinates = _layout(coordinates)
-        regions = robot.regions
+        self._coordinates = _gaps(coordinates)
+        self._codes = _state_codes(robot)
         self._tf = _foxglove("/tf", "FrameTransforms")
         self._scene = _foxglove("/scene", "SceneUpdate")
         self._joint_states = _foxglove("/joint_states", "JointStates")
@@ -86,8 +88,12 @@ class Viewer:
         self._setpoints = _flat("/setpoints", dict.fromkeys(self._slots, _NUMBER))
         places = {"known": {"type": "boolean"}, **dict.fromkeys(coordinates, _NUMBER)}
         self._places = _flat("/places", places)
-        words = ("phase", "detected", *regions, "unconfirmed")
-        self._states = _flat("/state", dict.fromkeys(words, _WORD))
+        words = ("phase", "detected", *robot.regions, "unconfirmed")
+        codes = {
+            _code_name(region): {"type": "integer", "description": _listed(names)}
+            for region, names in self._codes.items()
+        }
+        self._states = _flat("/state", {**dict.fromkeys(words, _WORD), **codes})
 
     def scene(self, time_ns: int) -> Message:
         """The robot and its pipe."""
@@ -101,11 +107,11 @@ class Viewer:
         points = it.wheels or self._placing.look(it.state, at_s)
         if points is not None:
             yield self._tf, self._transforms.message(now, frames_of(points), numbers)
-            known = '{"known":true,' if it.known else '{"known":false,'
+            known = '"known":true' if it.known else '"known":false'
             flat = tuple(value for point in points for value in point)
-            yield self._places, (known + _filled(self._coordinates, flat)).encode()
+            yield self._places, _object(known, *_filled(self._coordinates, flat))
         yield self._joint_states, self._joint_message(now, shown)
-        yield self._signal_channel, ("{" + _filled(self._signals, shown)).encode()
+        yield self._signal_channel, _object(*_filled(self._signals, shown))
 
     def tell(self, time_ns: int, effects: Sequence[fx.Effect]) -> Iterator[Message]:
         """What the effects mean for viewers."""
@@ -126,7 +132,9 @@ class Viewer:
         """Whether the effect has changed what the robot and the mission are in."""
         match effect:
             case fx.StateChange(states, unconfirmed):
-                self._state |= zip(self._loaded.robot.regions, states, strict=True)
+                self._state |= zip(self._codes, states, strict=True)
+                for (region, names), state in zip(self._codes.items(), states, strict=True):
+                    self._state[_code_name(region)] = names.index(state)
                 self._state["unconfirmed"] = " ".join(unconfirmed)
             case fx.PhaseChange(phase):
                 self._state["phase"] = phase
@@ -137,8 +145,8 @@ class Viewer:
         return True
 
     def _setpoints_message(self, it: fx.Setpoints) -> bytes:
-        known = [value if isfinite(value) else None for value in it.values]
-        return _json(dict(zip(self._slots, known, strict=False)))
+        named = zip(self._slots, it.values, strict=False)
+        return _json({name: value for name, value in named if isfinite(value)})
 
     def _joint_message(self, now: str, shown: Sequence[float]) -> bytes:
         joints = []
@@ -178,20 +186,41 @@ def _joints(loaded: LoadedMission) -> list[tuple[str, list[tuple[str, int]]]]:
     ]
 
 
-def _layout(names: Sequence[str]) -> str:
-    """The end of a JSON object of numbers with a gap for each: it is written often."""
-    return ",".join(f'"{name}":%.9g' for name in names) + "}"
+def _gaps(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the members of a JSON object of numbers, each with a gap: they are written often."""
+    return tuple(f'"{name}":%.9g' for name in names)
 
 
-def _filled(layout: str, values: tuple[float, ...]) -> str:
-    """The object with the values; what is unknown or infinite is null."""
-    text = layout % values
-    if not all(map(isfinite, values)):
-        text = text.replace(":nan", ":null").replace(":-inf", ":null").replace(":inf", ":null")
-    return text
+def _filled(members: Sequence[str], values: Sequence[float]) -> Iterator[str]:
+    """Yield the members with their values; unknown and infinite ones are left out."""
+    for member, value in zip(members, values, strict=True):
+        if isfinite(value):
+            yield member % value
 
 
-_NUMBER = {"type": ["number", "null"]}
+def _object(*members: str) -> bytes:
+    return ("{" + ",".join(members) + "}").encode()
+
+
+def _state_codes(robot: RobotSpec) -> dict[str, tuple[str, ...]]:
+    """Return the states of each region in the order of the chart: a state's place is its code."""
+    types = robot.vocabulary.types
+    return {
+        region: kind.values
+        for region in robot.regions
+        if isinstance(kind := types[region], EnumType)
+    }
+
+
+def _code_name(region: str) -> str:
+    return f"{region}_code"
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(f"{code} {name}" for code, name in enumerate(names))
+
+
+_NUMBER = {"type": "number"}
 _WORD = {"type": "string"}
 
 
