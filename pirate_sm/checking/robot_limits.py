@@ -143,14 +143,7 @@ def _nominal(view: RobotView) -> Iterator[Finding]:
 def _link(view: RobotView) -> Iterator[Finding]:
     """Signals that are old, or boards that count as silent, before they can be heard again."""
     link = view.profile.link
-    talking = [
-        board
-        for board in view.profile.boards
-        if board.fitted and board.channels_fitted and board.channels
-    ]
-    messages = len(talking)
-    if link.state_message == "value":
-        messages = sum(len(board.channels) for board in talking)
+    messages = view.profile.messages_per_round
     round_s = messages * link.cycle
     for key, limit_s, what in (
         ("stale_after", link.stale_after, "every signal is unknown"),

@@ -58,8 +58,7 @@ class Listening:
         self.port = port
         self._baud = baud
         self._check = check
-        # Spikes are to be seen, not hidden.
-        self._plan = subject.plan._replace(watched={})
+        self._plan = subject.plan
         self.exchange = Exchange(self._plan, port.now(), port.epoch_s, baud)
         self.results: dict[int, SubmitResult] = {}
         self._resets = 0

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import inf, isnan, nan
 
-from pirate_sm.backends.pico.supervision import RANGE, Supervision, Watched
 from pirate_sm.diagnosis.facts import BoardFact, ChannelFact, Subject, shown
+from pirate_sm.engine.plausibility import RANGE, Reading, sift, unseen
+from pirate_sm.engine.robot import RobotSpec, WatchSpec
+from pirate_sm.engine.sensing import convert
 from pirate_sm.expressions import NumberType
 from pirate_sm.model.events import SensorFrame
 from pirate_sm.model.profile import Board
@@ -17,19 +19,22 @@ class ChannelRecord:
     """What came from one channel.
 
     Args:
-        watched: What is known beforehand of it; None for nothing.
+        robot: Whose channel it is.
+        place: Its place in the frame of its board.
+        watch: What its sensor can show; None where it has no limits.
     """
 
-    def __init__(self, board: int, place: int, watched: Watched | None) -> None:
-        self._place = place
-        self._judge = None if watched is None else Supervision({board: (watched,)}, ())
+    def __init__(self, robot: RobotSpec, place: int, watch: WatchSpec | None) -> None:
+        self._robot, self._place = robot, place
+        self._watched = () if watch is None else (watch,)
+        self._record = unseen(self._watched)
         self.last, self.least, self.most = nan, inf, -inf
         self.count, self._run, self.longest_run = 0, 0, 0
         self.outside = ""
         self._sum = 0.0
 
-    def take(self, frame: SensorFrame, now: float) -> None:
-        """The frame's value has been counted."""
+    def take(self, frame: SensorFrame) -> None:
+        """Count the frame's value."""
         value = frame.values[self._place]
         if isnan(value):
             return
@@ -39,10 +44,15 @@ class ChannelRecord:
         self.least, self.most = min(self.least, value), max(self.most, value)
         self.count += 1
         self._sum += value
-        if self._judge is not None:
-            for fault in self._judge.look(frame, now)[1]:
-                if fault.code == RANGE:
-                    self.outside = fault.message
+
+    def judge(self, numbers: list[float], reading: Reading) -> None:
+        """Compare the number made of the value with what its sensor can show."""
+        self._record, reports = sift(
+            self._robot.plausibility, self._watched, self._record, numbers, reading
+        )
+        for report in reports:
+            if report.code == RANGE:
+                self.outside = report.message
 
     @property
     def mean(self) -> float:
@@ -51,20 +61,25 @@ class ChannelRecord:
 
     @property
     def spikes(self) -> int:
-        """How many values the driver would have hidden."""
-        return 0 if self._judge is None else self._judge.hidden
+        """How many spikes the engine would have hidden."""
+        return sum(channel.hidden for channel in self._record.channels)
 
 
 class BoardRecord:
     """What came from one board since ``began_s``."""
 
     def __init__(self, subject: Subject, board: Board, began_s: float) -> None:
-        watched = {each.place: each for each in subject.plan.watched.get(board.id, ())}
+        robot = subject.robot
         self.board = board
+        self._spec = robot.boards.get(board.id)
+        places = {number: place for place, number, _ in self._spec.channels} if self._spec else {}
+        watched = self._spec.watched if self._spec else ()
+        limits = {places[watch.number]: watch for watch in watched}
         self.channels = tuple(
-            ChannelRecord(board.id, place, watched.get(place))
-            for place in range(len(board.channels))
+            ChannelRecord(robot, place, limits.get(place)) for place in range(len(board.channels))
         )
+        self._numbers = [nan] * len(robot.vocabulary.numbers)
+        self._period_s = robot.link.period_s
         self.frames = 0
         self._heard_s = began_s
         self._gap_s = 0.0
@@ -72,10 +87,17 @@ class BoardRecord:
     def take(self, frame: SensorFrame, now: float) -> None:
         """The frame has been counted."""
         self.frames += 1
-        self._gap_s = max(self._gap_s, now - self._heard_s)
-        self._heard_s = now
+        elapsed_s, self._heard_s = now - self._heard_s, now
+        self._gap_s = max(self._gap_s, elapsed_s)
         for channel in self.channels:
-            channel.take(frame, now)
+            channel.take(frame)
+        if self._spec is None:
+            return
+        numbers = convert(self._spec, frame.values, self._numbers)
+        reading = Reading(self._numbers, max(elapsed_s, self._period_s), now)
+        for channel in self.channels:
+            channel.judge(numbers, reading)
+        self._numbers = numbers
 
     def gap_s(self, now: float) -> float:
         """The longest time without a word, until now."""

@@ -74,7 +74,9 @@ class Engine:
         sensing = sensing._replace(heard_s=(now_s,) * len(sensing.heard_s), checked_s=now_s)
         for frame in seen:
             if isinstance(frame, events.SensorFrame):
-                sensing = observe(self.robot, sensing, frame, robot.values, robot.values, now_s)
+                sensing, _ = observe(
+                    self.robot, sensing, frame, robot.values, robot.values, now_s, sent=robot.sent
+                )
         words = (*robot_state.states_of(self.robot, robot), None, None)
         mission = MissionState(self.program.start, offset_s=now_s, pause_wanted=paused)
         following, _ = rules.follow(self.program, self.robot, rules.unseen(self.program), robot, 0)
@@ -127,16 +129,23 @@ class Engine:
         if board is None:
             return state
         robot = state.robot
-        sensing = observe(self.robot, state.sensing, event, robot.values, robot.latest, now)
+        sensing, reports = observe(
+            self.robot, state.sensing, event, robot.values, robot.latest, now, sent=robot.sent
+        )
         words = self._obeyed_words(state)
         faults, found = look(self.robot, state.faults, board, sensing, words, now)
         state = EngineState(
             state.robot, sensing, state.mission, faults, state.words,
             state.word_until_s, state.wake_at_s, state.rules,
         )  # fmt: skip
+        for report in reports:
+            state = meet(self._setting, state, self._found(report), now, effects)
         for fault in found:
             state = meet(self._setting, state, fault, now, effects)
         return state
+
+    def _found(self, report: events.FaultReport) -> Found:
+        return Found(report.code, report.message, self._known_faults.get(report.code, True))
 
     def _tick(
         self, state: EngineState, event: events.Tick, now: float, effects: list[Effect]
@@ -194,14 +203,12 @@ class Engine:
     def _fault_report(
         self, state: EngineState, event: events.FaultReport, now: float, effects: list[Effect]
     ) -> EngineState:
-        catchable = self._known_faults.get(event.code, True)
-        found = Found(event.code, event.message, catchable)
         if event.code in ANEW:
             state = state._replace(sensing=begin_anew(self.robot, state.sensing, now))
             words = self._obeyed_words(state)
             faults = unsettle(self.robot, state.faults, state.sensing, words)
             state = state._replace(faults=faults)
-        return meet(self._setting, state, found, now, effects)
+        return meet(self._setting, state, self._found(event), now, effects)
 
     def _answer(
         self, state: EngineState, event: events.Answer, now: float, effects: list[Effect]

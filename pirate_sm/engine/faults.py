@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import isnan, nan
 from typing import NamedTuple
 
+from pirate_sm.engine import plausibility
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.robot import BoardSpec, RobotSpec
 from pirate_sm.engine.sensing import Sensing, nothing_known
@@ -59,7 +60,7 @@ def look(
         if index not in raised and has_come(now, began + rule.held_s):
             raised |= {index}
             found.append(Found(rule.code, rule.message, rule.catchable))
-    blind, unseen = _blind(robot, faults.blind, board, numbers)
+    blind, unseen = _blind(robot, faults.blind, board, sensing)
     found += unseen
     silent = faults.silent - {board.position} if faults.silent else faults.silent
     if since is None and raised is faults.raised and blind is faults.blind:
@@ -69,14 +70,18 @@ def look(
 
 
 def _blind(
-    robot: RobotSpec, blind: frozenset[int], board: BoardSpec, numbers: tuple[float, ...]
+    robot: RobotSpec, blind: frozenset[int], board: BoardSpec, sensing: Sensing
 ) -> tuple[frozenset[int], list[Found]]:
-    """Which channels have no value, and a fault for each that has just lost its own."""
+    """Return which channels have no value, and a fault for each that has just lost its own.
+
+    A value that is not believed is reported as such and is not missing.
+    """
     found: list[Found] = []
+    numbers, doubted = sensing.numbers, sensing.records[board.position].doubted
     if not blind and not isnan(sum([numbers[target] for _, target, _ in board.channels])):
         return blind, found  # one sum tells that none is NaN
     for _, target, _ in board.channels:
-        if isnan(numbers[target]) != (target in blind):
+        if (isnan(numbers[target]) and target not in doubted) != (target in blind):
             blind ^= {target}
             if target in blind:
                 name = robot.vocabulary.numbers[target]
@@ -101,7 +106,8 @@ def begin_anew(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
     if robot.odometry >= 0:
         numbers[robot.odometry] = sensing.numbers[robot.odometry]
     heard_s = (now,) * len(fresh.heard_s)  # each board has its time to report
-    return fresh._replace(numbers=tuple(numbers), heard_s=heard_s, checked_s=now)
+    records = tuple(map(plausibility.begin_anew, sensing.records))
+    return fresh._replace(numbers=tuple(numbers), heard_s=heard_s, checked_s=now, records=records)
 
 
 def listen(

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.engine.chart_table import ChartTable
@@ -20,6 +21,7 @@ BUILT_IN_FAULTS: Mapping[str, bool] = {
     "sensor.stuck": True,
     "sensor.spiking": True,
     "sensor.range": True,
+    "sensor.jumped": True,
     "motion.unasked": True,
     "link.silent": False,
     "link.lost": False,
@@ -176,6 +178,57 @@ class Vector(NamedTuple):
     target: int
 
 
+class WatchSpec(NamedTuple):
+    """What is known beforehand of a sensor that measures a motor, SI.
+
+    Attributes:
+        number: Index of its number.
+        name: For people.
+        numbers: Indexes of the numbers that rest on it, its own included.
+        low: Least value that it can have; ``high`` the largest.
+        rate: Fastest change per second; ``slack`` is allowed besides at any time.
+        slot: Index of the setpoint of its motor.
+        joint: Whether it is the angle of a joint, which cannot begin anew as a counter can.
+        moved: A change that is a motion; infinite where it does not measure one.
+        least_duty: Below it, what it measures may stand still though driven.
+        load: Index of the current of the same motor; -1 where that is not measured.
+        full_load: That current when the motor is stalled at full duty.
+        unit: In which people read it; ``per_unit`` is SI per unit.
+    """
+
+    number: int
+    name: str
+    numbers: tuple[int, ...]
+    low: float = -inf
+    high: float = inf
+    rate: float = inf
+    slack: float = 0.0
+    slot: int = -1
+    joint: bool = False
+    moved: float = inf
+    least_duty: float = inf
+    load: int = -1
+    full_load: float = 0.0
+    unit: str = ""
+    per_unit: float = 1.0
+
+    def told(self, value: float) -> str:
+        """Return the value as people read it."""
+        return f"{value / self.per_unit:.3g} {self.unit}".strip()
+
+
+class PlausibilitySpec(NamedTuple):
+    """Thresholds of all sensors; as in :class:`pirate_sm.model.plausibility.Plausibility`."""
+
+    hold_back: int
+    spikes: int
+    spikes_within_s: float
+    stuck_after_s: float
+    unloaded: float
+    settle_s: float
+    moved_readings: int
+
+
 @dataclass(frozen=True)
 class BoardSpec:
     """What one board's frame tells.
@@ -190,6 +243,7 @@ class BoardSpec:
         wheels: Its wheels.
         faults: Indexes of the fault rules that its signals can change.
         zeros: (number index, what its sensor shows when it is zero), where that was calibrated.
+        watched: Its sensors whose values have limits.
     """
 
     id: int
@@ -203,6 +257,7 @@ class BoardSpec:
     wheels: tuple[WheelSpec, ...]
     faults: tuple[int, ...]
     zeros: tuple[tuple[int, float], ...] = ()
+    watched: tuple[WatchSpec, ...] = ()
 
     @cached_property
     def length(self) -> int:
@@ -223,8 +278,14 @@ class BoardSpec:
 
 @dataclass(frozen=True)
 class LinkSpec:
-    """When a signal is stale, a board silent, an array sent again."""
+    """When a signal is stale, a board silent, an array sent again; how often a board reports.
 
+    Attributes:
+        period_s: The time between two reports of one board. What comes at shorter intervals has
+            waited somewhere.
+    """
+
+    period_s: float
     stale_after_s: float
     silent_after_s: float
     resend_after_s: float
@@ -262,6 +323,7 @@ class RobotSpec:
     speed: int
     faults: tuple[FaultSpec, ...]
     link: LinkSpec
+    plausibility: PlausibilitySpec
     detector_words: tuple[str, ...]
 
     @property

@@ -2,13 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import atan2, hypot, inf, isfinite, isnan, nan, sin, sqrt
 from typing import NamedTuple
 
+from pirate_sm.engine import plausibility
 from pirate_sm.engine.robot import BoardSpec, RobotSpec, Vector
-from pirate_sm.model.events import SensorFrame
+from pirate_sm.model.events import FaultReport, SensorFrame
 
 Numbers = tuple[float, ...]
+
+
+class Asked(NamedTuple):
+    """What the motors have been asked.
+
+    Attributes:
+        setpoints: The array last sent; empty before the first.
+        since_s: When it was sent.
+        driving: Whether a wheel is driven.
+    """
+
+    setpoints: Numbers = ()
+    since_s: float = inf
+    driving: bool = False
 
 
 class Sensing(NamedTuple):
@@ -24,6 +40,8 @@ class Sensing(NamedTuple):
             rolled until then.
         angles: Per wheel what its sensor last showed, however long ago: what it has rolled while
             its board could not be heard is not lost with the frames.
+        records: Per board what is remembered of its sensors, to know which values to believe.
+        asked: What the motors have been asked, which tells what can move.
         told: In place of ``numbers``, what a script says that conditions see; empty without one.
     """
 
@@ -33,12 +51,23 @@ class Sensing(NamedTuple):
     stale: frozenset[int] = frozenset()
     shares: tuple[float, ...] = ()
     angles: tuple[float, ...] = ()
+    records: tuple[plausibility.Record, ...] = ()
+    asked: Asked = Asked()
     told: Numbers = ()
 
     @property
     def shown(self) -> Numbers:
         """What conditions of the mission see. Position loops go by the boards alone."""
         return self.told or self.numbers
+
+    @property
+    def doubted(self) -> frozenset[int]:
+        """Number indexes that rest on a sensor whose last reading is not believed.
+
+        The number is NaN, except in the first few readings, where it is the last believed value:
+        the sensor may only have spiked.
+        """
+        return frozenset().union(*[record.doubted for record in self.records])
 
 
 def nothing_known(robot: RobotSpec, *, blind: bool = False) -> Sensing:
@@ -48,7 +77,11 @@ def nothing_known(robot: RobotSpec, *, blind: bool = False) -> Sensing:
         numbers[robot.odometry] = 0.0
     count = len(robot.wheels)
     return Sensing(
-        tuple(numbers), (-inf,) * len(robot.boards), shares=(0.0,) * count, angles=(nan,) * count
+        tuple(numbers),
+        (-inf,) * len(robot.boards),
+        shares=(0.0,) * count,
+        angles=(nan,) * count,
+        records=tuple(plausibility.unseen(board.watched) for board in robot.boards.values()),
     )
 
 
@@ -59,8 +92,13 @@ def observe(
     setpoints: Numbers,
     latest: Numbers,
     now: float,
-) -> Sensing:
-    """The signals of the frame's board, and what follows from them, are those of the frame.
+    *,
+    sent: bool = True,
+) -> tuple[Sensing, list[FaultReport]]:
+    """Return what is known after a frame, and the sensors that have been found to be wrong.
+
+    Speeds are those over the time since the board's last frame, but at least over its period:
+    frames that have waited together are read together, and a wheel has not turned faster for it.
 
     Args:
         robot: Whose boards they are.
@@ -69,21 +107,22 @@ def observe(
         setpoints: Values in force per slot; they give the sign of currents (eq. 5-3).
         latest: Values last sent, which may be in force already: a wheel is driven by either.
         now: When the frame was received.
+        sent: Whether anything has been sent at all.
     """
     board = robot.boards.get(frame.board)
     if board is None or len(frame.values) < board.length:
-        return sensing
+        return sensing, []
     before = sensing.numbers
-    numbers = list(before)
-    raw = frame.values
-    for place, target, scale in board.channels:
-        numbers[target] = raw[place] * scale
-    for target, zero in board.zeros:
-        numbers[target] -= zero
-    elapsed = now - sensing.heard_s[board.position]
-    if elapsed > 0:  # two frames of one moment have no rate of their own
-        for source, target in board.rates:
-            numbers[target] = (numbers[source] - before[source]) / elapsed
+    numbers = convert(board, frame.values, before)
+    elapsed_s = max(now - sensing.heard_s[board.position], robot.link.period_s)
+    asked = _ask(robot, sensing.asked, latest if sent else (), now)
+    settled = not asked.driving and now - asked.since_s >= robot.plausibility.settle_s
+    reading = plausibility.Reading(before, elapsed_s, now, *asked[:2], settled)
+    record, reports = plausibility.sift(
+        robot.plausibility, board.watched, sensing.records[board.position], numbers, reading
+    )
+    for source, target in board.rates:
+        numbers[target] = (numbers[source] - before[source]) / elapsed_s
     for source, slot, scale, target in board.torques:
         setpoint = setpoints[slot]
         sign = 0.0 if setpoint == 0 else (1.0 if setpoint > 0 else -1.0)
@@ -97,10 +136,34 @@ def observe(
     if board.wheels:
         driven = setpoints if latest is setpoints else _either(setpoints, latest)
         shares, angles = _roll_on(robot, board, sensing, numbers, driven, now)
-    heard = list(sensing.heard_s)
-    heard[board.position] = now
+    heard, records = list(sensing.heard_s), list(sensing.records)
+    heard[board.position], records[board.position] = now, record
     stale = sensing.stale - {board.position} if sensing.stale else sensing.stale
-    return Sensing(tuple(numbers), tuple(heard), sensing.checked_s, stale, shares, angles)
+    sensed = Sensing(
+        tuple(numbers), tuple(heard), sensing.checked_s, stale, shares, angles,
+        tuple(records), asked,
+    )  # fmt: skip
+    return sensed, reports
+
+
+def convert(board: BoardSpec, raw: Numbers, numbers: Sequence[float]) -> list[float]:
+    """Return the numbers with those that the board measures in place of what they were, in SI."""
+    converted = list(numbers)
+    for place, target, scale in board.channels:
+        converted[target] = raw[place] * scale
+    for target, zero in board.zeros:
+        converted[target] -= zero
+    return converted
+
+
+def _ask(robot: RobotSpec, asked: Asked, setpoints: Numbers, now: float) -> Asked:
+    """Return what the motors have been asked since when."""
+    if setpoints is asked.setpoints:
+        return asked
+    if setpoints == asked.setpoints:
+        return asked._replace(setpoints=setpoints)  # so that they are the same next time
+    driving = any(setpoints[wheel.slot] for wheel in robot.wheels) if setpoints else False
+    return Asked(setpoints, now, driving)
 
 
 def _vector(vector: Vector, numbers: list[float]) -> float:
@@ -182,6 +245,4 @@ def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
                 numbers[index] = nan
     if robot.speed >= 0 and all(isnan(numbers[wheel.speed]) for wheel in robot.wheels):
         numbers[robot.speed] = nan
-    return Sensing(
-        tuple(numbers), sensing.heard_s, now, frozenset(stale), sensing.shares, sensing.angles
-    )
+    return sensing._replace(numbers=tuple(numbers), checked_s=now, stale=frozenset(stale))

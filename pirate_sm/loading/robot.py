@@ -17,6 +17,7 @@ from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.robot_actuation import resolve_actuation
 from pirate_sm.loading.robot_body import check_body
 from pirate_sm.loading.robot_commands import resolve_commands, resolve_faults, resolve_parts
+from pirate_sm.loading.robot_plausibility import thresholds
 from pirate_sm.loading.robot_rules import resolve_rules
 from pirate_sm.loading.robot_signals import Signals, resolve_signals
 from pirate_sm.loading.robot_slots import resolve_slots
@@ -200,5 +201,6 @@ def _resolve(
         speed=signals.first_of("speed_of"),
         faults=faults,
         link=signals.link,
+        plausibility=thresholds(profile),
         detector_words=tuple(profile.detector.words),
     )

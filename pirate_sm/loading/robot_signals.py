@@ -16,6 +16,7 @@ from pirate_sm.expressions import (
     compile_expression,
 )
 from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.robot_plausibility import watched
 from pirate_sm.model import derived as kinds
 from pirate_sm.model import profile as model
 from pirate_sm.spelling import nearest, one_of
@@ -49,7 +50,10 @@ class Signals:
     def link(self) -> LinkSpec:
         """When signals are stale, boards silent, arrays sent again."""
         link = self.profile.link
-        return LinkSpec(link.stale_after, link.silent_after, link.resend_after, link.resend_limit)
+        return LinkSpec(
+            link.cycle * self.profile.messages_per_round,
+            link.stale_after, link.silent_after, link.resend_after, link.resend_limit,
+        )  # fmt: skip
 
     def number(self, name: str, path: Path, dimension: Dimension | None = None) -> int:
         """The index of a numeric signal; -1 and a problem when there is none of that kind."""
@@ -113,7 +117,8 @@ class Signals:
                 if fault.when.names & mine
                 or not {names.index(n) for n in fault.when.names if n in names} - shared
             )
-            found[board.id] = replace(own, faults=rules)
+            limits = watched(self.profile, board, own)
+            found[board.id] = replace(own, faults=rules, watched=limits)
         return found
 
     def _board(self, number: int, board: model.Board, position: int) -> BoardSpec:

@@ -22,6 +22,7 @@ from pirate_sm.model.base import (
 from pirate_sm.model.body import Body
 from pirate_sm.model.criteria import Criterion
 from pirate_sm.model.derived import Conversion, Derived
+from pirate_sm.model.plausibility import Plausibility
 from pirate_sm.model.quantities import (
     Angle,
     AngularSpeed,
@@ -283,6 +284,7 @@ class Profile(Frozen):
         motors: Kinds of motors by name; slots refer to them.
         boards: The boards in the order of the wire.
         link: Timing and resolution of the wire.
+        plausibility: Limits beyond which a sensor is wrong.
         conversions: Scales from raw counts to SI, by name.
         derived: Signals that are computed from others, by name.
         actuation: For each region and each of its states, what the slots get.
@@ -305,6 +307,7 @@ class Profile(Frozen):
     motors: dict[Name, Motor]
     boards: Annotated[tuple[Board, ...], Field(min_length=1)]
     link: LinkSettings
+    plausibility: Plausibility = Plausibility()
     conversions: dict[Name, Conversion]
     derived: dict[Name, Derived]
     actuation: dict[Name, dict[Name, Stages]]
@@ -322,3 +325,15 @@ class Profile(Frozen):
     def slots(self) -> tuple[Slot, ...]:
         """All slots in the order of the wire."""
         return tuple(slot for board in self.boards for slot in board.slots)
+
+    @property
+    def heard(self) -> tuple[Board, ...]:
+        """The boards that report, in the order in which they do."""
+        return tuple(b for b in self.boards if b.fitted and b.channels_fitted and b.channels)
+
+    @property
+    def messages_per_round(self) -> int:
+        """How many state messages it takes until every board has reported once."""
+        if self.link.state_message == "value":
+            return sum(len(board.channels) for board in self.heard)
+        return len(self.heard)

@@ -18,7 +18,6 @@ from pirate_sm.backends.pico.measurements import Measurements
 from pirate_sm.backends.pico.messages import Malformed
 from pirate_sm.backends.pico.plan import ECHO, SETPOINTS, STATE, Plan
 from pirate_sm.backends.pico.recovery import BRIEF, RESET, Outage, Recovery, was_reset
-from pirate_sm.backends.pico.supervision import Supervision
 from pirate_sm.backends.pico.throttle import Throttle
 from pirate_sm.model.events import Event, FaultReport
 
@@ -44,7 +43,6 @@ class Counts(NamedTuple):
         strange: Frames and readings of nothing that is known.
         damaged: Echoes of something else than was written.
         repeats: Frames written again.
-        hidden: Spikes of sensors that were not passed on.
     """
 
     frames: int
@@ -54,7 +52,6 @@ class Counts(NamedTuple):
     written: int
     damaged: int
     repeats: int
-    hidden: int
 
 
 class Exchange:
@@ -92,7 +89,6 @@ class Exchange:
             ids=codec.ids,
         )
         self._measurements = Measurements(plan.channels)
-        self._supervision = Supervision(plan.watched, plan.wheels, plan.frame_s)
         advice = sensors_off(plan.serial.advice.no_sensors)
         self._recovery = Recovery(BRIEF * plan.silent_after_s, plan.away_s, advice)
         self._events: list[Event] = []
@@ -270,7 +266,6 @@ class Exchange:
             written=link.written,
             damaged=link.damaged,
             repeats=link.repeats,
-            hidden=self._supervision.hidden,
         )
 
     # --- inside -----------------------------------------------------------------------------
@@ -299,8 +294,6 @@ class Exchange:
             self.brief = self._recovery.is_brief(outage)
             if self.brief:
                 self.outage = None
-            else:
-                self._supervision.forget()  # counters may begin at zero
 
     def _judge(self, outage: Outage, now: float) -> None:
         """An outage of which it is clear what it was has been told."""
@@ -310,7 +303,7 @@ class Exchange:
             return
         recovered = outage.back and not outage.dumb
         self.outage, self._given_up, self.aside = None, not recovered, recovered
-        self._events += [fault, *outage.frames.values(), *outage.faults]
+        self._events += [fault, *outage.frames.values()]
 
     def _setpoints(self, now: float) -> bytes:
         """The frame with the array that is to be written now; empty when there is none."""
@@ -319,7 +312,6 @@ class Exchange:
             if not self._recovery.wants_safe(outage, now):
                 return b""
             outage.wrote_s = now
-            self._actuate(self._safe_counts, now)
             return self.safe_frame()
         if self.aside:
             return b""
@@ -327,17 +319,12 @@ class Exchange:
         self._events += self.link.take()
         if not payload:
             return b""
-        self._actuate(self._plan.messages.setpoints.unpack(payload)[1], now)
         return self.conversation.frame(SETPOINTS, payload)
-
-    def _actuate(self, counts: tuple[int, ...], now: float) -> None:
-        pairs = zip(self._plan.slots, counts, strict=True)
-        self._supervision.actuated(tuple(slot.resolution * count for slot, count in pairs), now)
 
     def _take(self, message: Message, now: float) -> None:
         try:
             if message.which == STATE:
-                self._measure(message.payload, now)
+                self._measure(message.payload)
             elif message.which == ECHO:
                 self._echo(*self._plan.messages.echo.unpack(message.payload), now)
         except Malformed:
@@ -351,18 +338,15 @@ class Exchange:
         elif self.outage is not None:
             self.outage.confirm(now)
 
-    def _measure(self, payload: bytes, now: float) -> None:
+    def _measure(self, payload: bytes) -> None:
         frame = self._measurements.take(self._plan.messages.state.unpack(payload))
         if frame is None:
             return
         self._flowing = True
         self.heard.add(frame.board)
-        frame, faults = self._supervision.look(frame, now)
         if self.outage is not None:
             self.outage.report(frame)
-            self.outage.faults += faults
             return
-        self._events += faults
         self._events.append(frame)
 
     def _know(self, known: Known, now: float) -> None:
@@ -370,8 +354,7 @@ class Exchange:
             self.outage.anew = True
             self.outage.silence_s = known.silence_s
         elif known.again or self.link.in_force is not None:
-            # It may have forgotten what it was told, and counters may begin at zero.
-            self._supervision.forget()
+            # It may have forgotten what it was told.
             self.link.reassert(now)
         if known.again and self._flowing and not self._watching:
             self._flowing = False

@@ -45,7 +45,6 @@ class Outage:
         wrote_s: When the safe array was last written.
         missing: Boards that have reported before and not since.
         frames: What boards have reported since, the last of each.
-        faults: What their sensors had wrong.
     """
 
     heard_s: float
@@ -61,7 +60,6 @@ class Outage:
     wrote_s: float = -inf
     missing: set[int] = field(default_factory=set)
     frames: dict[int, SensorFrame] = field(default_factory=dict)
-    faults: list[FaultReport] = field(default_factory=list)
 
     @property
     def back(self) -> bool:

@@ -34,7 +34,7 @@ def check_of(
         sensing = nothing_known(robot)
         rest = at_rest_in(robot, configuration).values
         for frame in frames:
-            sensing = observe(robot, sensing, frame, rest, rest, 0.0)
+            sensing, _ = observe(robot, sensing, frame, rest, rest, 0.0, sent=False)
         found = [*_angles(robot, rest, sensing)]
         if diameter_m is not None:
             found += _parts(profile, robot, configuration, diameter_m, sensing)

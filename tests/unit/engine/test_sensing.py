@@ -58,14 +58,47 @@ def test_a_wheels_speed_is_the_difference_of_its_angle_over_time(drive):
     assert second["omega_1"] == pytest.approx(math.pi / 2 / 0.5)
 
 
-def test_two_frames_of_one_moment_leave_the_rate_as_it_was(drive):
-    driver = drive(IDLE)
+def test_two_frames_of_one_moment_are_a_period_apart(drive):
+    driver = drive(IDLE, doubting=True)
     frame(driver, 22, counts(c3=0), 0.1)
     frame(driver, 22, counts(c3=448), 0.6)
 
     again = frame(driver, 22, counts(c3=449), 0.6)
 
-    assert again["omega_1"] == pytest.approx(math.pi)
+    assert again["omega_1"] == pytest.approx(2 * math.pi / 16 / 112 / (6 * 0.016))
+
+
+@pytest.mark.parametrize("stall_s", [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3])
+def test_a_pause_of_the_computer_is_no_speed(drive, stall_s):
+    """Frames that have waited while this program stood still are read together."""
+    fastest = 0.0
+    for phase in range(50):
+        driver = drive(CARELESS, states=DRIVING_FORWARD, doubting=True)
+        boards = list(driver.robot.boards)
+        stalled = range(0) if not stall_s else (1.0 + phase * 0.0024, stall_s)
+        for cycle in range(1, 150):
+            sent_s = cycle * 0.016
+            read_s = sent_s
+            if stall_s and stalled[0] <= sent_s < stalled[0] + stall_s:
+                read_s = stalled[0] + stall_s
+            board = boards[cycle % len(boards)]
+            for wheel in range(1, 7):
+                way = 1 if wheel % 2 else -1
+                driver.signals[f"theta_{wheel}"] = way * sent_s * 0.10 / 0.024
+            driver.report(board, max(read_s, driver.now))
+            speed = driver.engine.signals(driver.state)["speed"]
+            fastest = max(fastest, 0.0 if math.isnan(speed) else abs(speed))
+
+    assert driver.faults == []
+    assert 0.099 < fastest < 0.13
+
+
+def test_the_speed_of_wheels_that_nobody_drives_is_the_mean_of_all(drive):
+    driver = drive(CARELESS)
+    driver.run(0.5, theta_1=1.0, theta_2=-2.0, theta_3=3.0)
+
+    expected = (1.0 + 2.0 + 3.0) / 6 * 0.024
+    assert driver.engine.signals(driver.state)["speed"] == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(

@@ -160,7 +160,7 @@ def test_a_zero_is_subtracted_from_what_is_read_and_from_all_that_follows(
         sensing = nothing_known(spec)
         for now, value in enumerate((0.0, counts)):
             frame = SensorFrame(22, (value, 0.0, 0.0, 0.0, 0.0, 0.0))
-            sensing = observe(spec, sensing, frame, still, still, float(now))
+            sensing, _ = observe(spec, sensing, frame, still, still, float(now))
         return sensing.numbers[spec.vocabulary.numbers.index(name)]
 
     counts = COUNTS_PER_REV / 4

@@ -317,7 +317,7 @@ def test_a_sensor_out_of_its_range(go: Go) -> None:
     extra = Defect(kind="sensor_stuck", description="", raw={"gamma_3": 3000}, after=8.0)
     course = go(extra=extra)
 
-    assert course.message.startswith("sensor.range: gamma_3 reports 3000 counts, outside -18")
+    assert course.message.startswith("sensor.range: gamma_3 reports 264 deg, outside -1")
     assert course.is_safe
 
 

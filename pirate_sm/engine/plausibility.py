@@ -1,0 +1,359 @@
+"""Decides which sensor values are possible, and reports sensors that show impossible ones.
+
+Every value of a frame is compared with what the body and the motors can do. An impossible value
+is held back for a few readings, with the last believed value in its place: a spike is over by
+then. A value that lasts is believed if it can be true: the next reading goes on the same way (a
+trend), or it belongs to a counter, which may have begun anew. The angle of a joint that has
+jumped is not believed: nobody can tell which of the two angles is right. It is unknown until it
+jumps back. So is a value outside its range, and one whose sensor is stuck.
+
+Values are SI; unknown is NaN. The thresholds stand in the profile, section ``plausibility``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf, isnan, nan
+from typing import NamedTuple
+
+from pirate_sm.engine.robot import PlausibilitySpec, WatchSpec
+from pirate_sm.model.events import FaultReport
+
+STUCK = "sensor.stuck"
+SPIKING = "sensor.spiking"
+RANGE = "sensor.range"
+JUMPED = "sensor.jumped"
+UNASKED = "motion.unasked"
+
+Numbers = Sequence[float]
+
+
+class Channel(NamedTuple):
+    """What is remembered of one sensor; unchanged as long as nothing is special about it.
+
+    Attributes:
+        calm: Whether the last reading was believed and none of the next six fields is in use.
+        good: The last believed value, ``good_s`` when it came, ``seen`` how many had come by then.
+        held: Readings since that were not believed, the last few of them.
+        running: Direction of a trend that is faster than the motor; 0 without one.
+        outside: Whether it has been reported as outside its range; ``jumped`` as having jumped.
+        stuck: The value at which it is stuck; NaN where it is not.
+        hidden: How many spikes have been hidden, ``spikes`` when the last of them were.
+        spiking_s: When it was last reported as spiking.
+        same: What it has shown since ``same_s`` while its motor is driven without load.
+        rest: Where it came to rest after the setpoints changed at ``rest_of_s``.
+        proven: Whether a second reading has confirmed ``rest``.
+        away: How many readings in a row were far from ``rest``.
+        unasked: Whether that motion has been reported.
+    """
+
+    calm: bool = True
+    good: float = nan
+    good_s: float = -inf
+    seen: int = 0
+    held: tuple[float, ...] = ()
+    running: float = 0.0
+    outside: bool = False
+    jumped: bool = False
+    stuck: float = nan
+    hidden: int = 0
+    spikes: tuple[float, ...] = ()
+    spiking_s: float = -inf
+    same: float = nan
+    same_s: float = inf
+    rest: float = nan
+    rest_of_s: float = inf
+    proven: bool = False
+    away: int = 0
+    unasked: bool = False
+
+    @property
+    def doubted(self) -> bool:
+        """Whether the last reading is not believed."""
+        return bool(self.held) or self.jumped or not isnan(self.stuck)
+
+
+class Record(NamedTuple):
+    """What is remembered of the sensors of one board.
+
+    Attributes:
+        seen: How many readings have come.
+        doubted: Number indexes that rest on a sensor whose last reading is not believed.
+    """
+
+    channels: tuple[Channel, ...]
+    seen: int = 0
+    doubted: frozenset[int] = frozenset()
+
+
+class Reading(NamedTuple):
+    """The circumstances of one frame of a board.
+
+    Attributes:
+        before: Numbers as they were shown after the board's previous frame.
+        elapsed_s: Since that frame.
+        now_s: When this one came.
+        setpoints: The array that was last sent; empty before the first.
+        since_s: When it was sent.
+        settled: Whether nothing can move any more: no wheel is driven, and the array is old.
+    """
+
+    before: Numbers
+    elapsed_s: float
+    now_s: float
+    setpoints: Numbers = ()
+    since_s: float = inf
+    settled: bool = False
+
+
+def unseen(watched: Sequence[WatchSpec]) -> Record:
+    """Return the record of a board that has not reported."""
+    return Record((Channel(),) * len(watched))
+
+
+def begin_anew(record: Record) -> Record:
+    """Return the record after a restart, when counters may have begun at zero.
+
+    The angle of a joint survives a restart, so a sensor that was not believed still is not.
+    """
+    return Record(
+        tuple(
+            channel._replace(rest_of_s=inf, same_s=inf)
+            if channel.jumped or not isnan(channel.stuck)
+            else Channel(hidden=channel.hidden)
+            for channel in record.channels
+        ),
+        doubted=record.doubted,
+    )
+
+
+def sift(
+    spec: PlausibilitySpec,
+    watched: Sequence[WatchSpec],
+    record: Record,
+    numbers: list[float],
+    reading: Reading,
+) -> tuple[Record, list[FaultReport]]:
+    """Replace the numbers that are not to be believed, and report sensors that are wrong.
+
+    Args:
+        spec: Thresholds of the robot.
+        watched: The board's sensors that have limits.
+        record: What is remembered of them.
+        numbers: All numbers, those of this board as it reports them; changed in place.
+        reading: The circumstances.
+
+    Returns:
+        The new record, and the faults that have come to be.
+    """
+    reports: list[FaultReport] = []
+    before, elapsed_s, asked = reading.before, reading.elapsed_s, bool(reading.setpoints)
+    channels = list(record.channels)
+    changed = False
+    for at, watch in enumerate(watched):
+        number = watch.number
+        value = numbers[number]
+        channel = was = channels[at]
+        if not (
+            channel.calm
+            and watch.low <= value <= watch.high
+            and abs(value - before[number]) <= watch.rate * elapsed_s + watch.slack
+        ):
+            if channel.calm:
+                good_s = reading.now_s - elapsed_s
+                channel = channel._replace(good=before[number], good_s=good_s, seen=record.seen)
+            channel, numbers[number] = _believe(spec, watch, channel, value, reading, reports)
+        if asked and watch.moved < inf:
+            channel = _moved(spec, watch, channel, numbers, value, reading, reports)
+        if channel is not was:
+            channels[at], changed = channel, True
+    if not changed:
+        return Record(record.channels, record.seen + 1, record.doubted), reports
+    doubted = frozenset(
+        number
+        for watch, channel in zip(watched, channels, strict=True)
+        if channel.doubted
+        for number in watch.numbers
+    )
+    return Record(tuple(channels), record.seen + 1, doubted), reports
+
+
+def _believe(
+    spec: PlausibilitySpec,
+    watch: WatchSpec,
+    channel: Channel,
+    value: float,
+    reading: Reading,
+    reports: list[FaultReport],
+) -> tuple[Channel, float]:
+    """Return the channel after a reading that is not plainly possible, and what is shown."""
+    now_s = reading.now_s
+    if isnan(value):
+        return channel._replace(calm=False, held=channel.held if channel.jumped else ()), value
+    if value == channel.stuck:
+        return channel, nan
+    if channel.jumped:
+        return _jumped(watch, channel, value, reading)
+    possible = watch.low <= value <= watch.high
+    step = value - channel.good
+    if possible and not abs(step) > _reach(watch, channel, reading):  # or nothing to go by
+        return _believed(_count_spike(spec, watch, channel, now_s, reports)), value
+    if possible and _goes_on(watch, channel, step):
+        return channel._replace(calm=False, good=value, good_s=now_s, held=(), running=step), value
+    held = (*channel.held, value)[-spec.hold_back - 1 :]
+    channel = channel._replace(calm=False, held=held)
+    if len(held) <= spec.hold_back and not isnan(channel.good):
+        return channel, channel.good
+    if not possible:
+        if not channel.outside and len(held) > spec.hold_back:
+            reports.append(FaultReport(RANGE, _outside(watch, value)))
+            channel = channel._replace(outside=True)
+        return channel, nan
+    if not watch.joint or channel.seen <= spec.hold_back:
+        return _believed(channel), value
+    where = f"from {watch.told(channel.good)} to {watch.told(value)}"
+    message = f"{watch.name} has jumped {where}, faster than its motor can turn"
+    reports.append(FaultReport(JUMPED, f"{message}: it is unknown until it jumps back"))
+    return channel._replace(jumped=True, held=(value,)), nan
+
+
+def _believed(channel: Channel) -> Channel:
+    """Return the channel when its last reading is believed and nothing is pending."""
+    return channel._replace(
+        calm=True, good=nan, good_s=-inf, held=(), running=0.0, outside=False, jumped=False,
+        stuck=nan,
+    )  # fmt: skip
+
+
+def _reach(watch: WatchSpec, channel: Channel, reading: Reading) -> float:
+    """Return how far the value can be from the last believed one."""
+    return watch.rate * max(reading.now_s - channel.good_s, reading.elapsed_s) + watch.slack
+
+
+def _goes_on(watch: WatchSpec, channel: Channel, step: float) -> bool:
+    """Return whether the value goes on the way of a trend, or of the readings held back."""
+    if channel.held:
+        before = channel.held[-1] - channel.good
+        if before * step > 0 and abs(step) - abs(before) > watch.slack / 2:
+            return True
+    return channel.running * step > 0
+
+
+def _jumped(
+    watch: WatchSpec, channel: Channel, value: float, reading: Reading
+) -> tuple[Channel, float]:
+    """Return the channel of a joint that has jumped, believed again once it has jumped back.
+
+    With time a joint could have turned to almost any angle, so it is not enough that it is near
+    the last believed one.
+    """
+    again = abs(value - channel.held[-1]) > watch.rate * reading.elapsed_s + watch.slack
+    near = abs(value - channel.good) <= _reach(watch, channel, reading)
+    if again and near and watch.low <= value <= watch.high:
+        return _believed(channel), value
+    return channel._replace(held=(value,)), nan
+
+
+def _count_spike(
+    spec: PlausibilitySpec,
+    watch: WatchSpec,
+    channel: Channel,
+    now_s: float,
+    reports: list[FaultReport],
+) -> Channel:
+    """Return the channel after the readings held back turned out to be a spike, if there are any.
+
+    A sensor that spikes often is reported.
+    """
+    if not channel.held:
+        return channel
+    spikes = (*channel.spikes, now_s)[-spec.spikes :]
+    channel = channel._replace(spikes=spikes, hidden=channel.hidden + 1)
+    within_s = now_s - spikes[0]
+    often = len(spikes) == spec.spikes and within_s <= spec.spikes_within_s
+    if not often or now_s - channel.spiking_s <= spec.spikes_within_s:
+        return channel
+    message = f"{watch.name} has spiked {spec.spikes} times in {within_s:.1f} s"
+    reports.append(FaultReport(SPIKING, message))
+    return channel._replace(spiking_s=now_s)
+
+
+def _outside(watch: WatchSpec, value: float) -> str:
+    low = f"{watch.low / watch.per_unit:.3g}"
+    where = f"{low} to {watch.told(watch.high)}"
+    return f"{watch.name} reports {watch.told(value)}, outside {where}"
+
+
+def _moved(
+    spec: PlausibilitySpec,
+    watch: WatchSpec,
+    channel: Channel,
+    numbers: list[float],
+    value: float,
+    reading: Reading,
+    reports: list[FaultReport],
+) -> Channel:
+    """Return the channel of something that moves, after its motion was compared with its motor."""
+    duty = abs(reading.setpoints[watch.slot])
+    if watch.load >= 0 and (duty > watch.least_duty or channel.same_s < inf):
+        load = abs(numbers[watch.load])
+        free = duty > watch.least_duty and load < spec.unloaded * duty * watch.full_load
+        channel = _stuck(spec, watch, channel, value, free, reading.now_s, reports)
+        if value == channel.stuck:
+            numbers[watch.number] = nan
+    if duty == 0 and reading.settled:
+        good = value if channel.calm else channel.good
+        channel = _unasked(spec, watch, channel, good, reading.since_s, reports)
+    return channel
+
+
+def _stuck(
+    spec: PlausibilitySpec,
+    watch: WatchSpec,
+    channel: Channel,
+    value: float,
+    free: bool,
+    now_s: float,
+    reports: list[FaultReport],
+) -> Channel:
+    """Report a sensor that shows no motion although its motor is driven and bears no load."""
+    if not free:
+        return channel._replace(same_s=inf)
+    if channel.same_s == inf or value != channel.same:
+        return channel._replace(same=value, same_s=now_s)
+    if value == channel.stuck or now_s - channel.same_s < spec.stuck_after_s:
+        return channel
+    message = (
+        f"{watch.name} has shown the same for {spec.stuck_after_s:g} s while its motor is "
+        "driven and bears no load: the sensor is stuck, or the motor gets no current"
+    )
+    reports.append(FaultReport(STUCK, message))
+    return channel._replace(calm=False, good=value, good_s=now_s, stuck=value)
+
+
+def _unasked(
+    spec: PlausibilitySpec,
+    watch: WatchSpec,
+    channel: Channel,
+    good: float,
+    since_s: float,
+    reports: list[FaultReport],
+) -> Channel:
+    """Report a motion while every wheel is at rest and nothing new has been asked for."""
+    if isnan(good):
+        return channel
+    if channel.rest_of_s != since_s:
+        return channel._replace(rest=good, rest_of_s=since_s, proven=False, away=0, unasked=False)
+    if abs(good - channel.rest) <= watch.moved:
+        calm = channel.proven and channel.away == 0
+        return channel if calm else channel._replace(proven=True, away=0)
+    if not channel.proven and channel.away < spec.moved_readings:
+        # Either of the two readings may be damaged.
+        return channel._replace(rest=good, away=channel.away + 1)
+    if channel.away + 1 < spec.moved_readings:
+        return channel._replace(away=channel.away + 1)
+    if channel.unasked:
+        return channel
+    message = f"{watch.name} moves though nothing was asked of its motor"
+    reports.append(FaultReport(UNASKED, message))
+    return channel._replace(unasked=True)

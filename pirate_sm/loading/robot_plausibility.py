@@ -1,0 +1,105 @@
+"""What each sensor of a motor can show, worked out of the profile's motors and thresholds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import pi
+
+from pirate_sm.engine.robot import BoardSpec, PlausibilitySpec, WatchSpec
+from pirate_sm.model import profile as model
+
+_DEGREE = pi / 180
+
+
+def thresholds(profile: model.Profile) -> PlausibilitySpec:
+    """Return the thresholds that hold for every sensor."""
+    own = profile.plausibility
+    return PlausibilitySpec(
+        hold_back=own.hold_back,
+        spikes=own.spikes,
+        spikes_within_s=own.spikes_within,
+        stuck_after_s=own.stuck_after,
+        unloaded=own.unloaded,
+        settle_s=own.settle,
+        moved_readings=own.moved_readings,
+    )
+
+
+def watched(profile: model.Profile, board: model.Board, spec: BoardSpec) -> tuple[WatchSpec, ...]:
+    """Return the sensors of the board that measure a motor, with their limits."""
+    numbers = {place: number for place, number, _ in spec.channels}
+    slots = {slot.name: (index, slot) for index, slot in enumerate(profile.slots)}
+    found = []
+    for place, number in sorted(numbers.items()):
+        channel = board.channels[place]
+        if channel.slot not in slots:
+            continue
+        index, slot = slots[channel.slot]
+        resting = (number, *_resting_on(spec, number))
+        watch = WatchSpec(number, channel.signal or channel.name, resting, slot=index)
+        if channel.senses == "angle":
+            watch = _angle(profile, board, watch, slot, numbers)
+        else:
+            watch = _bounded(profile, watch, slot, channel.senses)
+        found.append(watch)
+    return tuple(found)
+
+
+def _bounded(
+    profile: model.Profile, watch: WatchSpec, slot: model.Slot, senses: model.Sense | None
+) -> WatchSpec:
+    """Return the limits of a torque or a current."""
+    own, motor = profile.plausibility, profile.motors[slot.motor]
+    if senses == "torque" and motor.stall_torque is not None:
+        most = own.overtorque * motor.stall_torque
+        return watch._replace(low=-most, high=most, unit="Nm")
+    if senses == "current" and motor.stall_current is not None:
+        most = own.overcurrent * motor.stall_current
+        return watch._replace(low=-most, high=most, unit="A")
+    return watch
+
+
+def _angle(
+    profile: model.Profile,
+    board: model.Board,
+    watch: WatchSpec,
+    slot: model.Slot,
+    numbers: Mapping[int, int],
+) -> WatchSpec:
+    """Return the limits of the angle of a joint, a wheel or a roll joint."""
+    own, motor = profile.plausibility, profile.motors[slot.motor]
+    watch = watch._replace(unit="deg", per_unit=_DEGREE)
+    if motor.no_load_speed is not None:
+        rate = own.overspeed * motor.no_load_speed
+        watch = watch._replace(rate=rate, slack=own.joint_slack)
+    if slot.wheel is not None:
+        # A wheel may slide along with a falling robot: that must be seen at once.
+        return watch._replace(slack=own.wheel_slack, moved=own.wheel_moved)
+    stop = next((j.end_stop for j in profile.body.joints if j.name == slot.joint), None)
+    if stop is None:
+        return watch
+    most = stop + own.beyond_stop
+    watch = watch._replace(low=-most, high=most, joint=True, moved=own.joint_moved)
+    load = _load(board.channels, slot, numbers)
+    loop, full = motor.position_loop, motor.stall_current
+    if load < 0 or loop is None or full is None:
+        return watch
+    least_duty = own.surely_driven * loop.least_duty
+    return watch._replace(load=load, full_load=full, least_duty=least_duty)
+
+
+def _load(channels: tuple[model.Channel, ...], slot: model.Slot, numbers: Mapping[int, int]) -> int:
+    """Return the number of the current of the slot's motor; -1 where it is not measured."""
+    for place, channel in enumerate(channels):
+        if channel.senses == "current" and channel.slot == slot.name:
+            return numbers.get(place, -1)
+    return -1
+
+
+def _resting_on(spec: BoardSpec, number: int) -> tuple[int, ...]:
+    """Return the numbers of the board that are made from this one."""
+    return (
+        *(target for source, target in spec.rates if source == number),
+        *(target for source, _, _, target in spec.torques if source == number),
+        *(target for apex, _, _, target in spec.diameters if apex == number),
+    )
