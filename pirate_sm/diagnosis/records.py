@@ -7,7 +7,7 @@ from math import inf, isnan, nan
 
 from pirate_sm.diagnosis.facts import BoardFact, ChannelFact, Subject, shown
 from pirate_sm.engine.plausibility import RANGE, Reading, sift, unseen
-from pirate_sm.engine.robot import RobotSpec, WatchSpec
+from pirate_sm.engine.robot import RobotSpec, WatchedSpec, WatchSpec
 from pirate_sm.engine.sensing import convert
 from pirate_sm.expressions import NumberType
 from pirate_sm.model.events import SensorFrame
@@ -26,7 +26,7 @@ class ChannelRecord:
 
     def __init__(self, robot: RobotSpec, place: int, watch: WatchSpec | None) -> None:
         self._robot, self._place = robot, place
-        self._watched = () if watch is None else (watch,)
+        self._watched = WatchedSpec(() if watch is None else (watch,))
         self._record = unseen(self._watched)
         self.last, self.least, self.most = nan, inf, -inf
         self.count, self._run, self.longest_run = 0, 0, 0
@@ -73,7 +73,7 @@ class BoardRecord:
         self.board = board
         self._spec = robot.boards.get(board.id)
         places = {number: place for place, number, _ in self._spec.channels} if self._spec else {}
-        watched = self._spec.watched if self._spec else ()
+        watched = self._spec.watched.sensors if self._spec else ()
         limits = {places[watch.number]: watch for watch in watched}
         self.channels = tuple(
             ChannelRecord(robot, place, limits.get(place)) for place in range(len(board.channels))

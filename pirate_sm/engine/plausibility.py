@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from math import inf, isnan, nan
 from typing import NamedTuple
 
-from pirate_sm.engine.robot import PlausibilitySpec, WatchSpec
+from pirate_sm.engine.robot import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.model.events import FaultReport
 
 STUCK = "sensor.stuck"
@@ -77,12 +77,14 @@ class Record(NamedTuple):
     """What is remembered of the sensors of one board.
 
     Attributes:
-        seen: How many readings have come.
+        seen: How many readings have come, as far as that matters.
+        special: Whether a channel is not calm.
         doubted: Number indexes that rest on a sensor whose last reading is not believed.
     """
 
     channels: tuple[Channel, ...]
     seen: int = 0
+    special: bool = False
     doubted: frozenset[int] = frozenset()
 
 
@@ -106,9 +108,9 @@ class Reading(NamedTuple):
     settled: bool = False
 
 
-def unseen(watched: Sequence[WatchSpec]) -> Record:
+def unseen(watched: WatchedSpec) -> Record:
     """Return the record of a board that has not reported."""
-    return Record((Channel(),) * len(watched))
+    return Record((Channel(),) * len(watched.sensors))
 
 
 def begin_anew(record: Record) -> Record:
@@ -116,20 +118,18 @@ def begin_anew(record: Record) -> Record:
 
     The angle of a joint survives a restart, so a sensor that was not believed still is not.
     """
-    return Record(
-        tuple(
-            channel._replace(rest_of_s=inf, same_s=inf)
-            if channel.jumped or not isnan(channel.stuck)
-            else Channel(hidden=channel.hidden)
-            for channel in record.channels
-        ),
-        doubted=record.doubted,
+    channels = tuple(
+        channel._replace(rest_of_s=inf, same_s=inf)
+        if channel.jumped or not isnan(channel.stuck)
+        else Channel(hidden=channel.hidden)
+        for channel in record.channels
     )
+    return record._replace(channels=channels, seen=0)
 
 
 def sift(
     spec: PlausibilitySpec,
-    watched: Sequence[WatchSpec],
+    watched: WatchedSpec,
     record: Record,
     numbers: list[float],
     reading: Reading,
@@ -147,38 +147,78 @@ def sift(
         The new record, and the faults that have come to be.
     """
     reports: list[FaultReport] = []
-    before, elapsed_s, asked = reading.before, reading.elapsed_s, bool(reading.setpoints)
-    channels = list(record.channels)
-    changed = False
-    for at, watch in enumerate(watched):
-        number = watch.number
-        value = numbers[number]
-        channel = was = channels[at]
-        if not (
-            channel.calm
-            and watch.low <= value <= watch.high
-            and abs(value - before[number]) <= watch.rate * elapsed_s + watch.slack
-        ):
-            if channel.calm:
-                good_s = reading.now_s - elapsed_s
-                channel = channel._replace(good=before[number], good_s=good_s, seen=record.seen)
-            channel, numbers[number] = _believe(spec, watch, channel, value, reading, reports)
-        if asked and watch.moved < inf:
-            channel = _moved(spec, watch, channel, numbers, value, reading, reports)
-        if channel is not was:
-            channels[at], changed = channel, True
-    if not changed:
-        return Record(record.channels, record.seen + 1, record.doubted), reports
+    channels: list[Channel] | None = None
+    shown = numbers
+    if record.special or not _plain(watched, numbers, reading):
+        shown = list(numbers)
+        channels = [
+            _believe(spec, watch, channel, record.seen, shown, reading, reports)
+            for watch, channel in zip(watched.sensors, record.channels, strict=True)
+        ]
+    if reading.setpoints:
+        for at, slot, least_duty in watched.moving:
+            channel = (channels or record.channels)[at]
+            driven = abs(reading.setpoints[slot]) > least_duty
+            if reading.settled or driven or channel.same_s < inf:
+                after = _moved(spec, watched.sensors[at], channel, numbers, reading, reports)
+                if after is not channel:
+                    channels = channels or list(record.channels)
+                    channels[at] = after
+    seen = min(record.seen, spec.hold_back) + 1  # more makes no difference
+    if channels is None:
+        return (record if seen == record.seen else record._replace(seen=seen)), reports
+    for watch, channel in zip(watched.sensors, channels, strict=True):
+        value = numbers[watch.number]
+        numbers[watch.number] = nan if channel.stuck == value else shown[watch.number]
+    special = any(not channel.calm for channel in channels)
     doubted = frozenset(
         number
-        for watch, channel in zip(watched, channels, strict=True)
+        for watch, channel in zip(watched.sensors, channels, strict=True)
         if channel.doubted
         for number in watch.numbers
     )
-    return Record(tuple(channels), record.seen + 1, doubted), reports
+    return Record(tuple(channels), seen, special, doubted), reports
+
+
+def _plain(watched: WatchedSpec, numbers: Numbers, reading: Reading) -> bool:
+    """Return whether every value is in its range and near the previous one.
+
+    Most frames are like this, and every frame of a simulation passes here.
+    """
+    before, elapsed_s = reading.before, reading.elapsed_s
+    for number, low, high in watched.ranges:
+        if not low <= numbers[number] <= high:
+            return False
+    for number, rate, slack in watched.rates:
+        if not abs(numbers[number] - before[number]) <= rate * elapsed_s + slack:
+            return False
+    return True
 
 
 def _believe(
+    spec: PlausibilitySpec,
+    watch: WatchSpec,
+    channel: Channel,
+    seen: int,
+    shown: list[float],
+    reading: Reading,
+    reports: list[FaultReport],
+) -> Channel:
+    """Return the channel after a reading; what is shown of it takes its place in ``shown``."""
+    if channel.calm:
+        good_s = reading.now_s - reading.elapsed_s
+        channel = channel._replace(good=reading.before[watch.number], good_s=good_s, seen=seen)
+    value = shown[watch.number]
+    if isnan(value):
+        return channel._replace(calm=False, held=channel.held if channel.jumped else ())
+    if value == channel.stuck:
+        return channel
+    weigh = _weigh_jumped if channel.jumped else _weigh
+    channel, shown[watch.number] = weigh(spec, watch, channel, value, reading, reports)
+    return channel
+
+
+def _weigh(
     spec: PlausibilitySpec,
     watch: WatchSpec,
     channel: Channel,
@@ -186,14 +226,8 @@ def _believe(
     reading: Reading,
     reports: list[FaultReport],
 ) -> tuple[Channel, float]:
-    """Return the channel after a reading that is not plainly possible, and what is shown."""
+    """Return the channel after this value, and the value that is shown."""
     now_s = reading.now_s
-    if isnan(value):
-        return channel._replace(calm=False, held=channel.held if channel.jumped else ()), value
-    if value == channel.stuck:
-        return channel, nan
-    if channel.jumped:
-        return _jumped(watch, channel, value, reading)
     possible = watch.low <= value <= watch.high
     step = value - channel.good
     if possible and not abs(step) > _reach(watch, channel, reading):  # or nothing to go by
@@ -239,8 +273,13 @@ def _goes_on(watch: WatchSpec, channel: Channel, step: float) -> bool:
     return channel.running * step > 0
 
 
-def _jumped(
-    watch: WatchSpec, channel: Channel, value: float, reading: Reading
+def _weigh_jumped(
+    spec: PlausibilitySpec,
+    watch: WatchSpec,
+    channel: Channel,
+    value: float,
+    reading: Reading,
+    reports: list[FaultReport],
 ) -> tuple[Channel, float]:
     """Return the channel of a joint that has jumped, believed again once it has jumped back.
 
@@ -288,19 +327,17 @@ def _moved(
     spec: PlausibilitySpec,
     watch: WatchSpec,
     channel: Channel,
-    numbers: list[float],
-    value: float,
+    numbers: Numbers,
     reading: Reading,
     reports: list[FaultReport],
 ) -> Channel:
     """Return the channel of something that moves, after its motion was compared with its motor."""
+    value = numbers[watch.number]
     duty = abs(reading.setpoints[watch.slot])
     if watch.load >= 0 and (duty > watch.least_duty or channel.same_s < inf):
         load = abs(numbers[watch.load])
         free = duty > watch.least_duty and load < spec.unloaded * duty * watch.full_load
         channel = _stuck(spec, watch, channel, value, free, reading.now_s, reports)
-        if value == channel.stuck:
-            numbers[watch.number] = nan
     if duty == 0 and reading.settled:
         good = value if channel.calm else channel.good
         channel = _unasked(spec, watch, channel, good, reading.since_s, reports)
@@ -318,7 +355,7 @@ def _stuck(
 ) -> Channel:
     """Report a sensor that shows no motion although its motor is driven and bears no load."""
     if not free:
-        return channel._replace(same_s=inf)
+        return channel if channel.same_s == inf else channel._replace(same_s=inf)
     if channel.same_s == inf or value != channel.same:
         return channel._replace(same=value, same_s=now_s)
     if value == channel.stuck or now_s - channel.same_s < spec.stuck_after_s:

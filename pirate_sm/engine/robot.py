@@ -187,9 +187,9 @@ class WatchSpec(NamedTuple):
         numbers: Indexes of the numbers that rest on it, its own included.
         low: Least value that it can have; ``high`` the largest.
         rate: Fastest change per second; ``slack`` is allowed besides at any time.
+        moved: A change that is a motion; infinite where it does not measure one.
         slot: Index of the setpoint of its motor.
         joint: Whether it is the angle of a joint, which cannot begin anew as a counter can.
-        moved: A change that is a motion; infinite where it does not measure one.
         least_duty: Below it, what it measures may stand still though driven.
         load: Index of the current of the same motor; -1 where that is not measured.
         full_load: That current when the motor is stalled at full duty.
@@ -203,9 +203,9 @@ class WatchSpec(NamedTuple):
     high: float = inf
     rate: float = inf
     slack: float = 0.0
+    moved: float = inf
     slot: int = -1
     joint: bool = False
-    moved: float = inf
     least_duty: float = inf
     load: int = -1
     full_load: float = 0.0
@@ -215,6 +215,29 @@ class WatchSpec(NamedTuple):
     def told(self, value: float) -> str:
         """Return the value as people read it."""
         return f"{value / self.per_unit:.3g} {self.unit}".strip()
+
+
+@dataclass(frozen=True)
+class WatchedSpec:
+    """Sensors of one board, and what must be looked up in every frame."""
+
+    sensors: tuple[WatchSpec, ...] = ()
+
+    @cached_property
+    def ranges(self) -> tuple[tuple[int, float, float], ...]:
+        """Number index, least and largest value of the sensors that have a range."""
+        return tuple((w.number, w.low, w.high) for w in self.sensors if w.high < inf)
+
+    @cached_property
+    def rates(self) -> tuple[tuple[int, float, float], ...]:
+        """Number index, fastest change per second and slack of those that have a rate."""
+        return tuple((w.number, w.rate, w.slack) for w in self.sensors if w.rate < inf)
+
+    @cached_property
+    def moving(self) -> tuple[tuple[int, int, float], ...]:
+        """Place, slot and least duty of those that measure a motion."""
+        sensors = enumerate(self.sensors)
+        return tuple((at, w.slot, w.least_duty) for at, w in sensors if w.moved < inf)
 
 
 class PlausibilitySpec(NamedTuple):
@@ -257,7 +280,7 @@ class BoardSpec:
     wheels: tuple[WheelSpec, ...]
     faults: tuple[int, ...]
     zeros: tuple[tuple[int, float], ...] = ()
-    watched: tuple[WatchSpec, ...] = ()
+    watched: WatchedSpec = WatchedSpec()
 
     @cached_property
     def length(self) -> int:

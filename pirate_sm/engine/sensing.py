@@ -136,12 +136,14 @@ def observe(
     if board.wheels:
         driven = setpoints if latest is setpoints else _either(setpoints, latest)
         shares, angles = _roll_on(robot, board, sensing, numbers, driven, now)
-    heard, records = list(sensing.heard_s), list(sensing.records)
-    heard[board.position], records[board.position] = now, record
+    heard, records = list(sensing.heard_s), sensing.records
+    heard[board.position] = now
+    if record is not records[board.position]:
+        records = (*records[: board.position], record, *records[board.position + 1 :])
     stale = sensing.stale - {board.position} if sensing.stale else sensing.stale
     sensed = Sensing(
         tuple(numbers), tuple(heard), sensing.checked_s, stale, shares, angles,
-        tuple(records), asked,
+        records, asked,
     )  # fmt: skip
     return sensed, reports
 

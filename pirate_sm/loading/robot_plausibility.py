@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import pi
 
-from pirate_sm.engine.robot import BoardSpec, PlausibilitySpec, WatchSpec
+from pirate_sm.engine.robot import BoardSpec, PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.model import profile as model
 
 _DEGREE = pi / 180
@@ -25,7 +25,7 @@ def thresholds(profile: model.Profile) -> PlausibilitySpec:
     )
 
 
-def watched(profile: model.Profile, board: model.Board, spec: BoardSpec) -> tuple[WatchSpec, ...]:
+def watched(profile: model.Profile, board: model.Board, spec: BoardSpec) -> WatchedSpec:
     """Return the sensors of the board that measure a motor, with their limits."""
     numbers = {place: number for place, number, _ in spec.channels}
     slots = {slot.name: (index, slot) for index, slot in enumerate(profile.slots)}
@@ -36,13 +36,14 @@ def watched(profile: model.Profile, board: model.Board, spec: BoardSpec) -> tupl
             continue
         index, slot = slots[channel.slot]
         resting = (number, *_resting_on(spec, number))
-        watch = WatchSpec(number, channel.signal or channel.name, resting, slot=index)
+        name = channel.signal or channel.name
+        watch = WatchSpec(number, name, resting, slot=index)
         if channel.senses == "angle":
             watch = _angle(profile, board, watch, slot, numbers)
         else:
             watch = _bounded(profile, watch, slot, channel.senses)
         found.append(watch)
-    return tuple(found)
+    return WatchedSpec(tuple(found))
 
 
 def _bounded(

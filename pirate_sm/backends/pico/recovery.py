@@ -159,9 +159,9 @@ class Recovery:
 
     def _dumb(self, outage: Outage) -> FaultReport:
         what = "the robot's controller answers but none of its boards reports any more"
-        if outage.stopped:
-            return FaultReport(SILENT, f"{what}: {self._advice}")
-        return FaultReport(NO_ECHO, f"{what}, and it {_UNCONFIRMED}: {self._advice}")
+        if not outage.stopped:
+            what = f"{what}, and it {_UNCONFIRMED}"
+        return FaultReport(SILENT, f"{what}: {self._advice}")
 
     def _unconfirmed(self, outage: Outage) -> FaultReport:
         back = f"the robot's controller is back after {outage.silence_s:.1f} s of silence"

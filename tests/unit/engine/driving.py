@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.program import Program
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot import RobotSpec, WatchedSpec
 from pirate_sm.engine.robot_state import states_of, unconfirmed
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model import effects as fx
@@ -45,7 +45,10 @@ class Driver:
         self, robot: RobotSpec, program: Program, *, nominal: bool = False, doubting: bool = False
     ) -> None:
         if not doubting:
-            boards = {number: replace(board, watched=()) for number, board in robot.boards.items()}
+            boards = {
+                number: replace(board, watched=WatchedSpec())
+                for number, board in robot.boards.items()
+            }
             robot = replace(robot, boards=boards, link=replace(robot.link, period_s=1e-9))
         self.robot = robot
         self.engine = Engine(robot, program, nominal=nominal)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from pirate_sm.engine import plausibility
 from pirate_sm.engine.plausibility import Reading, sift, unseen
-from pirate_sm.engine.robot import PlausibilitySpec, WatchSpec
+from pirate_sm.engine.robot import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.loading.robot import load_robot
 
 EVERY_S = 0.125
@@ -23,14 +23,14 @@ SPEC = PlausibilitySpec(
     moved_readings=2,
 )  # fmt: skip
 JOINT, LOAD, WHEEL, RATE = range(4)
-WATCHED = (
+WATCHED = WatchedSpec((
     WatchSpec(
         JOINT, "elbow", (JOINT, RATE), low=-1000, high=1000, rate=240, slack=20, slot=0,
         joint=True, moved=200, least_duty=0.2, load=LOAD, full_load=300, unit="deg",
     ),
     WatchSpec(LOAD, "current", (LOAD,), low=-500, high=500, slot=0),
     WatchSpec(WHEEL, "wheel", (WHEEL,), rate=1600, slack=100, slot=1, moved=100),
-)  # fmt: skip
+))  # fmt: skip
 
 
 class Bench:
@@ -464,7 +464,7 @@ def test_a_restart_does_not_mend_a_sensor(bench: Bench) -> None:
 
 def watch(signal: str) -> WatchSpec:
     boards = load_robot(PIRATE).normal.boards.values()
-    return next(w for board in boards for w in board.watched if w.name == signal)
+    return next(w for board in boards for w in board.watched.sensors if w.name == signal)
 
 
 def test_the_torque_of_a_good_bend_is_within_its_range() -> None:

@@ -279,7 +279,7 @@ def test_boards_that_all_fall_silent_while_the_controller_answers(go: Go) -> Non
     course = go(defects=("bay_silent",), far="2 m")
 
     assert course.message.startswith(
-        "link.no_echo: the robot's controller answers but none of its boards reports any more, "
+        "link.silent: the robot's controller answers but none of its boards reports any more, "
         "and it does not confirm the safe setpoints: push [Set] on the MIDI panel"
     )
 

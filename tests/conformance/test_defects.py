@@ -1,0 +1,120 @@
+"""A defect of the robot leads to the same faults and the same end, whatever the robot is behind.
+
+Every defect of the profile is switched on with equal seeds in the simulator and behind the
+emulated bay, in virtual time. Times differ, for the bay boots and its line takes time; so a
+defect that comes and goes at random is tried with its own seeds only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from pirate_sm.backends.pico.assembly import read_plan
+from pirate_sm.backends.pico.backend import SerialBackend
+from pirate_sm.backends.pico.virtual_port import VirtualPort
+from pirate_sm.backends.protocol import Backend
+from pirate_sm.backends.simulator.backend import SimulatorBackend
+from pirate_sm.bay.switches import Switches
+from pirate_sm.bay.texts import message_texts
+from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.engine.engine import Engine
+from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.loading.robot import load_robot
+from pirate_sm.model.effects import Effect, Fault
+from pirate_sm.runtime.loop import MissionRun
+
+ROOT = Path(__file__).resolve().parents[2]
+SIX_WHEELED = ROOT / "hardware_profiles" / "pirate_ii"
+
+MISSION = """
+format: 1
+mission: there_and_back
+robot: pirate_ii
+pipe: {diameter: 120 mm, segments: [{straight: 3 m}], start: {at: 1 m}}
+on_fault: [{fault: [sensor.spiking, sensor.jumped], then: continue}]
+start: there
+phases:
+  there:
+    do: [ClampFront, ClampRear, DriveForward]
+    wait: [{when: odometry >= 0.4 m, go: regrip}]
+    within: {time: 20 s, go: late}
+  regrip:
+    do: [Brake, RelaxFront, BendInto, ClampFront, DriveBackward]
+    wait: [{when: odometry <= 0.2 m, go: back}]
+    within: {time: 20 s, go: late}
+ends:
+  back: {succeed: Back}
+  late: {fail: Too late}
+"""
+
+
+class Course(NamedTuple):
+    """How a mission went."""
+
+    outcome: str
+    end: str
+    faults: frozenset[str]
+
+
+class Faults:
+    """Keeps the codes of the faults up to the one that ends the mission."""
+
+    def __init__(self) -> None:
+        self.codes: set[str] = set()
+        self._over = False
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        for effect in effects:
+            if isinstance(effect, Fault) and not self._over:
+                self.codes.add(effect.code)
+                self._over = effect.handling == "stop"
+
+
+def in_the_simulator(loaded: LoadedMission, defect: str, seed: int) -> Backend:
+    assert loaded.pipe is not None
+    profile = loaded.loaded_robot.profile
+    return SimulatorBackend(profile, loaded.pipe, seed=seed, defects=(defect,), detects=False)
+
+
+def behind_the_bay(loaded: LoadedMission, defect: str, seed: int) -> Backend:
+    assert loaded.pipe is not None
+    robot = loaded.loaded_robot
+    texts = message_texts(robot.folder, robot.profile)
+    bay = VirtualBay(robot.profile, loaded.pipe, texts, Switches(defects=(defect,)), seed)
+    plan = read_plan(robot.folder, robot.profile, loaded.robot)
+    return SerialBackend(plan, VirtualPort(bay, plan.serial.heartbeat_within))
+
+
+@cache
+def loaded_in(folder: Path) -> LoadedMission:
+    file = folder / "there_and_back.yaml"
+    file.write_text(MISSION, encoding="utf-8")
+    return load_mission(file)
+
+
+def course(loaded: LoadedMission, backend: Backend) -> Course:
+    faults = Faults()
+    engine = Engine(loaded.robot, loaded.program, nominal=False)
+    ended = MissionRun(engine, backend, observers=[faults]).execute().ended
+    return Course(ended.outcome, ended.end, frozenset(faults.codes))
+
+
+@pytest.fixture(scope="module")
+def loaded(tmp_path_factory: pytest.TempPathFactory) -> LoadedMission:
+    return loaded_in(tmp_path_factory.mktemp("missions"))
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("defect", load_robot(SIX_WHEELED).profile.simulation.defects)
+def test_a_defect_has_the_same_consequences_in_the_simulator_and_behind_the_bay(
+    loaded: LoadedMission, defect: str, seed: int
+) -> None:
+    simulated = course(loaded, in_the_simulator(loaded, defect, seed))
+    emulated = course(loaded, behind_the_bay(loaded, defect, seed))
+
+    assert simulated == emulated
