@@ -155,6 +155,14 @@ def test_only_another_jump_leads_back(bench: Bench, end: float, believed: bool) 
     assert (bench.say(end) == end) == believed
 
 
+def test_a_jump_to_a_third_place_is_not_believed_either(bench: Bench) -> None:
+    for _ in range(3):
+        bench.say(500)
+
+    assert isnan(bench.say(-900))
+    assert bench.codes == ["sensor.jumped"]
+
+
 def test_a_wheel_that_jumps_and_stays_is_a_counter_that_begins_anew(bench: Bench) -> None:
     bench.say(0)
     shown = [bench.say(0, wheel=5000) or bench.shown[WHEEL] for _ in range(3)]
@@ -457,6 +465,17 @@ def test_a_restart_does_not_mend_a_sensor(bench: Bench) -> None:
 
     assert isnan(bench.say(5))
     assert bench.record.doubted == {JOINT, RATE}
+
+
+def test_a_restart_does_not_undo_a_jump(bench: Bench) -> None:
+    for _ in range(3):
+        bench.say(500)
+    bench.record = plausibility.begin_anew(bench.record)
+    bench.shown = [nan] * 4
+
+    assert isnan(bench.say(501))
+    assert bench.record.doubted == {JOINT, RATE}
+    assert bench.say(20) == 20
 
 
 # --- in the engine ---
