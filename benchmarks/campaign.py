@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
-from functools import cache
+from dataclasses import dataclass, field, replace
+from functools import cache, partial
 from multiprocessing import get_context
 from os import cpu_count
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from pirate_sm.model.effects import Effect, Fault, StateChange
 
@@ -60,20 +60,34 @@ class Outcome:
     torques: tuple[float, ...]
 
 
+MotorValue: TypeAlias = tuple[str, str, float]
+"""A kind of motor, a key of it, and a value in SI in place of the profile's."""
+
+
 @cache
-def _loaded(mission: str, pipe: str | None) -> LoadedMission:
+def _loaded(mission: str, pipe: str | None, motors: tuple[MotorValue, ...]) -> LoadedMission:
     from pirate_sm.wiring import Order, load
 
-    return load(Order(mission, pipe=pipe))
+    loaded = load(Order(mission, pipe=pipe))
+    profile = loaded.loaded_robot.profile
+    for name, key, value in motors:
+        motor = profile.motors[name].model_copy(update={key: value})
+        profile = profile.model_copy(update={"motors": {**profile.motors, name: motor}})
+    return replace(loaded, loaded_robot=replace(loaded.loaded_robot, profile=profile))
 
 
-def run(order: Order) -> Outcome:
-    """The mission has been run to its end."""
+def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
+    """Run the mission to its end.
+
+    Args:
+        order: What to run.
+        motors: What the simulated motors do in place of what the profile says.
+    """
     from pirate_sm.runtime.companions import FirstChoice
     from pirate_sm.runtime.loop import MissionRun
     from pirate_sm.wiring import prepare
 
-    prepared = prepare(order, _loaded(order.mission, order.pipe))
+    prepared = prepare(order, _loaded(order.mission, order.pipe, motors))
     notes = Notes()
     run_ = MissionRun(
         prepared.engine, prepared.backend, observers=[notes],
@@ -93,9 +107,22 @@ def run(order: Order) -> Outcome:
     )  # fmt: skip
 
 
-def run_all(orders: Iterable[Order]) -> list[Outcome]:
-    """Every mission has been run, on all processors; outcomes in the order of the orders."""
+def run_all(
+    orders: Iterable[Order],
+    *,
+    workers: int | None = None,
+    motors: tuple[MotorValue, ...] = (),
+) -> list[Outcome]:
+    """Run every mission; return the outcomes in the order of the orders.
+
+    Args:
+        orders: What to run.
+        workers: How many processes share the work; one for each processor by default. The
+            outcomes are the same for any number.
+        motors: What the simulated motors do in place of what the profile says.
+    """
     wanted = list(orders)
-    run(wanted[0])  # compiles the simulator once, before the others need it
-    with ProcessPoolExecutor(cpu_count() or 1, mp_context=get_context("spawn")) as pool:
-        return list(pool.map(run, wanted, chunksize=max(1, len(wanted) // 64)))
+    one = partial(run, motors=motors)
+    one(wanted[0])  # compiles the simulator once, before the others need it
+    with ProcessPoolExecutor(workers or cpu_count() or 1, mp_context=get_context("spawn")) as pool:
+        return list(pool.map(one, wanted, chunksize=max(1, len(wanted) // 64)))
