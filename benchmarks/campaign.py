@@ -12,7 +12,10 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from pirate_sm.model.effects import Effect, Fault, StateChange
 
+_AFTERWARDS_S = 2.0
+
 if TYPE_CHECKING:
+    from pirate_sm.backends.protocol import Backend
     from pirate_sm.loading.mission import LoadedMission
     from pirate_sm.wiring import Order
 
@@ -43,6 +46,8 @@ class Outcome:
         fell: Whether a robot that had clamped left the pipe or opened every clamp it confirmed.
         arcs_m: Where each wheel ended along the pipe.
         stopped: Whether the last setpoints had every wheel at zero.
+        torques: What each bend joint bears, Nm.
+        slid_m: How far a wheel was carried along the pipe in the two seconds after the end.
     """
 
     seed: int
@@ -58,6 +63,7 @@ class Outcome:
     faults: tuple[str, ...]
     held_at_end: bool
     torques: tuple[float, ...]
+    slid_m: float
 
 
 MotorValue: TypeAlias = tuple[str, str, float]
@@ -97,14 +103,25 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
     assert run_.state is not None
     engine, state = prepared.engine, run_.state
     real = prepared.backend.truth  # type: ignore[attr-defined]
+    slid_m = _slid_m(prepared.backend, result.now_s)
     return Outcome(
         order.seed, result.ended.outcome, result.ended.message, result.exit_code, result.now_s,
         real.distance_m, real.arcs_m, real.gone,
         all(state.robot.values[slot] == 0 for slot in engine.robot.safe_zero),
         tuple(notes.states), tuple(notes.faults),
         bool(engine.robot.held[state.robot.configuration]),
-        real.torques_nm,
+        real.torques_nm, slid_m,
     )  # fmt: skip
+
+
+def _slid_m(backend: Backend, now_s: float) -> float:
+    """Return how far a wheel is carried when the last setpoints stay in force for a while."""
+    before = backend.truth.arcs_m  # type: ignore[attr-defined]
+    end_s = now_s + _AFTERWARDS_S
+    while now_s < end_s:
+        now_s, _ = backend.advance(end_s)
+    after = backend.truth.arcs_m  # type: ignore[attr-defined]
+    return max(abs(new - old) for new, old in zip(after, before, strict=True))
 
 
 def run_all(

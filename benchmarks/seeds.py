@@ -31,6 +31,8 @@ SNAPSHOTS = Path(__file__).with_name("fig_6_9.yaml")
 CROSSING_M = 1.0
 GRIPPED_NM = 0.1
 """A part whose joints bear less than this does not hold."""
+STAYS_M = 0.005
+"""A robot that is carried farther in the two seconds after its mission does not hold."""
 
 FALSE = "said to have passed"
 
@@ -169,7 +171,8 @@ def judge(outcome: Outcome, row: Row, snapshots: list[tuple[str, ...]]) -> Verdi
 def _holds(outcome: Outcome) -> bool:
     """Whether the robot stands in the pipe, with a clamp that bears."""
     gripped = max(map(abs, outcome.torques), default=0.0) >= GRIPPED_NM
-    return outcome.held_at_end and gripped and outcome.stopped and not outcome.gone
+    stays = outcome.slid_m < STAYS_M and not outcome.gone
+    return outcome.held_at_end and gripped and outcome.stopped and stays
 
 
 def _failure(outcome: Outcome, row: Row, snapshots: list[tuple[str, ...]]) -> str:
