@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from pirate_sm.model.effects import Effect, Fault, StateChange
 
-_AFTERWARDS_S = 2.0
+# Clamps that have just been taken settle for so long; then the robot is watched for so long.
+_SETTLING_S, _WATCHED_S = 5.0, 2.0
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
@@ -47,7 +48,7 @@ class Outcome:
         arcs_m: Where each wheel ended along the pipe.
         stopped: Whether the last setpoints had every wheel at zero.
         torques: What each bend joint bears, Nm.
-        slid_m: How far a wheel was carried along the pipe in the two seconds after the end.
+        slid_m: How far a wheel is carried in two seconds, once the robot has settled after the end.
     """
 
     seed: int
@@ -116,12 +117,12 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
 
 def _slid_m(backend: Backend, now_s: float) -> float:
     """Return how far a wheel is carried when the last setpoints stay in force for a while."""
-    before = backend.truth.arcs_m  # type: ignore[attr-defined]
-    end_s = now_s + _AFTERWARDS_S
-    while now_s < end_s:
-        now_s, _ = backend.advance(end_s)
-    after = backend.truth.arcs_m  # type: ignore[attr-defined]
-    return max(abs(new - old) for new, old in zip(after, before, strict=True))
+    places = []
+    for end_s in (now_s + _SETTLING_S, now_s + _SETTLING_S + _WATCHED_S):
+        while now_s < end_s:
+            now_s, _ = backend.advance(end_s)
+        places.append(backend.truth.arcs_m)  # type: ignore[attr-defined]
+    return max(abs(new - old) for old, new in zip(*places, strict=True))
 
 
 def run_all(

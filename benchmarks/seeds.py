@@ -8,8 +8,8 @@ Each seed shifts the start by up to 20 mm (odometry does not know by how much), 
 passed when the mission succeeds, every wheel is beyond the bend in truth, no part is folded back on
 itself, and forward the nine snapshots of fig. 6-9 are a subsequence of its states.
 
-The rows with a vertical leg also count a run that fails with both parts holding, by the torques of
-the joints and the place of the wheels in truth. No run may say falsely that it succeeded.
+The rows with an upright leg also count a run that fails and holds: a clamp bears, and the robot stays
+where it is, both in truth. In no row may a run say falsely that it succeeded.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ CROSSING_M = 1.0
 GRIPPED_NM = 0.1
 """A part whose joints bear less than this does not hold."""
 STAYS_M = 0.005
-"""A robot that is carried farther in the two seconds after its mission does not hold."""
+"""A robot that is carried farther in two seconds after its mission does not hold."""
 
 FALSE = "said to have passed"
 
