@@ -6,11 +6,14 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from pirate_sm.backends.simulator.chain import Friction
+from pirate_sm.backends.simulator.geometry import Pipe
 from pirate_sm.backends.simulator.machine import Machine, machine_of
+from pirate_sm.backends.simulator.world import StartPose, World
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
 
-from .conftest import DIAMETER_M, Driver, bend, straight, vertical
+from .conftest import CYCLE_S, DIAMETER_M, Driver, bend, straight, vertical
 
 Place = Callable[..., Driver]
 
@@ -105,6 +108,13 @@ def test_an_unclamped_robot_in_a_flat_pipe_stays(place: Place) -> None:
     start = robot.middle
     robot.run(5.0)
     assert robot.middle == pytest.approx(start, abs=1e-6)
+
+
+def test_a_start_with_one_part_bent_has_the_other_clamped_on_its_own_walls(machine: Machine) -> None:
+    duties = {2: -0.3, 3: -0.7, 4: 0.7}  # the front pushes, the rear is clamped
+    pose = StartPose(1.0, duties)
+    world = World(machine, Pipe(straight()), Friction(0.7, 0.5), pose, cycle_s=CYCLE_S, seed=1)
+    assert [side > 0 for side in world.values("side")] == [True, False] * 3
 
 
 @pytest.mark.parametrize("duty", [0.3, 0.7])
