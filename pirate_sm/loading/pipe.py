@@ -16,13 +16,12 @@ from pirate_sm.model.pipe import Mitre, Pipe, Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.units import LENGTH, format_quantity
 
-
 FOLDING_ROOM_RAD = radians(10.0)
 """How far the joint at a V's apex must be from its end stop in a pipe that fits.
 
-A V that is pushed folds further than the pipe's walls alone would have it: by up to 12 deg in a stuck
-robot. One that has come to its end stop bears no wall any more. Of 60 simulated bends, 60 passed with
-8 deg left, 46 with 6 deg and none with 5 deg (docs/measurements.md).
+A V that is pushed folds further than the pipe's walls alone would have it: by up to 12 deg in a
+stuck robot. One that has come to its end stop bears no wall any more. Of 60 simulated bends, 60
+passed with 8 deg left, 46 with 6 deg and none with 5 deg (docs/measurements.md).
 """
 
 
@@ -74,8 +73,8 @@ def check_fit(pipe: Pipe, profile: Profile, document: Document, problems: Proble
             "pipe.reach",
             (*at, "diameter"),
             f"{profile.robot} cannot clamp an inner diameter of {_mm(pipe.diameter)}",
-            expected=f"more than {_mm(least)} and at most {_mm(largest)}: l sin(g / 2) + 2r with the"
-            f" joint {degrees(FOLDING_ROOM_RAD):g} deg before its end stop",
+            expected=f"more than {_mm(least)} and at most {_mm(largest)}: l sin(g / 2) + 2r with"
+            f" the joint {degrees(FOLDING_ROOM_RAD):g} deg before its end stop",
         )
 
 

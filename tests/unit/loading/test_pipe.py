@@ -38,7 +38,9 @@ def test_the_reach_leaves_a_folded_v_room_before_its_end_stop():
     least, largest = reach(load_robot(ROOT / "hardware_profiles" / "pirate_ii").profile)
 
     assert least == pytest.approx(0.048)
-    assert largest == pytest.approx(0.09 * math.sin(math.radians((120 - 10) / 2)) + 0.048)  # eq. 3-2
+    assert largest == pytest.approx(
+        0.09 * math.sin(math.radians((120 - 10) / 2)) + 0.048
+    )  # eq. 3-2
 
 
 @pytest.mark.parametrize(

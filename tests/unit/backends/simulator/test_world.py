@@ -110,7 +110,9 @@ def test_an_unclamped_robot_in_a_flat_pipe_stays(place: Place) -> None:
     assert robot.middle == pytest.approx(start, abs=1e-6)
 
 
-def test_a_start_with_one_part_bent_has_the_other_clamped_on_its_own_walls(machine: Machine) -> None:
+def test_a_start_with_one_part_bent_has_the_other_clamped_on_its_own_walls(
+    machine: Machine,
+) -> None:
     duties = {2: -0.3, 3: -0.7, 4: 0.7}  # the front pushes, the rear is clamped
     pose = StartPose(1.0, duties)
     world = World(machine, Pipe(straight()), Friction(0.7, 0.5), pose, cycle_s=CYCLE_S, seed=1)
