@@ -8,8 +8,8 @@ Each seed shifts the start by up to 20 mm (odometry does not know by how much), 
 passed when the mission succeeds, every wheel is beyond the bend in truth, no part is folded back on
 itself, and forward the nine snapshots of fig. 6-9 are a subsequence of its states.
 
-The rows with an upright leg also count a run that fails and holds: a clamp bears, and the robot stays
-where it is, both in truth. In no row may a run say falsely that it succeeded.
+The rows with an upright leg also count a run that fails and holds: a clamp bears, and the robot
+stays where it is, both in truth. In no row may a run say falsely that it succeeded.
 """
 
 from __future__ import annotations
@@ -118,8 +118,8 @@ def main() -> int:
     good = True
     for row in ROWS:
         if wishes.row is None or row.name in wishes.row:
-            row = replace(row, seeds=wishes.seeds or row.seeds)
-            good &= _show(row, wishes.detector, wishes.start_jitter / 1000, wishes.workers)
+            order = replace(row, seeds=wishes.seeds or row.seeds)
+            good &= _show(order, wishes.detector, wishes.start_jitter / 1000, wishes.workers)
     return 0 if good else 1
 
 
