@@ -16,7 +16,7 @@ help:
 	@echo "make test-browser  a report's page in the Chromium that is installed"
 	@echo "make test-pty the conformance suite in real time, over a pseudo-terminal"
 	@echo "make bench   speed and memory, side by side"
-	@echo "make seeds   the bend mission from 1,000 seeds"
+	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
 	@echo "make defects every known defect of the robot, in several missions"
 	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
 	@echo "make kills   the bend in real time, and something dies at a random moment of it"

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
-from functools import cache
+from dataclasses import dataclass, field, replace
+from functools import cache, partial
 from multiprocessing import get_context
 from os import cpu_count
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from pirate_sm.model.effects import Effect, Fault, StateChange
 
+# Clamps that have just been taken settle for so long; then the robot is watched for so long.
+_SETTLING_S, _WATCHED_S = 5.0, 2.0
+
 if TYPE_CHECKING:
+    from pirate_sm.backends.protocol import Backend
     from pirate_sm.loading.mission import LoadedMission
     from pirate_sm.wiring import Order
 
@@ -43,6 +47,8 @@ class Outcome:
         fell: Whether a robot that had clamped left the pipe or opened every clamp it confirmed.
         arcs_m: Where each wheel ended along the pipe.
         stopped: Whether the last setpoints had every wheel at zero.
+        torques: What each bend joint bears, Nm.
+        slid_m: How far a wheel is carried in two seconds, once the robot has settled after the end.
     """
 
     seed: int
@@ -58,22 +64,37 @@ class Outcome:
     faults: tuple[str, ...]
     held_at_end: bool
     torques: tuple[float, ...]
+    slid_m: float
+
+
+MotorValue: TypeAlias = tuple[str, str, float]
+"""A kind of motor, a key of it, and a value in SI in place of the profile's."""
 
 
 @cache
-def _loaded(mission: str, pipe: str | None) -> LoadedMission:
+def _loaded(mission: str, pipe: str | None, motors: tuple[MotorValue, ...]) -> LoadedMission:
     from pirate_sm.wiring import Order, load
 
-    return load(Order(mission, pipe=pipe))
+    loaded = load(Order(mission, pipe=pipe))
+    profile = loaded.loaded_robot.profile
+    for name, key, value in motors:
+        motor = profile.motors[name].model_copy(update={key: value})
+        profile = profile.model_copy(update={"motors": {**profile.motors, name: motor}})
+    return replace(loaded, loaded_robot=replace(loaded.loaded_robot, profile=profile))
 
 
-def run(order: Order) -> Outcome:
-    """The mission has been run to its end."""
+def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
+    """Run the mission to its end.
+
+    Args:
+        order: What to run.
+        motors: What the simulated motors do in place of what the profile says.
+    """
     from pirate_sm.runtime.companions import FirstChoice
     from pirate_sm.runtime.loop import MissionRun
     from pirate_sm.wiring import prepare
 
-    prepared = prepare(order, _loaded(order.mission, order.pipe))
+    prepared = prepare(order, _loaded(order.mission, order.pipe, motors))
     notes = Notes()
     run_ = MissionRun(
         prepared.engine, prepared.backend, observers=[notes],
@@ -83,19 +104,43 @@ def run(order: Order) -> Outcome:
     assert run_.state is not None
     engine, state = prepared.engine, run_.state
     real = prepared.backend.truth  # type: ignore[attr-defined]
+    slid_m = _slid_m(prepared.backend, result.now_s)
     return Outcome(
         order.seed, result.ended.outcome, result.ended.message, result.exit_code, result.now_s,
         real.distance_m, real.arcs_m, real.gone,
         all(state.robot.values[slot] == 0 for slot in engine.robot.safe_zero),
         tuple(notes.states), tuple(notes.faults),
         bool(engine.robot.held[state.robot.configuration]),
-        real.torques_nm,
+        real.torques_nm, slid_m,
     )  # fmt: skip
 
 
-def run_all(orders: Iterable[Order]) -> list[Outcome]:
-    """Every mission has been run, on all processors; outcomes in the order of the orders."""
+def _slid_m(backend: Backend, now_s: float) -> float:
+    """Return how far a wheel is carried when the last setpoints stay in force for a while."""
+    places = []
+    for end_s in (now_s + _SETTLING_S, now_s + _SETTLING_S + _WATCHED_S):
+        while now_s < end_s:
+            now_s, _ = backend.advance(end_s)
+        places.append(backend.truth.arcs_m)  # type: ignore[attr-defined]
+    return max(abs(new - old) for old, new in zip(*places, strict=True))
+
+
+def run_all(
+    orders: Iterable[Order],
+    *,
+    workers: int | None = None,
+    motors: tuple[MotorValue, ...] = (),
+) -> list[Outcome]:
+    """Run every mission; return the outcomes in the order of the orders.
+
+    Args:
+        orders: What to run.
+        workers: How many processes share the work; one for each processor by default. The
+            outcomes are the same for any number.
+        motors: What the simulated motors do in place of what the profile says.
+    """
     wanted = list(orders)
-    run(wanted[0])  # compiles the simulator once, before the others need it
-    with ProcessPoolExecutor(cpu_count() or 1, mp_context=get_context("spawn")) as pool:
-        return list(pool.map(run, wanted, chunksize=max(1, len(wanted) // 64)))
+    one = partial(run, motors=motors)
+    one(wanted[0])  # compiles the simulator once, before the others need it
+    with ProcessPoolExecutor(workers or cpu_count() or 1, mp_context=get_context("spawn")) as pool:
+        return list(pool.map(one, wanted, chunksize=max(1, len(wanted) // 64)))

@@ -12,7 +12,7 @@ from pirate_sm.spelling import nearest, one_of
 
 MOTOR_NEEDS = {
     "sprung_worm": ("stall_torque", "stall_current", "no_load_speed", "stiffness"),
-    "geared": ("stall_torque", "stall_current", "no_load_speed"),
+    "geared": ("stall_torque", "stall_current", "no_load_speed", "hold_torque", "dead_drag"),
     "position": ("no_load_speed",),
     "light": (),
     "none": (),

@@ -22,7 +22,7 @@ from pirate_sm.loading.robot_signals import Signals
 from pirate_sm.model import criteria
 from pirate_sm.model import profile as model
 from pirate_sm.spelling import nearest, one_of
-from pirate_sm.units import describe
+from pirate_sm.units import ANGLE, Quantity, describe
 
 
 def resolve_parts(
@@ -76,15 +76,19 @@ def resolve_commands(
 def resolve_faults(
     profile: model.Profile, signals: Signals, problems: Problems
 ) -> tuple[FaultSpec, ...]:
-    """One rule per fault and, with ``for_each``, per number that is written out in it."""
+    """Return one rule per fault and, with ``for_each``, per number that is written out in it.
+
+    Conditions may use the end stop of each joint, as ``$`` and the joint's name and ``_stop``.
+    """
     rules: list[FaultSpec] = []
+    stops = {f"{j.name}_stop": Quantity(j.end_stop, ANGLE) for j in profile.body.joints}
     for number, fault in enumerate(profile.faults):
         for index in fault.for_each or (None,):
             when, message = fault.when, fault.message
             if index is not None:
                 when, message = when.replace("{i}", str(index)), message.replace("{i}", str(index))
             try:
-                condition = compile_condition(when, signals.vocabulary)
+                condition = compile_condition(when, signals.vocabulary, stops)
             except ExpressionError as error:
                 problems.add_expression(("faults", number, "when"), error)
                 break

@@ -68,6 +68,8 @@ class Motor(Frozen):
         stall_torque: Torque at full duty when it stands.
         stall_current: Current at full duty when it stands.
         no_load_speed: Speed at full duty without load.
+        hold_torque: Torque that turns a geared motor against its gearbox at duty 0.
+        dead_drag: Torque with which a geared motor drags that has failed.
         stiffness: Of the series spring.
         position_loop: How a duty slot is brought to an angle.
     """
@@ -76,6 +78,8 @@ class Motor(Frozen):
     stall_torque: Torque | None = None
     stall_current: Current | None = None
     no_load_speed: AngularSpeed | None = None
+    hold_torque: Torque | None = None
+    dead_drag: Torque | None = None
     stiffness: Stiffness | None = None
     position_loop: PositionLoop | None = None
 
@@ -221,7 +225,8 @@ class FaultRule(Frozen):
 
     Attributes:
         code: The fault's code, ``family.detail``.
-        when: The condition; ``{i}`` stands for each of ``for_each``.
+        when: The condition; ``{i}`` stands for each of ``for_each``, ``$JOINT_stop`` for the end
+            stop of a joint.
         held: How long it must have been true without a break.
         message: What people read.
         catchable: ``false`` for what no mission may handle.

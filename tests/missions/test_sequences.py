@@ -10,7 +10,7 @@ import pytest
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.problems import LoadError
-from pirate_sm.model.effects import CommandStatus, StateChange
+from pirate_sm.model.effects import CommandStatus, Fault, StateChange
 
 SHIPPED = library.missions()
 PRINTED = Path(__file__).parent / "enter_3d_as_printed.yaml"
@@ -140,6 +140,13 @@ def test_a_stuck_robot_ends_clamped_and_says_so(run, tmp_path, mission):
     assert record.ended.outcome == "failed"
     assert "both parts clamped, after robot.stuck" in record.ended.message
     assert record.states[-1][:3] == ("Fixed", "Fixed", "DoubleClamped")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_stuck_robot_that_opens_to_118_deg_has_not_lost_its_clamp(run, tmp_path, seed):
+    pipe = _changed(tmp_path, "mitre_90", blockages="[{at: 850 mm, lasting: 1 h}]")
+    record = run("mitre_bend", backend="sim", pipe=pipe, seed=seed)
+    assert {fault.code for fault in record.of(Fault)} == {"robot.stuck"}
 
 
 def test_a_falling_robot_is_noticed_and_keeps_its_clamps(run, tmp_path):

@@ -22,6 +22,7 @@ class WheelBody:
         rate_rad_s: Speed without load at full duty; 0 for a wheel without a working motor.
         stall_nm: Torque at which a driven wheel stands still.
         hold_nm: Torque that turns it against its gearbox at duty 0.
+        dead_drag_nm: Torque with which it drags once its motor has failed.
     """
 
     mass_kg: float
@@ -29,6 +30,7 @@ class WheelBody:
     rate_rad_s: float
     stall_nm: float
     hold_nm: float
+    dead_drag_nm: float
 
 
 @dataclass(frozen=True)

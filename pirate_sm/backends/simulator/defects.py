@@ -20,8 +20,6 @@ from pirate_sm.spelling import nearest
 
 Counts: TypeAlias = list[float]
 
-# A stuck magnet or a drag is felt through gears; without a number in the profile, this is it.
-_DRAG_NM = 0.05
 _WANDER_EVERY_S = 0.5
 _WANDER_DUTY = 0.3
 
@@ -92,7 +90,8 @@ class DeadWheel(Effect):
         """The wheels drag and their channels stand at zero."""
         for name in self.defect.wheels:
             wheel = self.world.machine.wheels[name]
-            self.world.disable_wheel(wheel, self.defect.friction or _DRAG_NM)
+            drag = self.defect.friction or self.world.machine.chain.wheels[wheel].dead_drag_nm
+            self.world.disable_wheel(wheel, drag)
             self.world.mute_wheel(wheel)
 
 

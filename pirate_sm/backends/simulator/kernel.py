@@ -76,6 +76,11 @@ _MARGIN_M = 0.002
 _WHEEL_FILTER = 0.5  # of x_velocity, a mean of angle differences (thesis B-11)
 # The motor side of a spring may wind this far beyond the joint's own end stop.
 _WINDING_RAD = 0.6
+# Share of a force's limit from which it has reached it.
+_REACHED = 0.9999
+# Shares of the longest anchor: the kinetic friction holds from the first on, and one whose wheel
+# does not slip stays below it.
+_SLIPPED, _STUCK = 0.999, 0.998
 # Farther from its end stops than this, a joint cannot reach them in one substep.
 _STOP_RAD = 0.1
 
@@ -193,7 +198,7 @@ def _prepare_contacts(
             con[c, C_MU] = 0.0
             continue
         held = anchor[i, who[c, KEY]]
-        slipping = abs(held) >= 0.999 * world[ANCHOR_MAX]
+        slipping = abs(held) >= _SLIPPED * world[ANCHOR_MAX]
         con[c, C_MU] = body[i, MU_KINETIC] if slipping else body[i, MU_STATIC]
         con[c, C_FORCE] = w[i, FORCE]
         con[c, C_SLOPE] = w[i, SLOPE]
@@ -484,8 +489,9 @@ def _turn_wheels(
 ) -> None:
     """Wheels have turned, and rolling that was left unsolved is carried on as the anchor.
 
-    Without the anchor a hold creeps and the driven distance is wrong by percents. A wheel whose
-    motor is overcome turns with the wall, one that slips turns with its motor.
+    Without the anchor a hold creeps and the driven distance is wrong by percents. A wheel slips,
+    and turns with its motor, only where the force along the wall has reached its friction: one
+    that is blocked may leave much unsolved although it grips. All others turn with the wall.
     """
     radius = world[RADIUS]
     bound = world[ANCHOR_MAX]
@@ -500,12 +506,13 @@ def _turn_wheels(
         left = con[c, TARGET] - rolled - con[c, C_SLOPE] * force
         tally[i, T_DRIVE] += abs(force)
         tally[i, T_GRIP] += force
-        grips = con[c, C_FORCE] < con[c, C_MU] * con[c, PUSH]
-        stalled = grips and abs(force) >= 0.9999 * con[c, C_FORCE]
+        friction = con[c, C_MU] * con[c, PUSH]
+        stalled = con[c, C_FORCE] < friction and abs(force) >= _REACHED * con[c, C_FORCE]
+        slips = abs(left) >= bound and not stalled and abs(force) >= _REACHED * friction
         if not stalled:
-            anchor[i, who[c, KEY]] = min(max(left, -bound), bound)
+            most = bound if slips else _STUCK * bound
+            anchor[i, who[c, KEY]] = min(max(left, -most), most)
         if touch[i] == c:
-            slips = abs(left) >= bound and not stalled
             wheel[i] += w[i, SPIN] - con[c, C_SLOPE] * force / radius if slips else rolled / radius
     for i in range(n):
         if touch[i] < 0:

@@ -122,13 +122,13 @@ def _chain(profile: model.Profile, wheels: dict[str, int], joints: dict[str, int
             motor = profile.motors[slot.motor]
             if slot.wheel is not None:
                 i = wheels[slot.wheel]
-                stall = _needed(motor.stall_torque, slot.motor, "stall_torque")
                 made[i] = WheelBody(
                     body.wheels[i].mass,
                     _motor_link(modules, board.module, i),
                     _needed(motor.no_load_speed, slot.motor, "no_load_speed"),
-                    stall,
-                    stall,
+                    _needed(motor.stall_torque, slot.motor, "stall_torque"),
+                    _needed(motor.hold_torque, slot.motor, "hold_torque"),
+                    _needed(motor.dead_drag, slot.motor, "dead_drag"),
                 )
             elif slot.joint is not None:
                 springs[joints[slot.joint]] = JointBody(
@@ -141,7 +141,7 @@ def _chain(profile: model.Profile, wheels: dict[str, int], joints: dict[str, int
             elif slot.roll is not None:
                 roll_rate = _needed(motor.no_load_speed, slot.motor, "no_load_speed")
     for i, wheel in enumerate(body.wheels):
-        made.setdefault(i, WheelBody(wheel.mass, max(i - 1, 0), 0.0, 1.0, 0.0))
+        made.setdefault(i, WheelBody(wheel.mass, max(i - 1, 0), 0.0, 1.0, 0.0, 0.0))
     return ChainBody(
         tuple(made[i] for i in range(len(body.wheels))),
         tuple(LinkBody(link.length, link.mass) for link in body.links),

@@ -224,15 +224,16 @@ def _place(state: ChainState, machine: Machine, pipe: Pipe, pose: StartPose) -> 
         UsageError: It does not fit there; says why.
     """
     chain = machine.chain
-    held = [duty for wheel, duty in sorted(pose.duties.items()) if duty != 0.0]
+    held = {wheel: duty for wheel, duty in sorted(pose.duties.items()) if duty != 0.0}
     height = pipe.shape.diameter_m - 2.0 * chain.wheel_radius_m if held else 0.0
     if any(height >= link.length_m for link in chain.links):
         raise UsageError("the robot cannot be clamped in so wide a pipe")
-    # Joints alternate: that of an odd wheel with a negative duty has its V open to side B.
-    first = min((w for w, duty in pose.duties.items() if duty != 0.0), default=1)
+    # Joints alternate: that of an odd wheel with a negative duty has its V open to side B. The
+    # strongest duty is that of a clamp; a part that bends is pushed with less, to either side.
     side = 1.0
     if held:
-        side = math.copysign(1.0, -pose.duties[first]) * (1.0 if first % 2 else -1.0)
+        strongest = max(held, key=lambda wheel: abs(held[wheel]))
+        side = math.copysign(1.0, -held[strongest]) * (1.0 if strongest % 2 else -1.0)
     arc = pose.arc_m
     leg = pipe.leg_at(arc)
     tilts = []

@@ -215,13 +215,13 @@ def test_a_joint_at_its_end_stop_and_one_beyond_it_are_told(
     facts = examine()
     first, *others = facts.boards
     angle, *rest = first.channels
-    moved = replace(angle, value=2.6, raw=1695.0)
+    moved = replace(angle, value=2.08, raw=1356.0)
 
     again = judged(
         replace(facts, boards=(replace(first, channels=(moved, *rest)), *others)), subject
     )
 
-    assert "gamma_1 is at its end stop (150 deg either way)" in messages(again, "suspicious")
+    assert "gamma_1 is at its end stop (120 deg either way)" in messages(again, "suspicious")
 
 
 def test_an_accelerometer_that_does_not_feel_gravity_is_told(

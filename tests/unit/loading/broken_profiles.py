@@ -79,6 +79,8 @@ FAULTS = [
         "0 mNm",
         "`stall_torque` must be more than 0",
     ),
+    ("    hold_torque: 160 mNm\n", "", "track:", "a motor of the kind geared needs `hold_torque`"),
+    ("    dead_drag: 30 mNm\n", "", "track:", "a motor of the kind geared needs `dead_drag`"),
     ("motor: bulb", "motor: bulp", "bulp", "there is no motor 'bulp'"),
     ("{name: drive_b", "{name: drive_a", "drive_a", "'drive_a' stands here twice"),
     (

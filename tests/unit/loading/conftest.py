@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -70,6 +71,12 @@ def newt(tmp_path: Path) -> Callable[..., list[str]]:
         return said(lambda: changed_newt(tmp_path, file, *swaps), tmp_path / "newt")
 
     return change
+
+
+@pytest.fixture
+def loaded_newt(tmp_path: Path) -> Callable[..., LoadedRobot]:
+    """A small robot in whose files something has been put for something else."""
+    return partial(changed_newt, tmp_path)
 
 
 def changed_newt(folder: Path, file: str, *swaps: tuple[str, str]) -> LoadedRobot:

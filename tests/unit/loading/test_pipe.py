@@ -34,16 +34,18 @@ def test_a_shipped_pipe_loads(path):
     assert document.name
 
 
-def test_the_reach_is_that_of_a_folded_v():
+def test_the_reach_leaves_a_folded_v_room_before_its_end_stop():
     least, largest = reach(load_robot(ROOT / "hardware_profiles" / "pirate_ii").profile)
 
     assert least == pytest.approx(0.048)
-    assert largest == pytest.approx(0.09 * math.sin(math.radians(75)) + 0.048)  # eq. 3-2
+    assert largest == pytest.approx(
+        0.09 * math.sin(math.radians((120 - 10) / 2)) + 0.048
+    )  # eq. 3-2
 
 
 @pytest.mark.parametrize(
     ("diameter", "fits"),
-    [("48 mm", False), ("49 mm", True), ("120 mm", True), ("134.9 mm", True), ("135 mm", False)],
+    [("48 mm", False), ("49 mm", True), ("120 mm", True), ("121.7 mm", True), ("122 mm", False)],
 )
 def test_a_pipe_fits_within_the_reach(faults, diameter, fits):
     said = faults(mission(f"{{diameter: {diameter}, {STRAIGHT}}}"))
@@ -56,7 +58,16 @@ def test_a_pipe_that_does_not_fit_is_told_with_both_numbers(load):
         load(mission(f"{{diameter: 200 mm, {STRAIGHT}}}"))
 
     assert "m.yaml:4:18: pirate_ii cannot clamp an inner diameter of 200 mm" in str(caught.value)
-    assert "expected more than 48 mm and at most 134.9 mm" in str(caught.value)
+    assert "expected more than 48 mm and at most 121.7 mm" in str(caught.value)
+
+
+def test_a_pipe_in_which_most_bends_failed_is_refused_with_both_numbers(faults, load):
+    with pytest.raises(LoadError) as caught:
+        load(mission(f"{{diameter: 124 mm, {STRAIGHT}}}"))
+
+    assert "cannot clamp an inner diameter of 124 mm" in str(caught.value)
+    assert "at most 121.7 mm" in str(caught.value)
+    assert "10 deg before its end stop" in str(caught.value)
 
 
 def test_a_pipe_from_a_file_is_told_with_its_own_place(faults):

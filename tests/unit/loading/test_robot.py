@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -141,3 +142,24 @@ def test_a_board_that_is_not_fitted_leaves_its_signals_unknown(newt, tmp_path):
     assert 40 not in robot.boards
     assert "roll_a" in robot.vocabulary.numbers
     assert len(robot.slots) == 7, "its place on the wire stays"
+
+
+@pytest.mark.parametrize(("stop_deg", "angle_deg", "lost"), [
+    (130, 127.9, False), (130, 128.1, True), (130, -128.1, True), (110, 108.1, True),
+])  # fmt: skip
+def test_a_fault_rule_follows_the_end_stop_of_a_joint(loaded_newt, stop_deg, angle_deg, lost):
+    robot = loaded_newt(
+        "profile.yaml",
+        ("end_stop: 130 deg", f"end_stop: {stop_deg} deg"),
+        ("when: amps_a > 280 mA", "when: abs(neck) > $neck_stop - 2 deg"),
+    ).normal  # fmt: skip
+    rule = next(fault for fault in robot.faults if fault.code == "motor.hot")
+    numbers = [math.nan] * len(robot.vocabulary.numbers)
+    numbers[robot.vocabulary.numbers.index("neck")] = math.radians(angle_deg)
+    words = [None] * len(robot.vocabulary.words)
+    assert rule.when.evaluate(numbers, words) is lost
+
+
+def test_a_fault_rule_with_the_end_stop_of_no_joint_is_told(newt):
+    said = newt("profile.yaml", ("when: amps_a > 280 mA", "when: abs(neck) > $nek_stop"))
+    assert said == ["profile.yaml:166:23: there is no parameter '$nek_stop'"]

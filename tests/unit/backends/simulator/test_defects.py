@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from pirate_sm.backends.simulator import kernel
 from pirate_sm.backends.simulator.defects import Effect, make_effects
 from pirate_sm.errors import UsageError
 from pirate_sm.model.events import FaultReport
@@ -31,6 +32,14 @@ def shown(robot: Driver, made: Effect, now: float, name: str) -> float | None:
     world.advance(0, len(world.raw))
     counts = made.frame(now, board.board, board.first, world.raw[board.first : board.last].tolist())
     return None if counts is None else counts[world.machine.places[name] - board.first]
+
+
+def test_a_dead_wheel_drags_as_the_profile_says_of_its_motor(place: Place) -> None:
+    robot = place(straight())
+    effect(robot, "dead_wheel", wheels=("wheel_3",)).begin()
+    drag = robot.world.machine.chain.wheels[2].dead_drag_nm
+    assert drag == pytest.approx(0.05)
+    assert robot.world.body[2, kernel.WHEEL_HOLD] == drag
 
 
 def test_a_dead_wheel_drags_and_shows_nothing(place: Place) -> None:

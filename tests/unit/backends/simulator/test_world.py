@@ -6,11 +6,14 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from pirate_sm.backends.simulator.chain import Friction
+from pirate_sm.backends.simulator.geometry import Pipe
 from pirate_sm.backends.simulator.machine import Machine, machine_of
+from pirate_sm.backends.simulator.world import StartPose, World
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
 
-from .conftest import DIAMETER_M, Driver, bend, straight, vertical
+from .conftest import CYCLE_S, DIAMETER_M, Driver, bend, straight, vertical
 
 Place = Callable[..., Driver]
 
@@ -107,8 +110,33 @@ def test_an_unclamped_robot_in_a_flat_pipe_stays(place: Place) -> None:
     assert robot.middle == pytest.approx(start, abs=1e-6)
 
 
-def test_wheels_slip_against_an_obstacle(place: Place) -> None:
-    robot = place(straight(), at=1.0)
+def test_a_start_with_one_part_bent_has_the_other_clamped_on_its_own_walls(
+    machine: Machine,
+) -> None:
+    duties = {2: -0.3, 3: -0.7, 4: 0.7}  # the front pushes, the rear is clamped
+    pose = StartPose(1.0, duties)
+    world = World(machine, Pipe(straight()), Friction(0.7, 0.5), pose, cycle_s=CYCLE_S, seed=1)
+    assert [side > 0 for side in world.values("side")] == [True, False] * 3
+
+
+@pytest.mark.parametrize("duty", [0.3, 0.7])
+def test_a_blocked_wheel_that_grips_does_not_turn(place: Place, duty: float) -> None:
+    robot = place(straight(), at=1.0, friction=(0.7, 0.5))
+    robot.clamp(*ALL_JOINTS, duty=duty)
+    robot.run(1.0)
+    robot.world.block(0, 1.1, ahead=True)
+    robot.drive(1.0)
+    robot.run(3.0)
+    before = np.array(robot.world.values("wheel"))
+    robot.run(1.0)
+    forces = np.abs(robot.world.values("grip")) / np.array(robot.world.values("press"))
+    assert forces[0] < 0.2  # it grips: 0.7 would let it slip
+    assert forces.max() < 0.5
+    assert 0.024 * np.abs(np.array(robot.world.values("wheel")) - before).max() < 5e-4
+
+
+def test_wheels_slip_against_an_obstacle_where_friction_is_low(place: Place) -> None:
+    robot = place(straight(), at=1.0, friction=(0.08, 0.06))
     robot.clamp(*ALL_JOINTS, duty=0.3)
     robot.run(1.0)
     robot.world.block(0, 1.1, ahead=True)
@@ -142,13 +170,39 @@ def test_a_mirrored_start_is_clamped_on_the_other_walls(place: Place) -> None:
     assert min(robot.world.values("press")) > 2.0
 
 
-def test_joints_stop_at_their_end_stops(place: Place) -> None:
+@pytest.mark.parametrize(("hold_mnm", "turns"), [(300, False), (20, True)])
+def test_a_wheel_at_duty_0_resists_with_its_hold_torque(
+    profile: Profile, place: Place, hold_mnm: float, turns: bool
+) -> None:
+    robot = place(vertical(), at=4.5, robot=machine_of(_wheels(profile, hold_torque=hold_mnm)))
+    robot.run(0.2)
+    before = robot.world.values("wheel")
+    robot.run(0.5)
+    turned = [abs(b - a) for a, b in zip(before, robot.world.values("wheel"), strict=True)]
+    # The robot weighs 7.6 N, which is 31 mNm at each of its six wheels.
+    assert (min(turned) > 1.0) is turns
+    assert (max(turned) < 1e-3) is not turns
+
+
+def test_hold_torque_and_dead_drag_are_those_of_the_profile(profile: Profile) -> None:
+    made = machine_of(_wheels(profile, hold_torque=123, dead_drag=45)).chain.wheels
+    assert {(wheel.hold_nm, wheel.dead_drag_nm) for wheel in made} == {(0.123, 0.045)}
+
+
+def _wheels(profile: Profile, **torques_mnm: float) -> Profile:
+    """The robot with other torques of its wheel motors."""
+    changed = {key: value / 1000 for key, value in torques_mnm.items()}
+    motor = profile.motors["wheel"].model_copy(update=changed)
+    return profile.model_copy(update={"motors": {**profile.motors, "wheel": motor}})
+
+
+def test_a_joint_that_no_pipe_holds_back_folds_to_120_deg_and_no_farther(place: Place) -> None:
     robot = place(straight(), clamped=0.0)
     # Far outside the pipe, where nothing holds a joint back.
     robot.world.state.position[:, 0] -= 5.0
     robot.world.command[4] = 1.0
     robot.run(6.0)
-    assert math.degrees(robot.world.values("bend")[4]) == pytest.approx(150.0, abs=1.0)
+    assert math.degrees(robot.world.values("bend")[4]) == pytest.approx(120.0, abs=1.0)
 
 
 def test_rolling_the_free_part_leaves_the_clamped_one(place: Place) -> None:

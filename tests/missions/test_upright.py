@@ -1,0 +1,71 @@
+"""The bend with an upright leg: it passes, or it ends holding and says why."""
+
+from __future__ import annotations
+
+import shutil
+
+import pytest
+
+from pirate_sm.loading import library
+from pirate_sm.model.effects import Fault
+
+CROSSING_M = 1.0
+UPRIGHT = ["mitre_90_from_below", "mitre_90_from_above", "mitre_90_up", "mitre_90_down"]
+JITTER = {"start_jitter_m": 0.02, "friction_jitter": 0.2, "diameter_jitter_m": 0.002}
+
+
+@pytest.mark.parametrize("pipe", UPRIGHT)
+@pytest.mark.parametrize("seed", [1, 2, 10])
+def test_the_bend_is_passed_from_and_to_an_upright_leg(run, pipe, seed):
+    record = run("mitre_bend_upright", backend="sim", pipe=pipe, seed=seed, **JITTER)
+    assert record.ended.outcome == "succeeded", record.ended.message
+    assert min(record.prepared.backend.truth.arcs_m) > CROSSING_M
+    assert record.of(Fault) == []
+
+
+@pytest.fixture
+def late(tmp_path):
+    """The mission for an upright leg that moves its clamping too late, so that it slides."""
+    for name in ("prepare_bend", "pass_bend", "mitre_bend_upright"):
+        shutil.copy(library.find_mission(name), tmp_path)
+    shutil.copytree(library.find_pipe("mitre_90").parent, tmp_path / "pipes")
+    path = tmp_path / "mitre_bend_upright.yaml"
+    text = path.read_text("utf-8")
+    right = "when: gamma_2 < -2 deg and gamma_2 > -30 deg,"
+    assert right in text
+    path.write_text(text.replace(right, "when: detector == in, held: 200 ms,"), "utf-8")
+    return path
+
+
+@pytest.mark.parametrize("seed", [2, 6, 10])
+def test_a_part_that_slides_while_it_holds_alone_is_a_fault_and_is_answered(run, late, seed):
+    record = run(late, backend="sim", pipe="mitre_90_from_below", seed=seed, **JITTER)
+    assert [(fault.code, fault.handling) for fault in record.of(Fault)] == [
+        ("clamp.slipping", "regrip")
+    ]
+    assert record.ended.outcome == "failed"
+    assert "Holding, both parts clamped, after clamp.slipping" in record.ended.message
+    backend = record.prepared.backend
+    places = []
+    now = 0.0
+    for until in (200.0, 210.0):  # the springs settle for some seconds after the last command
+        while now < until:
+            now, _ = backend.advance(until)
+        places.append(backend.truth.arcs_m)
+    assert places[1] == pytest.approx(places[0], abs=1e-3)
+
+
+def test_the_wheels_of_a_part_that_slides_do_not_show_it(run, late):
+    """Braked wheels slide on their tyres; `speed` and `odometry` cannot tell of it."""
+    record = run(late, backend="sim", pipe="mitre_90_from_below", seed=10, **JITTER)
+    truth = record.prepared.backend.truth
+    assert max(truth.arcs_m[:3]) < 1.15  # wheel 1 was at 1.19 m when the rear was relaxed
+    assert record.ended.outcome == "failed"
+
+
+@pytest.mark.parametrize("mission", ["mitre_bend", "mitre_bend_backward", "exp_2c_tilted"])
+@pytest.mark.parametrize("seed", [3, 4])
+def test_a_part_that_holds_alone_in_a_flat_bend_is_not_said_to_slide(run, mission, seed):
+    record = run(mission, backend="sim", seed=seed, **JITTER)
+    assert record.ended.outcome == "succeeded", record.ended.message
+    assert record.of(Fault) == []
