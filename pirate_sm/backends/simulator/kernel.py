@@ -37,8 +37,8 @@ LEG_COLUMNS = 9
 # magnetic field in the axes of the drawing.
 DT, ITERATIONS, RADIUS, HALF_THICKNESS, CONTACT_COMPLIANCE, ANCHOR_MAX, DEPTH = range(7)
 BLOCK_NODE, BLOCK_X, BLOCK_Y, BLOCK_NX, BLOCK_NY = range(7, 12)
-ROLL_LINK, ROLL_TARGET, ROLL_RATE, MAG_X, MAG_Y, MAG_Z = range(12, 18)
-WORLD_ENTRIES = 18
+ROLL_LINK, ROLL_TARGET, ROLL_RATE, MAG_X, MAG_Y, MAG_Z, ROLL_STALL = range(12, 19)
+WORLD_ENTRIES = 19
 
 # Columns of `channels`: count = gain * quantity + offset + noise.
 C_SOURCE, C_GAIN, C_OFFSET, C_SIGMA, C_ABS = range(5)
@@ -578,24 +578,43 @@ def _prepare(
 
 @compiled
 def _turn_roll(
-    n: int, roll: Floats, world: Floats, passed: float, tally: Floats, out: Floats
+    n: int, roll: Floats, body: Floats, legs: Floats, world: Floats, passed: float, out: Floats
 ) -> None:
-    """The roll joint has turned towards its target: the part that is held less gives way."""
+    """Turn the roll joint towards its target, as far as one of the parts can turn.
+
+    A part that presses on the walls with more than its own weight is wedged and does not turn.
+    One that only lies there turns against the friction of its wheels, with the lever of the
+    pipe's radius. Where both parts could turn, the one that presses less does.
+
+    The current is the share of the stall torque that the motor gives: all of it while it stalls.
+    """
     k = len(PER_WHEEL) * n
-    reach = world[ROLL_RATE] * passed
-    turn = min(max(world[ROLL_TARGET] - roll[0], -reach), reach)
-    out[k + 1] = 0.0
-    if turn != 0.0:
-        balance = 0.0
-        for i in range(n):
-            balance += tally[i, T_PRESS] if i <= world[ROLL_LINK] else -tally[i, T_PRESS]
-        roll[0] += turn
-        if balance <= 0.0:
-            roll[1] += turn
-        else:
-            roll[2] -= turn
-        out[k + 1] = abs(turn) / reach
     out[k] = roll[0]
+    out[k + 1] = 0.0
+    wanted = world[ROLL_TARGET] - roll[0]
+    if wanted == 0.0:
+        return
+    gravity = np.sqrt(legs[0, L_GT] ** 2 + legs[0, L_GN] ** 2 + legs[0, L_GB] ** 2)
+    part, least, friction = 0, np.inf, 0.0
+    for half in (1, 2):
+        press, weight, torque = 0.0, 0.0, 0.0
+        for i in range(n):
+            if (i <= world[ROLL_LINK]) == (half == 1):
+                press += out[6 * n + i]
+                weight += gravity / body[i, MASS_INV]
+                torque += body[i, MU_STATIC] * out[6 * n + i] * world[DEPTH]
+        if press <= weight and press < least:
+            part, least, friction = half, press, torque
+    load = friction / world[ROLL_STALL]
+    if part == 0 or load >= 1.0:
+        out[k + 1] = 1.0
+        return
+    reach = world[ROLL_RATE] * (1.0 - load) * passed
+    turn = min(max(wanted, -reach), reach)
+    roll[0] += turn
+    roll[part] += turn if part == 1 else -turn
+    out[k] = roll[0]
+    out[k + 1] = load
 
 
 @compiled
@@ -740,7 +759,7 @@ def advance(
         out[5 * n + i] = tally[i, T_DRIVE] * per_step * world[RADIUS]
         out[6 * n + i] = tally[i, T_PRESS] * per_step
         out[10 * n + i] = tally[i, T_GRIP] * per_step
-    _turn_roll(n, roll, world, passed, tally, out)
+    _turn_roll(n, roll, body, legs, world, passed, out)
     accel_x = (vel[imu, 0] - vx) / passed
     accel_y = (vel[imu, 1] - vy) / passed
     _feel(n, pos, accel_x, accel_y, legs, world, roll, out, w)
