@@ -76,6 +76,9 @@ _MARGIN_M = 0.002
 _WHEEL_FILTER = 0.5  # of x_velocity, a mean of angle differences (thesis B-11)
 # The motor side of a spring may wind this far beyond the joint's own end stop.
 _WINDING_RAD = 0.6
+# A part that lies in the pipe presses with its weight and what its slack joints still bear, up to
+# 1.1 weights; one that was clamped and is relaxed presses with at least 4 weights.
+_LYING_WEIGHTS = 2.0
 # Farther from its end stops than this, a joint cannot reach them in one substep.
 _STOP_RAD = 0.1
 
@@ -582,8 +585,8 @@ def _turn_roll(
 ) -> None:
     """Turn the roll joint towards its target, as far as one of the parts can turn.
 
-    A part that presses on the walls with more than its own weight is wedged and does not turn.
-    One that only lies there turns against the friction of its wheels, with the lever of the
+    A part that presses on the walls with much more than its own weight is wedged and does not
+    turn. One that only lies there turns against the friction of its wheels, with the lever of the
     pipe's radius. Where both parts could turn, the one that presses less does.
 
     The current is the share of the stall torque that the motor gives: all of it while it stalls.
@@ -603,7 +606,7 @@ def _turn_roll(
                 press += out[6 * n + i]
                 weight += gravity / body[i, MASS_INV]
                 torque += body[i, MU_STATIC] * out[6 * n + i] * world[DEPTH]
-        if press <= weight and press < least:
+        if press <= _LYING_WEIGHTS * weight and press < least:
             part, least, friction = half, press, torque
     load = friction / world[ROLL_STALL]
     if part == 0 or load >= 1.0:
