@@ -69,11 +69,18 @@ class SlotSpec:
 
 
 class Write(NamedTuple):
-    """What a stage does to a slot: ``set`` a value, ``seek`` an angle by our loop, ``keep``."""
+    """What a stage does to a slot: ``set`` a value, ``seek`` an angle by our loop, ``keep``.
+
+    Attributes:
+        value: The value, or the angle in rad.
+        share_of: Number index of the angle that ``value`` is multiplied by when the stage begins;
+            -1 where ``value`` is the angle itself.
+    """
 
     slot: int
     how: Literal["set", "seek", "keep"]
     value: float
+    share_of: int = -1
 
 
 StageSpec: TypeAlias = tuple[Write, ...]
@@ -137,14 +144,41 @@ CriterionSpec: TypeAlias = (
 
 
 @dataclass(frozen=True)
+class PostureSpec:
+    """What a command brings the joints to before its states' own actuation.
+
+    Attributes:
+        name: Of the posture, for people.
+        writes: Its setpoints.
+        done: What shows, besides every joint at its angle, that it has been reached.
+        refuse: Why the command is impossible here; empty where it is not.
+    """
+
+    name: str
+    writes: StageSpec
+    done: CriterionSpec
+    refuse: str = ""
+
+
+@dataclass(frozen=True)
 class CommandSpec:
-    """A command beyond the chart."""
+    """A command beyond the chart.
+
+    Attributes:
+        postures: By the configuration that it leads to, the posture that comes first, or None;
+            empty for a command that needs none anywhere.
+    """
 
     name: str
     done: CriterionSpec
     timeout_s: float
     nominal_s: float
     lets_go: bool
+    postures: tuple[PostureSpec | None, ...] = ()
+
+    def posture(self, configuration: int) -> PostureSpec | None:
+        """The posture that comes first where the command leads to this configuration."""
+        return self.postures[configuration] if self.postures else None
 
 
 @dataclass(frozen=True)
