@@ -139,7 +139,7 @@ def watch(
             return _complete(robot, state, sensing, "nominal duration has passed", effects)
         return state, None
     since_s, done = motion.since_s, criterion_of(robot, motion)
-    if is_done(state, motion, done, sensing):
+    if is_done(robot, state, motion, done, sensing):
         since_s = now if isnan(since_s) else since_s
         held_s = must_hold_s(done, sensing.numbers, state.loops)
         if free and has_come(now, since_s + held_s):

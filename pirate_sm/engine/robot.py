@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from math import nan
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.engine.chart_table import ChartTable
@@ -151,12 +152,14 @@ class PostureSpec:
         name: Of the posture, for people.
         writes: Its setpoints.
         done: What shows, besides every joint at its angle, that it has been reached.
+        within_rad: How far a joint may be from its angle; NaN for the threshold of its loop.
         refuse: Why the command is impossible here; empty where it is not.
     """
 
     name: str
     writes: StageSpec
     done: CriterionSpec
+    within_rad: float = nan
     refuse: str = ""
 
 

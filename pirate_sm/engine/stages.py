@@ -52,11 +52,29 @@ def unknown_angle(robot: RobotSpec, stage: StageSpec, sensing: Sensing) -> str:
     return ""
 
 
-def is_done(state: RobotState, motion: Motion, done: CriterionSpec, sensing: Sensing) -> bool:
+def is_done(
+    robot: RobotSpec, state: RobotState, motion: Motion, done: CriterionSpec, sensing: Sensing
+) -> bool:
     """Whether the stage in force is done; a posture also needs every joint at its angle."""
-    if not holds(done, sensing.numbers, state.values, state.loops):
+    if motion.blind or not holds(done, sensing.numbers, state.values, state.loops):
         return False
-    return motion.stage != POSTURE or all(loop.arrived(sensing.numbers) for loop in state.loops)
+    return not _away(robot, state, motion, sensing)
+
+
+def _away(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing) -> list[str]:
+    """Names of the joints that are not at the angle which the posture under way gives them."""
+    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
+    if posture is None:
+        return []
+    names, numbers = robot.vocabulary.numbers, sensing.numbers
+    return [
+        names[loop.angle]
+        for loop in state.loops
+        if not (
+            loop.arrived(numbers)
+            or abs(loop.target_rad - numbers[loop.angle]) <= posture.within_rad
+        )
+    ]
 
 
 def why_late(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing) -> str:
@@ -64,8 +82,7 @@ def why_late(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensi
     posture = posture_of(robot, motion) if motion.stage == POSTURE else None
     if posture is None:
         return f"not done within {motion.timeout_s:g} s"
-    names = robot.vocabulary.numbers
-    away = [names[loop.angle] for loop in state.loops if not loop.arrived(sensing.numbers)]
+    away = _away(robot, state, motion, sensing)
     what = f"{', '.join(away)} not at the angle" if away else "its sign was not seen"
     return f"not in the posture '{posture.name}' within {motion.timeout_s:g} s: {what}"
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from math import nan
 from typing import Literal
 
 from pirate_sm.engine.chart_table import ChartTable
-from pirate_sm.engine.robot import AcceptedSpec, PostureSpec, StageSpec
+from pirate_sm.engine.robot import AcceptedSpec, CriterionSpec, PostureSpec, StageSpec
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_actuation import resolve_stage
 from pirate_sm.loading.robot_commands import is_true, on_states, resolve_criterion
@@ -85,7 +86,7 @@ def _posture(robot: _Robot, name: str, cases: tuple[PostureCase, ...]) -> ByConf
 
 def _case(robot: _Robot, name: str, case: PostureCase, at: Path) -> PostureSpec:
     if case.refuse is not None:
-        return PostureSpec(name, (), AcceptedSpec(), case.refuse)
+        return PostureSpec(name, (), AcceptedSpec(), refuse=case.refuse)
     written = case.set_ or {}
     for slot in written:
         each = next((each for each in robot.profile.slots if each.name == slot), None)
@@ -96,13 +97,12 @@ def _case(robot: _Robot, name: str, case: PostureCase, at: Path) -> PostureSpec:
         written, robot.profile, robot.signals, robot.slots, robot.polarity, (*at, "set"),
         robot.problems,
     )  # fmt: skip
-    done = AcceptedSpec()
-    if case.done is None:
-        return PostureSpec(name, writes, done)
-    criterion = resolve_criterion(
-        robot.profile, case.done, robot.signals, (*at, "done"), robot.problems
-    )
-    return PostureSpec(name, writes, criterion)
+    within_rad = nan if case.within is None else case.within
+    done: CriterionSpec = AcceptedSpec()
+    if case.done is not None:
+        path: Path = (*at, "done")
+        done = resolve_criterion(robot.profile, case.done, robot.signals, path, robot.problems)
+    return PostureSpec(name, writes, done, within_rad)
 
 
 def _lets_go(robot: _Robot, writes: StageSpec, configuration: int, at: Path) -> bool:

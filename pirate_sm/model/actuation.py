@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, mo
 from pirate_sm.model.base import Condition, Frozen, Name
 from pirate_sm.model.criteria import Criterion
 from pirate_sm.model.patterns import written, written_ratio
+from pirate_sm.model.quantities import Angle
 from pirate_sm.units import ANGLE, DIMENSIONLESS, QuantityError, parse_quantity
 
 
@@ -111,12 +112,14 @@ class PostureCase(Frozen):
     Attributes:
         when: Condition on the states that the command leads to.
         set: What the slots get until all joints have come to their angles.
+        within: How far a joint may be from its angle; by default the threshold of its loop.
         done: What must show besides that the posture has been reached.
         refuse: Why the command is impossible where the condition holds.
     """
 
     when: Condition
     set_: Annotated[Stage | None, Field(alias="set")] = None
+    within: Annotated[Angle, Field(gt=0)] | None = None
     done: Criterion | None = None
     refuse: Annotated[str, Field(min_length=1)] | None = None
 
@@ -124,6 +127,6 @@ class PostureCase(Frozen):
     def _one_of_two(self) -> PostureCase:
         if (self.set_ is None) == (self.refuse is None):
             raise ValueError("expected exactly one of `set` and `refuse`")
-        if self.refuse is not None and self.done is not None:
-            raise ValueError("`done` goes with `set`: what is refused is never done")
+        if self.refuse is not None and (self.done is not None or self.within is not None):
+            raise ValueError("`within` and `done` go with `set`: what is refused is never done")
         return self

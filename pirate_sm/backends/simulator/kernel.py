@@ -541,6 +541,18 @@ def _project(n: int, pos: Floats, legs: Floats, out: Floats, base: int) -> None:
 
 
 @compiled
+def _lies(n: int, part: int, body: Floats, legs: Floats, world: Floats, out: Floats) -> bool:
+    """Whether a part, 1 ahead of the roll joint or 2 behind it, lies in the pipe, not wedged."""
+    press, mass = 0.0, 0.0
+    for i in range(n):
+        if (i <= world[ROLL_LINK]) == (part == 1):
+            press += out[6 * n + i]
+            mass += 1.0 / body[i, MASS_INV]
+    gravity = np.sqrt(legs[0, L_GT] ** 2 + legs[0, L_GN] ** 2 + legs[0, L_GB] ** 2)
+    return bool(press <= _LYING_WEIGHTS * mass * gravity)
+
+
+@compiled
 def _prepare(
     n: int,
     command: Floats,
@@ -554,9 +566,18 @@ def _prepare(
     """What stays the same for a whole call is set: gravity, motor limits, compliances."""
     dt = world[DT]
     radius = world[RADIUS]
+    front, rear = roll[1], roll[2]
+    if front != rear:
+        front_lies = _lies(n, 1, body, legs, world, out)
+        rear_lies = _lies(n, 2, body, legs, world, out)
+        # The joints of the part that holds bear the weight of the other, in their own plane.
+        if front_lies and not rear_lies:
+            front = rear
+        elif rear_lies and not front_lies:
+            rear = front
     for i in range(n):
         leg = legs[int(out[9 * n + i])]
-        part = roll[1] if i <= world[ROLL_LINK] else roll[2]
+        part = front if i <= world[ROLL_LINK] else rear
         across = leg[L_GN]
         if part != 0.0:
             across = leg[L_GN] * np.cos(part) - leg[L_GB] * np.sin(part)
@@ -587,7 +608,7 @@ def _turn_roll(
 
     A part that presses on the walls with much more than its own weight is wedged and does not
     turn. One that only lies there turns against the friction of its wheels, with the lever of the
-    pipe's radius. Where both parts could turn, the one that presses less does.
+    pipe's radius. Where both parts could turn, the one with less friction does.
 
     The current is the share of the stall torque that the motor gives: all of it while it stalls.
     """
@@ -597,17 +618,16 @@ def _turn_roll(
     wanted = world[ROLL_TARGET] - roll[0]
     if wanted == 0.0:
         return
-    gravity = np.sqrt(legs[0, L_GT] ** 2 + legs[0, L_GN] ** 2 + legs[0, L_GB] ** 2)
-    part, least, friction = 0, np.inf, 0.0
+    part, friction = 0, np.inf
     for half in (1, 2):
-        press, weight, torque = 0.0, 0.0, 0.0
+        if not _lies(n, half, body, legs, world, out):
+            continue
+        torque = 0.0
         for i in range(n):
             if (i <= world[ROLL_LINK]) == (half == 1):
-                press += out[6 * n + i]
-                weight += gravity / body[i, MASS_INV]
                 torque += body[i, MU_STATIC] * out[6 * n + i] * world[DEPTH]
-        if press <= _LYING_WEIGHTS * weight and press < least:
-            part, least, friction = half, press, torque
+        if torque < friction:
+            part, friction = half, torque
     load = friction / world[ROLL_STALL]
     if part == 0 or load >= 1.0:
         out[k + 1] = 1.0
@@ -645,17 +665,18 @@ def _feel(
     length = np.sqrt(hx * hx + hy * hy)
     hx /= length
     hy /= length
-    fx = accel_x - w[m, G_X]
-    fy = accel_y - w[m, G_Y]
     cr = np.cos(roll[1])
     sr = np.sin(roll[1])
+    across = leg[L_GN] if roll[1] == 0.0 else leg[L_GN] * cr - leg[L_GB] * sr
+    fx = accel_x - (leg[L_GT] * leg[L_TX] - across * leg[L_TY])
+    fy = accel_y - (leg[L_GT] * leg[L_TY] + across * leg[L_TX])
     out[k + 2] = fx * hx + fy * hy
     out[k + 3] = fx * hy - fy * hx
     out[k + 4] = leg[L_GN] * sr + leg[L_GB] * cr
-    across = world[MAG_X] * hy - world[MAG_Y] * hx
+    sideways = world[MAG_X] * hy - world[MAG_Y] * hx
     out[k + 5] = world[MAG_X] * hx + world[MAG_Y] * hy
-    out[k + 6] = across * cr - world[MAG_Z] * sr
-    out[k + 7] = across * sr + world[MAG_Z] * cr
+    out[k + 6] = sideways * cr - world[MAG_Z] * sr
+    out[k + 7] = sideways * sr + world[MAG_Z] * cr
 
 
 @compiled
