@@ -111,7 +111,7 @@ class PostureCase(Frozen):
 
     Attributes:
         when: Condition on the states that the command leads to.
-        set: What the slots get until all joints have come to their angles.
+        set_: What the slots get until all joints have come to their angles.
         within: How far a joint may be from its angle; by default the threshold of its loop.
         done: What must show besides that the posture has been reached.
         refuse: Why the command is impossible where the condition holds.
