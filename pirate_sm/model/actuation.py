@@ -58,7 +58,7 @@ def _read(value: Any) -> Any:
             return Duty(quantity.value)
     raise ValueError(
         "expected a duty cycle such as '60 %', an angle such as '-45 deg', a share of a joint's"
-        f" angle such as '-0.5 * gamma_4', or keep, got '{value}'"
+        f" angle such as '-0.5 * elbow', or keep, got '{value}'"
     )
 
 
@@ -94,9 +94,9 @@ SlotSetpoint = Annotated[
             ],
             "description": (
                 "A duty cycle such as '60 %', an angle such as '-45 deg', a share of the angle of"
-                " a joint such as '-0.5 * gamma_4', or keep."
+                " a joint such as '-0.5 * elbow', or keep."
             ),
-            "examples": ["60 %", "-45 deg", "-0.5 * gamma_4", KEEP],
+            "examples": ["60 %", "-45 deg", "-0.5 * elbow", KEEP],
         }
     ),
 ]
