@@ -122,6 +122,37 @@ def test_entering_in_3d_with_the_wrong_side_below_ends_holding_with_the_reason(r
     assert record.prepared.truth().rolls_rad == pytest.approx((0.0, -math.pi / 2, -math.pi / 2))
 
 
+UPRIGHT = """\
+format: 1
+mission: upright
+robot: pirate_ii
+pipe: vertical
+starts_in: {BendingState: DoubleClamped, FrontWheelsState: Fixed, RearWheelsState: Fixed}
+start: turn
+phases:
+  turn:
+    do: [RelaxFront, AlignRight, ClampFront, RelaxRear, AlignStraight, ClampRear]
+    go: turn_on_the_way
+  turn_on_the_way:
+    do: [RelaxFront, DriveForward, AlignLeft, Brake, ClampFront]
+    go: turned
+ends: {turned: {succeed: Turned}}
+"""
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_in_a_vertical_pipe_the_robot_turns_without_falling_also_while_it_climbs(
+    run, tmp_path, seed
+):
+    mission = tmp_path / "upright.yaml"
+    mission.write_text(UPRIGHT, "utf-8")
+    record = run(mission, backend="sim", seed=seed, friction_jitter=0.2, diameter_jitter_m=0.002)
+    assert record.ended.outcome == "succeeded", record.ended.message
+    turned = (-math.pi / 2, 0.0, math.pi / 2)
+    assert record.prepared.truth().rolls_rad == pytest.approx(turned, abs=0.06)
+    assert record.prepared.truth().distance_m > 0.3
+
+
 def test_without_the_posture_the_part_that_was_clamped_does_not_turn(run, tmp_path):
     robot = tmp_path / "unprepared"
     shutil.copytree(ROOT / "hardware_profiles" / "pirate_ii", robot)
