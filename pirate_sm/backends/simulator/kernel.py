@@ -76,8 +76,8 @@ _MARGIN_M = 0.002
 _WHEEL_FILTER = 0.5  # of x_velocity, a mean of angle differences (thesis B-11)
 # The motor side of a spring may wind this far beyond the joint's own end stop.
 _WINDING_RAD = 0.6
-# A part that lies in the pipe presses with its weight and what its slack joints still bear, up to
-# 1.1 weights; one that was clamped and is relaxed presses with at least 4 weights.
+# A part that lies in the pipe presses with up to its weight, and little more where its joints still
+# bear some torque; one that was clamped and is relaxed presses with at least 4 weights.
 _LYING_WEIGHTS = 2.0
 # Farther from its end stops than this, a joint cannot reach them in one substep.
 _STOP_RAD = 0.1
