@@ -226,7 +226,10 @@ def _simulator(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
 
     def truth() -> Truth:
         real = backend.truth
-        return Truth(real.wheels, real.wheel_radius_m, real.walls, real.distance_m, real.touching)
+        return Truth(
+            real.wheels, real.wheel_radius_m, real.walls, real.distance_m, real.touching,
+            real.rolls_rad,
+        )  # fmt: skip
 
     engine = Engine(loaded.robot, loaded.program, nominal=False)
     return Prepared(

@@ -17,6 +17,7 @@ from pirate_sm.engine.robot import (
     TurningSpec,
 )
 from pirate_sm.loading.problems import Path
+from pirate_sm.model.actuation import Target
 
 
 def check_limits(view: RobotView) -> Iterator[Finding]:
@@ -172,15 +173,28 @@ def _loops(view: RobotView) -> Iterator[Finding]:
 def _end_stops(view: RobotView) -> Iterator[Finding]:
     """Angles that a joint cannot come to."""
     stops = {joint.name: joint.end_stop for joint in view.profile.body.joints}
-    for each in view.written:
-        joint = view.profile.slots[each.write.slot].joint
-        stop = stops.get(joint or "", inf)
-        if each.write.how == "seek" and abs(each.write.value) > stop:
+    for joint, angle_rad, path in _sought(view):
+        stop = stops.get(joint, inf)
+        if abs(angle_rad) > stop:
             yield view.at(
-                each.path, "robot.setpoint", Severity.ERROR,
-                f"{degrees(each.write.value):.4g} deg is beyond the end stop of '{joint}',"
+                path, "robot.setpoint", Severity.ERROR,
+                f"{degrees(angle_rad):.4g} deg is beyond the end stop of '{joint}',"
                 f" {degrees(stop):.4g} deg",
             )  # fmt: skip
+
+
+def _sought(view: RobotView) -> Iterator[tuple[str, float, Path]]:
+    """Yield each angle that a state or a posture brings a joint to: joint, angle in rad, place."""
+    for each in view.written:
+        if each.write.how == "seek":
+            yield view.profile.slots[each.write.slot].joint or "", each.write.value, each.path
+    joints = {slot.name: slot.joint or "" for slot in view.profile.slots}
+    for name, cases in view.profile.postures.items():
+        for number, case in enumerate(cases):
+            for slot, setpoint in (case.set_ or {}).items():
+                if isinstance(setpoint, Target):
+                    path: Path = ("postures", name, number, "set", slot)
+                    yield joints[slot], setpoint.angle_rad, path
 
 
 def _words(view: RobotView) -> Iterator[Finding]:

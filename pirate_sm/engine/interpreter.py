@@ -121,13 +121,13 @@ def end(
         motion = robot.motion
         command = setting.robot.commands[motion.command].name
         effects.append(CommandStatus(command, "failed", "the mission ended", motion.place))
-        robot = robot._replace(motion=None)
+        robot = machine.doubt_grip(setting.robot, robot)._replace(motion=None)
     started_at_rest = setting.program.start_configuration == setting.robot.table.initial
     if not robot.sent and started_at_rest:
         effects.append(Ended(outcome, message, name))
         return state._replace(mission=state.mission._replace(ended=True), robot=robot)
     doubted = machine.doubt(setting.robot, robot)
-    if doubted.marks != robot.marks:
+    if doubted.marks != state.robot.marks:
         effects.append(robot_state.state_change(setting.robot, doubted))
     robot = machine.stop(setting.robot, doubted, state.sensing, effects)
     ending = Ending(outcome, message, name, now + SAFE_STOP_LIMIT_S)

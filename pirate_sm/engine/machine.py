@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from math import inf, isnan, nan
 
-from pirate_sm.engine.done import Loop, holds, must_hold_s, told
+from pirate_sm.engine.done import Loop, must_hold_s, told
 from pirate_sm.engine.moments import has_come
-from pirate_sm.engine.robot import AcceptedSpec, RobotSpec, StageSpec
+from pirate_sm.engine.robot import AcceptedSpec, RobotSpec
 from pirate_sm.engine.robot_state import (
+    POSTURE,
     Finished,
     Flight,
     Mark,
@@ -20,12 +21,21 @@ from pirate_sm.engine.robot_state import (
     Numbers,
     Purpose,
     RobotState,
-    known_values,
+    criterion_of,
+    posture_of,
     safe_values,
     state_change,
     states_of,
 )
 from pirate_sm.engine.sensing import Sensing
+from pirate_sm.engine.stages import (
+    is_done,
+    looped_values,
+    stage_array,
+    unknown_angle,
+    why_late,
+    without_loops,
+)
 from pirate_sm.model.effects import CommandStatus, Effect, Setpoints
 from pirate_sm.model.events import SubmitResult
 
@@ -46,8 +56,12 @@ def begin(
     spec = robot.commands[command]
     target = robot.table.follow(state.configuration, command)
     motion = Motion(command, target, spec.timeout_s if timeout_s is None else timeout_s, place)
+    posture = spec.posture(target)
+    if posture is not None:
+        blind = unknown_angle(robot, posture.writes, sensing)
+        motion = motion._replace(stage=POSTURE, blind=blind)
     state = state._replace(motion=motion)
-    values, loops = _actuate(robot, state, sensing, _touched(robot, state, motion), 0)
+    values, loops = stage_array(robot, state, sensing, _touched(robot, state, motion), motion.stage)
     effects.append(CommandStatus(spec.name, "sent", "", place))
     return _send(state._replace(loops=loops), values, "gate", effects)
 
@@ -124,36 +138,38 @@ def watch(
         if free and has_come(now, motion.accepted_s + spec.nominal_s):
             return _complete(robot, state, sensing, "nominal duration has passed", effects)
         return state, None
-    since_s = motion.since_s
-    if holds(spec.done, sensing.numbers, state.values, state.loops):
+    since_s, done = motion.since_s, criterion_of(robot, motion)
+    if is_done(robot, state, motion, done, sensing):
         since_s = now if isnan(since_s) else since_s
-        held_s = must_hold_s(spec.done, sensing.numbers, state.loops)
+        held_s = must_hold_s(done, sensing.numbers, state.loops)
         if free and has_come(now, since_s + held_s):
-            reason = told(robot, spec.done, sensing.numbers, state.loops)
+            reason = told(robot, done, sensing.numbers, state.loops)
             return _complete(robot, state, sensing, reason, effects)
     elif not isnan(since_s):
         since_s = nan
-    if free and has_come(now, motion.deadline_s):
-        reason = f"not done within {motion.timeout_s:g} s"
+    if free and (motion.blind or has_come(now, motion.deadline_s)):
+        reason = motion.blind or why_late(robot, state, motion, sensing)
         return fail(robot, state, reason, effects), Finished(False, reason)
     if since_s is not motion.since_s:
         state = state._replace(motion=motion._replace(since_s=since_s))
     if free and state.loops:
-        state = _step_loops(robot, state, sensing, effects)
+        values = looped_values(robot, state, sensing)
+        state = _send_if_new(state, values, effects)
     return state, None
 
 
 def fail(robot: RobotSpec, state: RobotState, reason: str, effects: list[Effect]) -> RobotState:
     """The command under way is over without being done; its states stay unconfirmed.
 
-    Its position loops stop where they are.
+    Its position loops stop where they are. Where it was to take a posture first, how the held
+    parts hold now has not been seen: they are unconfirmed until they are clamped again.
     """
     motion = state.motion
     if motion is None:
         return state
     name = robot.commands[motion.command].name
     effects.append(CommandStatus(name, "failed", reason, motion.place))
-    return _end_motion(state, effects)
+    return _end_motion(doubt_grip(robot, state), effects)
 
 
 def skip(robot: RobotSpec, state: RobotState, effects: list[Effect]) -> RobotState:
@@ -163,7 +179,21 @@ def skip(robot: RobotSpec, state: RobotState, effects: list[Effect]) -> RobotSta
         return state
     name = robot.commands[motion.command].name
     effects.append(CommandStatus(name, "skipped", "by the operator", motion.place))
-    return _end_motion(state, effects)
+    return _end_motion(doubt_grip(robot, state), effects)
+
+
+def doubt_grip(robot: RobotSpec, state: RobotState) -> RobotState:
+    """Mark the held parts as unconfirmed if the command under way has moved their joints.
+
+    It has where its first array, that of a posture, was accepted.
+    """
+    motion = state.motion
+    if motion is None or isnan(motion.accepted_s):
+        return state
+    if posture_of(robot, motion) is None:
+        return state
+    marks = {Mark("part", part, -1) for part in robot.held[state.configuration]}
+    return state._replace(marks=state.marks | marks)
 
 
 def stop(
@@ -217,33 +247,6 @@ def _touched(robot: RobotSpec, state: RobotState, motion: Motion) -> tuple[int, 
     return tuple(sorted(moved))
 
 
-def _actuate(
-    robot: RobotSpec, state: RobotState, sensing: Sensing, regions: tuple[int, ...], stage: int
-) -> tuple[Numbers, tuple[Loop, ...]]:
-    """The array that puts a stage of the regions' states in force, and its position loops."""
-    motion = state.motion
-    target = robot.table.configurations[motion.target if motion else state.configuration]
-    values = list(known_values(state.latest, sensing.numbers, robot))
-    loops: list[Loop] = []
-    for region in regions:
-        stages = robot.actuation[region][target[region]]
-        _write(robot, sensing, stages[min(stage, len(stages) - 1)], values, loops)
-    return tuple(values), tuple(loops)
-
-
-def _write(
-    robot: RobotSpec, sensing: Sensing, stage: StageSpec, values: list[float], loops: list[Loop]
-) -> None:
-    for write in stage:
-        slot = robot.slots[write.slot]
-        if write.how == "set":
-            values[write.slot] = write.value
-        elif write.how == "seek" and slot.loop is not None:
-            loop = Loop(write.slot, slot.angle, slot.rate, slot.torque, slot.loop, write.value)
-            loops.append(loop)
-            values[write.slot] = _quantised(loop.duty(sensing.numbers), slot.resolution)
-
-
 def _accept(
     robot: RobotSpec, state: RobotState, motion: Motion, now: float, effects: list[Effect]
 ) -> RobotState:
@@ -283,9 +286,10 @@ def _complete(
     target = robot.table.configurations[state.configuration]
     stages = max((len(robot.actuation[r][target[r]]) for r in regions), default=1)
     if motion.stage + 1 < stages:
-        values, loops = _actuate(robot, state, sensing, regions, motion.stage + 1)
+        resting = state._replace(values=without_loops(state))
+        values, loops = stage_array(robot, resting, sensing, regions, motion.stage + 1)
         state = _send_if_new(state._replace(loops=loops), values, effects)
-        if loops:
+        if loops or motion.stage == POSTURE:
             later = motion._replace(stage=motion.stage + 1, since_s=nan)
             return state._replace(motion=later), None
         state = state._replace(motion=None)
@@ -305,26 +309,9 @@ def _end_motion(state: RobotState, effects: list[Effect]) -> RobotState:
     A command that was never accepted has driven nothing: what its loops were to take over may
     hold a clamp.
     """
-    values = list(state.values)
-    for slot in state.seeking:
-        values[slot] = 0.0
-    return _send_if_new(state._replace(motion=None, loops=()), tuple(values), effects)
+    values = without_loops(state)
+    return _send_if_new(state._replace(motion=None, loops=()), values, effects)
 
 
 def _send_if_new(state: RobotState, values: Numbers, effects: list[Effect]) -> RobotState:
     return state if values == state.latest else _send(state, values, "loop", effects)
-
-
-def _step_loops(
-    robot: RobotSpec, state: RobotState, sensing: Sensing, effects: list[Effect]
-) -> RobotState:
-    """Each position loop has had its say; no array is in flight."""
-    values = list(state.values)
-    for loop in state.loops:
-        resolution = robot.slots[loop.slot].resolution
-        values[loop.slot] = _quantised(loop.duty(sensing.numbers), resolution)
-    return _send_if_new(state, tuple(values), effects)
-
-
-def _quantised(value: float, resolution: float) -> float:
-    return round(value / resolution) * resolution

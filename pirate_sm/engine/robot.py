@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
+from math import inf, nan
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.engine.chart_table import ChartTable
@@ -71,11 +71,18 @@ class SlotSpec:
 
 
 class Write(NamedTuple):
-    """What a stage does to a slot: ``set`` a value, ``seek`` an angle by our loop, ``keep``."""
+    """What a stage does to a slot: ``set`` a value, ``seek`` an angle by our loop, ``keep``.
+
+    Attributes:
+        value: The value, or the angle in rad.
+        share_of: Number index of the angle that ``value`` is multiplied by when the stage begins;
+            -1 where ``value`` is the angle itself.
+    """
 
     slot: int
     how: Literal["set", "seek", "keep"]
     value: float
+    share_of: int = -1
 
 
 StageSpec: TypeAlias = tuple[Write, ...]
@@ -139,14 +146,43 @@ CriterionSpec: TypeAlias = (
 
 
 @dataclass(frozen=True)
+class PostureSpec:
+    """What a command brings the joints to before its states' own actuation.
+
+    Attributes:
+        name: Of the posture, for people.
+        writes: Its setpoints.
+        done: What shows, besides every joint at its angle, that it has been reached.
+        within_rad: How far a joint may be from its angle; NaN for the threshold of its loop.
+        refuse: Why the command is impossible here; empty where it is not.
+    """
+
+    name: str
+    writes: StageSpec
+    done: CriterionSpec
+    within_rad: float = nan
+    refuse: str = ""
+
+
+@dataclass(frozen=True)
 class CommandSpec:
-    """A command beyond the chart."""
+    """A command beyond the chart.
+
+    Attributes:
+        postures: By the configuration that it leads to, the posture that comes first, or None;
+            empty for a command that needs none anywhere.
+    """
 
     name: str
     done: CriterionSpec
     timeout_s: float
     nominal_s: float
     lets_go: bool
+    postures: tuple[PostureSpec | None, ...] = ()
+
+    def posture(self, configuration: int) -> PostureSpec | None:
+        """The posture that comes first where the command leads to this configuration."""
+        return self.postures[configuration] if self.postures else None
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,14 @@ from typing import Literal, NamedTuple
 
 from pirate_sm.engine.chart_table import Configuration
 from pirate_sm.engine.done import Loop
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot import CriterionSpec, PostureSpec, RobotSpec
 from pirate_sm.model.effects import StateChange
 
 Numbers = tuple[float, ...]
 Purpose = Literal["gate", "loop", "stop"]
+
+POSTURE = -1
+"""The stage of a motion in which the robot takes the command's posture, before all others."""
 
 
 class Mark(NamedTuple):
@@ -49,7 +52,8 @@ class Motion(NamedTuple):
         accepted_s: NaN until the array is accepted.
         deadline_s: When it has failed; infinite until accepted.
         since_s: Since when its criterion has been true, NaN while it is not.
-        stage: Which stage of its actuation is in force.
+        stage: Which stage of its actuation is in force; ``POSTURE`` before the first.
+        blind: Why its posture cannot be taken: an angle that it needs is unknown. Empty otherwise.
     """
 
     command: int
@@ -60,6 +64,7 @@ class Motion(NamedTuple):
     deadline_s: float = inf
     since_s: float = nan
     stage: int = 0
+    blind: str = ""
 
 
 class Finished(NamedTuple):
@@ -151,9 +156,9 @@ def confirmed_parts(robot: RobotSpec, state: RobotState) -> frozenset[int]:
 def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
     """Why the command would be refused now, beginning with *unneeded* or *impossible*; or empty.
 
-    A command is possible when it moves the chart and lets go of no part unless a confirmed clamp
-    remains, and drives only with one. One that moves nothing is a retry when it left something
-    unconfirmed.
+    A command is possible when it moves the chart, its posture does not rule it out, and it lets go
+    of no part unless a confirmed clamp remains, and drives only with one. One that moves nothing
+    is a retry when it left something unconfirmed.
     """
     here = state.configuration
     target = robot.table.follow(here, command)
@@ -163,6 +168,9 @@ def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
         if robot.unneeded[here][command]:
             return "unneeded: it is so already"
         return f"impossible: {robot.table.why_not(here, command)}"
+    posture = robot.commands[command].posture(target)
+    if posture is not None and posture.refuse:
+        return f"impossible: {posture.refuse}"
     confirmed, held = confirmed_parts(robot, state), robot.held[target]
     if _drives(robot, target) and not _drives(robot, here) and not confirmed & held:
         return "impossible: no clamp is confirmed to drive with"
@@ -210,12 +218,23 @@ def next_deadline(robot: RobotSpec, state: RobotState, nominal: bool) -> float:
     motion = state.motion
     if motion is None:
         return inf
-    spec = robot.commands[motion.command]
     if nominal:
-        return motion.accepted_s + spec.nominal_s
+        return motion.accepted_s + robot.commands[motion.command].nominal_s
     if isnan(motion.since_s):
         return motion.deadline_s
-    return min(motion.since_s + getattr(spec.done, "for_s", 0.0), motion.deadline_s)
+    held_s = getattr(criterion_of(robot, motion), "for_s", 0.0)
+    return min(motion.since_s + held_s, motion.deadline_s)
+
+
+def posture_of(robot: RobotSpec, motion: Motion) -> PostureSpec | None:
+    """Return the posture that the command under way takes first, or took; None without one."""
+    return robot.commands[motion.command].posture(motion.target)
+
+
+def criterion_of(robot: RobotSpec, motion: Motion) -> CriterionSpec:
+    """Return what shows that the stage of the command under way is done."""
+    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
+    return robot.commands[motion.command].done if posture is None else posture.done
 
 
 def known_values(values: Numbers, numbers: Numbers, robot: RobotSpec) -> Numbers:

@@ -18,6 +18,7 @@ from pirate_sm.loading.robot_actuation import resolve_actuation
 from pirate_sm.loading.robot_body import check_body
 from pirate_sm.loading.robot_commands import resolve_commands, resolve_faults, resolve_parts
 from pirate_sm.loading.robot_plausibility import thresholds
+from pirate_sm.loading.robot_postures import resolve_postures
 from pirate_sm.loading.robot_rules import resolve_rules
 from pirate_sm.loading.robot_signals import Signals, resolve_signals
 from pirate_sm.loading.robot_slots import resolve_slots
@@ -176,7 +177,9 @@ def _resolve(
     signals: Signals = resolve_signals(profile, table, polarity, problems)
     slots = resolve_slots(profile, signals, problems)
     parts, held, part_regions = resolve_parts(profile, table, signals, problems)
-    commands, unneeded = resolve_commands(profile, table, signals, problems)
+    actuation = resolve_actuation(profile, table, signals, slots, polarity, problems)
+    postures = resolve_postures(profile, table, signals, slots, polarity, held, actuation, problems)
+    commands, unneeded = resolve_commands(profile, table, signals, postures, problems)
     faults = resolve_faults(profile, signals, problems)
     zero = tuple(
         slots.index(name, ("safe_state", "zero", number))
@@ -188,7 +191,7 @@ def _resolve(
         table=table,
         vocabulary=signals.vocabulary,
         slots=slots.specs,
-        actuation=resolve_actuation(profile, table, slots, polarity, problems),
+        actuation=actuation,
         commands=commands,
         parts=parts,
         held=held,

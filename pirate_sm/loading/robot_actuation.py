@@ -9,14 +9,18 @@ from typing import Literal
 from pirate_sm.engine.chart_table import ChartTable
 from pirate_sm.engine.robot import SlotSpec, StageSpec, Write
 from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.robot_signals import Signals
 from pirate_sm.loading.robot_slots import Slots
-from pirate_sm.model.actuation import KEEP, Duty, Setpoint, Target
+from pirate_sm.model.actuation import KEEP, Duty, Setpoint, Share, Target
 from pirate_sm.model.profile import Profile
+from pirate_sm.spelling import nearest, one_of
+from pirate_sm.units import ANGLE
 
 
 def resolve_actuation(
     profile: Profile,
     table: ChartTable,
+    signals: Signals,
     slots: Slots,
     polarity: Literal["normal", "mirrored"],
     problems: Problems,
@@ -33,7 +37,15 @@ def resolve_actuation(
             at: Path = ("actuation", region, state)
             stages = profile.actuation[region][state]
             resolved[state] = tuple(
-                _stage(stage, slots, polarity, (*at, number) if len(stages) > 1 else at, problems)
+                resolve_stage(
+                    stage,
+                    profile,
+                    signals,
+                    slots,
+                    polarity,
+                    (*at, number) if len(stages) > 1 else at,
+                    problems,
+                )
                 for number, stage in enumerate(stages)
             )
         _check_slots(region, resolved, slots, owners, problems)
@@ -41,19 +53,50 @@ def resolve_actuation(
     return tuple(result)
 
 
-def _stage(
+def resolve_stage(
     stage: Mapping[str, Setpoint],
+    profile: Profile,
+    signals: Signals,
     slots: Slots,
     polarity: Literal["normal", "mirrored"],
     at: Path,
     problems: Problems,
 ) -> StageSpec:
+    """Return what the stage writes to the wire, or the problems say why it cannot be.
+
+    A share of a joint's angle keeps its sign in mirrored polarity: the angle changes its own.
+    """
     writes = []
     for name, setpoint in stage.items():
         index = slots.index(name, (*at, name))
         sign = -1.0 if polarity == "mirrored" and slots.mirrors[index] else 1.0
-        writes.append(_write(index, slots.specs[index], setpoint, sign, (*at, name), problems))
+        path: Path = (*at, name)
+        if isinstance(setpoint, Share):
+            source = _source(profile, setpoint, signals, at, path, problems)
+            factor = Target(setpoint.factor)
+            write = _write(index, slots.specs[index], factor, 1.0, path, problems)
+            writes.append(write._replace(share_of=source))
+        else:
+            writes.append(_write(index, slots.specs[index], setpoint, sign, path, problems))
     return tuple(writes)
+
+
+def _source(
+    profile: Profile, share: Share, signals: Signals, at: Path, path: Path, problems: Problems
+) -> int:
+    """Number index of the joint's angle that a setpoint is a share of; -1 and a problem if none."""
+    if at[0] != "postures":
+        message = "a share of a joint's angle is for postures: in a state it could be unknown"
+        problems.add("robot.setpoint", path, message)
+        return -1
+    joints = [joint.name for joint in profile.body.joints]
+    if share.joint not in joints:
+        problems.add(
+            "robot.joint", path, f"there is no joint '{share.joint}'",
+            expected=one_of(joints), suggestion=nearest(share.joint, joints) or "",
+        )  # fmt: skip
+        return -1
+    return signals.number(share.joint, path, ANGLE)
 
 
 def _write(

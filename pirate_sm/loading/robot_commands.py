@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from pirate_sm.engine.chart_table import ChartTable
 from pirate_sm.engine.robot import (
     BUILT_IN_FAULTS,
@@ -11,6 +13,7 @@ from pirate_sm.engine.robot import (
     CommandSpec,
     CriterionSpec,
     FaultSpec,
+    PostureSpec,
     ReachedSpec,
     StalledSpec,
     StoppedSpec,
@@ -32,7 +35,7 @@ def resolve_parts(
     conditions = []
     for name, part in profile.body.parts.items():
         path: Path = ("body", "parts", name, "held")
-        conditions.append(_on_states(part.held, table, signals, path, problems))
+        conditions.append(on_states(part.held, table, signals, path, problems))
         joints = [joint.name for joint in profile.body.joints]
         if part.apex not in joints:
             problems.add(
@@ -40,7 +43,7 @@ def resolve_parts(
                 expected=one_of(joints), suggestion=nearest(part.apex, joints) or "",
             )  # fmt: skip
     held = tuple(
-        frozenset(i for i, condition in enumerate(conditions) if _is_true(condition, states))
+        frozenset(i for i, condition in enumerate(conditions) if is_true(condition, states))
         for states in table.configurations
     )
     for number, name in enumerate(profile.body.parts):
@@ -57,18 +60,34 @@ def resolve_parts(
 
 
 def resolve_commands(
-    profile: model.Profile, table: ChartTable, signals: Signals, problems: Problems
+    profile: model.Profile,
+    table: ChartTable,
+    signals: Signals,
+    postures: Mapping[str, tuple[PostureSpec | None, ...]],
+    problems: Problems,
 ) -> tuple[tuple[CommandSpec, ...], tuple[tuple[bool, ...], ...]]:
-    """Each command's criterion and limits; per configuration which commands are unneeded."""
+    """Each command's criterion, posture and limits; by configuration which are unneeded."""
     specs, asks = [], []
     for name in table.commands:
         command = profile.commands[name]
         path: Path = ("commands", name)
-        asks.append(_on_states(command.asks_for, table, signals, (*path, "asks_for"), problems))
-        done = _criterion(profile, command.done, signals, (*path, "done"), problems)
-        specs.append(CommandSpec(name, done, command.timeout, command.nominal, command.lets_go))
+        asks.append(on_states(command.asks_for, table, signals, (*path, "asks_for"), problems))
+        done = resolve_criterion(profile, command.done, signals, (*path, "done"), problems)
+        posture = command.posture
+        if posture is not None and posture not in postures:
+            problems.add(
+                "robot.name", (*path, "posture"), f"there is no posture '{posture}'",
+                expected=one_of(postures) if postures else "no posture",
+                suggestion=nearest(posture, postures) or "",
+            )  # fmt: skip
+        specs.append(
+            CommandSpec(
+                name, done, command.timeout, command.nominal, command.lets_go,
+                postures.get(posture or "", ()),
+            )
+        )  # fmt: skip
     unneeded = tuple(
-        tuple(_is_true(condition, states) for condition in asks) for states in table.configurations
+        tuple(is_true(condition, states) for condition in asks) for states in table.configurations
     )
     return tuple(specs), unneeded
 
@@ -109,7 +128,7 @@ def _check_catchable(
         problems.add("robot.fault", ("faults", number, key), message)
 
 
-def _on_states(
+def on_states(
     text: str, table: ChartTable, signals: Signals, path: Path, problems: Problems
 ) -> Expression | None:
     """A condition that only depends on the states of the regions."""
@@ -128,17 +147,19 @@ def _on_states(
     return condition
 
 
-def _is_true(condition: Expression | None, states: tuple[str, ...]) -> bool:
+def is_true(condition: Expression | None, states: tuple[str, ...]) -> bool:
+    """Whether a condition on the states of the regions is true of these."""
     return condition is not None and condition.evaluate((), states) is True
 
 
-def _criterion(  # noqa: C901 - one case per kind
+def resolve_criterion(  # noqa: C901 - one case per kind
     profile: model.Profile,
     done: criteria.Criterion,
     signals: Signals,
     path: Path,
     problems: Problems,
 ) -> CriterionSpec:
+    """Return the criterion with every name resolved to an index."""
     wheels = signals.wheels
     match done:
         case criteria.Accepted():

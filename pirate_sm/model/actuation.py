@@ -1,13 +1,16 @@
-"""What a state writes to the slots: duty cycles, angles, or nothing new."""
+"""What a state or a posture writes to the slots: duty cycles, angles, or nothing new."""
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 
-from pydantic import BeforeValidator, PlainSerializer, WithJsonSchema
+from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, model_validator
 
-from pirate_sm.model.base import Name
+from pirate_sm.model.base import Condition, Frozen, Name
+from pirate_sm.model.criteria import Criterion
 from pirate_sm.model.patterns import written, written_ratio
+from pirate_sm.model.quantities import Angle
 from pirate_sm.units import ANGLE, DIMENSIONLESS, QuantityError, parse_quantity
 
 
@@ -23,15 +26,26 @@ class Target(NamedTuple):
     angle_rad: float
 
 
+class Share(NamedTuple):
+    """An angle to come to: a multiple of the measured angle of a joint."""
+
+    factor: float
+    joint: str
+
+
 KEEP: Literal["keep"] = "keep"
 
-Setpoint: TypeAlias = Duty | Target | Literal["keep"]
+Setpoint: TypeAlias = Duty | Target | Share | Literal["keep"]
+
+_SHARE = r"^\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*\*\s*([A-Za-z][A-Za-z0-9_]*)\s*$"
 
 
 def _read(value: Any) -> Any:
-    if isinstance(value, (Duty, Target)) or value == KEEP:
+    if isinstance(value, (Duty, Target, Share)) or value == KEEP:
         return value
     if isinstance(value, str):
+        if share := re.match(_SHARE, value):
+            return Share(float(share[1]), share[2])
         try:
             quantity = parse_quantity(value)
         except QuantityError as error:
@@ -43,13 +57,16 @@ def _read(value: Any) -> Any:
                 raise ValueError(f"a duty cycle lies between -100 % and 100 %, got '{value}'")
             return Duty(quantity.value)
     raise ValueError(
-        f"expected a duty cycle such as '60 %', an angle such as '-45 deg', or keep, got '{value}'"
+        "expected a duty cycle such as '60 %', an angle such as '-45 deg', a share of a joint's"
+        f" angle such as '-0.5 * elbow', or keep, got '{value}'"
     )
 
 
 def _write(value: Setpoint) -> str:
     if isinstance(value, Duty):
         return f"{value.value * 100:g} %"
+    if isinstance(value, Share):
+        return f"{value.factor:g} * {value.joint}"
     return f"{value.angle_rad} rad" if isinstance(value, Target) else value
 
 
@@ -69,11 +86,47 @@ SlotSetpoint = Annotated[
                     **written(ANGLE, {}),
                     "description": "An angle such as '-45 deg' to come to.",
                 },
+                {
+                    "type": "string",
+                    "pattern": _SHARE,
+                    "description": "An angle to come to, as a share of a joint's measured angle.",
+                },
             ],
-            "description": "A duty cycle such as '60 %', an angle such as '-45 deg', or keep.",
-            "examples": ["60 %", "-45 deg", KEEP],
+            "description": (
+                "A duty cycle such as '60 %', an angle such as '-45 deg', a share of the angle of"
+                " a joint such as '-0.5 * elbow', or keep."
+            ),
+            "examples": ["60 %", "-45 deg", "-0.5 * elbow", KEEP],
         }
     ),
 ]
 
 Stage: TypeAlias = dict[Name, SlotSetpoint]
+
+
+class PostureCase(Frozen):
+    """What a posture is where a condition on the states holds: setpoints, or a refusal.
+
+    Exactly one of ``set`` and ``refuse`` is given.
+
+    Attributes:
+        when: Condition on the states that the command leads to.
+        set_: What the slots get until all joints have come to their angles.
+        within: How far a joint may be from its angle; by default the threshold of its loop.
+        done: What must show besides that the posture has been reached.
+        refuse: Why the command is impossible where the condition holds.
+    """
+
+    when: Condition
+    set_: Annotated[Stage | None, Field(alias="set")] = None
+    within: Annotated[Angle, Field(gt=0)] | None = None
+    done: Criterion | None = None
+    refuse: Annotated[str, Field(min_length=1)] | None = None
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> PostureCase:
+        if (self.set_ is None) == (self.refuse is None):
+            raise ValueError("expected exactly one of `set` and `refuse`")
+        if self.refuse is not None and (self.done is not None or self.within is not None):
+            raise ValueError("`within` and `done` go with `set`: what is refused is never done")
+        return self

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BeforeValidator, Field
 
-from pirate_sm.model.actuation import Stage
+from pirate_sm.model.actuation import PostureCase, Stage
 from pirate_sm.model.base import (
     AlsoWritten,
     Condition,
@@ -199,6 +199,7 @@ class Command(Frozen):
         timeout: From acceptance; after it the command has failed.
         nominal: How long it takes on paper, for backends in which nothing moves.
         lets_go: Whether it may open the last confirmed clamp.
+        posture: The posture that the robot takes first, before the states' own actuation.
         description: One line for people.
     """
 
@@ -207,6 +208,7 @@ class Command(Frozen):
     timeout: PositiveDuration
     nominal: PositiveDuration
     lets_go: Flag = False
+    posture: Name | None = None
     description: str = ""
 
 
@@ -293,6 +295,8 @@ class Profile(Frozen):
         conversions: Scales from raw counts to SI, by name.
         derived: Signals that are computed from others, by name.
         actuation: For each region and each of its states, what the slots get.
+        postures: What commands bring the joints to first, by name. Of each posture the first
+            case counts whose condition holds; where none holds, the command needs no posture.
         commands: One entry for each event of the chart.
         aliases: Other names of commands: ``{other: command}``.
         not_commands: Names that people may try, each with what to say then.
@@ -316,6 +320,7 @@ class Profile(Frozen):
     conversions: dict[Name, Conversion]
     derived: dict[Name, Derived]
     actuation: dict[Name, dict[Name, Stages]]
+    postures: dict[Name, Annotated[tuple[PostureCase, ...], Field(min_length=1)]] = {}
     commands: dict[Name, Command]
     aliases: dict[Name, Name] = {}
     not_commands: dict[Name, str] = {}

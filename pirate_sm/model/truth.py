@@ -15,6 +15,8 @@ class Truth:
         walls: Corners of each wall in the same plane, m; side A, then side B.
         distance_m: How far the robot has come along the pipe.
         touching: Whether each wheel presses on a wall; empty where that is not known.
+        rolls_rad: Angle of the roll joint, then roll of the part ahead and of the part behind
+            against the plane of the pipe; empty where that is not known.
     """
 
     wheels: tuple[tuple[float, float], ...]
@@ -22,3 +24,4 @@ class Truth:
     walls: tuple[tuple[tuple[float, float], ...], ...]
     distance_m: float
     touching: tuple[bool, ...] = ()
+    rolls_rad: tuple[float, ...] = ()

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from pydantic import BaseModel
 
+from pirate_sm.model.actuation import PostureCase
 from pirate_sm.model.mission import End, FaultHandler, Phase
 from pirate_sm.model.safety import SafetyRule
 
@@ -34,6 +35,11 @@ SHAPES: Final[Mapping[type[BaseModel], Schema]] = {
         "else": {"allOf": [_given("go"), _without("within")]},
     },
     End: {"oneOf": [_given("succeed"), _given("fail")]},
+    PostureCase: {
+        "oneOf": [_given("set"), _given("refuse")],
+        "if": _given("refuse"),
+        "then": {"allOf": [_without("within"), _without("done")]},
+    },
     FaultHandler: {"oneOf": [_given("then"), _given("go")]},
     SafetyRule: {
         "oneOf": [_given("always"), _given("never"), _given("expect")],

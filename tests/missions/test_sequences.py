@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -12,6 +14,7 @@ from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.model.effects import CommandStatus, Fault, StateChange
 
+ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = library.missions()
 PRINTED = Path(__file__).parent / "enter_3d_as_printed.yaml"
 
@@ -93,10 +96,73 @@ def test_climbing_holds_its_place(run):
     assert record.prepared.truth().distance_m == pytest.approx(0.0, abs=0.02)
 
 
-def test_entering_in_3d_ends_with_both_parts_turned(run):
-    record = run("enter_3d", backend="sim")
-    assert ("Free", "Fixed", "RearClampedFrontRelaxed", "AlignedRight", "On") in record.states
+@pytest.mark.parametrize("seed", range(20))
+def test_entering_in_3d_turns_both_parts_from_upright_into_the_horizontal_plane(run, seed):
+    record = run(
+        "enter_3d", backend="sim", seed=seed,
+        start_jitter_m=0.02, friction_jitter=0.2, diameter_jitter_m=0.002,
+    )  # fmt: skip
+    assert record.ended.outcome == "succeeded", record.ended.message
+    # The pipe is rolled by -90 deg against the robot: it began with both parts at +90 deg.
+    assert record.prepared.loaded.pipe.roll == pytest.approx(-math.pi / 2)
+    assert record.prepared.truth().rolls_rad == pytest.approx((0.0, 0.0, 0.0), abs=0.06)
+    assert ("Free", "Fixed", "RearClampedFrontRelaxed", "AlignedLeft", "On") in record.states
     assert record.states[-1][2:] == ("DoubleClamped", "AlignedStraight", "On")
+
+
+def test_entering_in_3d_with_the_wrong_side_below_ends_holding_with_the_reason(run, tmp_path):
+    text = library.find_pipe("straight_113_upright").read_text("utf-8")
+    pipe = tmp_path / "other_way_up.yaml"
+    pipe.write_text(text.replace("roll: -90 deg", "roll: 90 deg"), "utf-8")
+    record = run("enter_3d", backend="sim", pipe=str(pipe))
+    assert record.ended.end == "gave_up"
+    assert (
+        "not in the posture 'slack' within 20 s: gamma_3 not at the angle" in record.ended.message
+    )
+    assert record.prepared.truth().rolls_rad == pytest.approx((0.0, -math.pi / 2, -math.pi / 2))
+
+
+UPRIGHT = """\
+format: 1
+mission: upright
+robot: pirate_ii
+pipe: vertical
+starts_in: {BendingState: DoubleClamped, FrontWheelsState: Fixed, RearWheelsState: Fixed}
+start: turn
+phases:
+  turn:
+    do: [RelaxFront, AlignRight, ClampFront, RelaxRear, AlignStraight, ClampRear]
+    go: turn_on_the_way
+  turn_on_the_way:
+    do: [RelaxFront, DriveForward, AlignLeft, Brake, ClampFront]
+    go: turned
+ends: {turned: {succeed: Turned}}
+"""
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_in_a_vertical_pipe_the_robot_turns_without_falling_also_while_it_climbs(
+    run, tmp_path, seed
+):
+    mission = tmp_path / "upright.yaml"
+    mission.write_text(UPRIGHT, "utf-8")
+    record = run(mission, backend="sim", seed=seed, friction_jitter=0.2, diameter_jitter_m=0.002)
+    assert record.ended.outcome == "succeeded", record.ended.message
+    turned = (-math.pi / 2, 0.0, math.pi / 2)
+    assert record.prepared.truth().rolls_rad == pytest.approx(turned, abs=0.06)
+    assert record.prepared.truth().distance_m > 0.3
+
+
+def test_without_the_posture_the_part_that_was_clamped_does_not_turn(run, tmp_path):
+    robot = tmp_path / "unprepared"
+    shutil.copytree(ROOT / "hardware_profiles" / "pirate_ii", robot)
+    profile = robot / "profile.yaml"
+    profile.write_text(profile.read_text("utf-8").replace("    posture: slack\n", ""), "utf-8")
+    record = run("enter_3d", backend="sim", robot=str(robot))
+    # The front was loose and turned; the rear was clamped and is only relaxed by duty 0.
+    assert re.search(r"AlignStraight .* failed: not done within 20 s", record.ended.message)
+    turned = (-math.pi / 2, 0.0, math.pi / 2)
+    assert record.prepared.truth().rolls_rad == pytest.approx(turned, abs=1e-3)
 
 
 def test_entering_in_3d_as_printed_is_refused():

@@ -47,6 +47,7 @@ class Truth:
         arcs_m: Place of each wheel along the pipe.
         distance_m: How far the robot's middle has come along the pipe.
         torques_nm: What the bend joint at each wheel bears; 0 where there is none.
+        rolls_rad: Angle of the roll joint, and roll of the part ahead and of the part behind.
         gone: Whether the robot has left the pipe.
     """
 
@@ -57,6 +58,7 @@ class Truth:
     arcs_m: tuple[float, ...]
     distance_m: float
     torques_nm: tuple[float, ...]
+    rolls_rad: tuple[float, ...]
     gone: bool
 
 
@@ -170,6 +172,7 @@ class SimulatorBackend:
             tuple(world.values("arc")),
             self._middle() - self._start,
             tuple(world.values("bend_torque")),
+            tuple(world.state.roll.tolist()),
             world.gone,
         )
 

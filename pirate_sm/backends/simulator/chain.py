@@ -73,7 +73,8 @@ class ChainBody:
         wheel_radius_m: Of every wheel.
         half_thickness_m: Of the links' bodies.
         roll_link: Link with a roll joint inside, -1 without.
-        roll_rate_rad_s: Speed of the roll joint.
+        roll_rate_rad_s: Speed of the roll joint without load.
+        roll_stall_nm: Torque at which its motor stands still.
     """
 
     wheels: tuple[WheelBody, ...]
@@ -83,6 +84,7 @@ class ChainBody:
     half_thickness_m: float
     roll_link: int = -1
     roll_rate_rad_s: float = 1.0
+    roll_stall_nm: float = 1.0
 
     @property
     def nodes(self) -> int:

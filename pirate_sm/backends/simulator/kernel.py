@@ -37,8 +37,8 @@ LEG_COLUMNS = 9
 # magnetic field in the axes of the drawing.
 DT, ITERATIONS, RADIUS, HALF_THICKNESS, CONTACT_COMPLIANCE, ANCHOR_MAX, DEPTH = range(7)
 BLOCK_NODE, BLOCK_X, BLOCK_Y, BLOCK_NX, BLOCK_NY = range(7, 12)
-ROLL_LINK, ROLL_TARGET, ROLL_RATE, MAG_X, MAG_Y, MAG_Z = range(12, 18)
-WORLD_ENTRIES = 18
+ROLL_LINK, ROLL_TARGET, ROLL_RATE, MAG_X, MAG_Y, MAG_Z, ROLL_STALL = range(12, 19)
+WORLD_ENTRIES = 19
 
 # Columns of `channels`: count = gain * quantity + offset + noise.
 C_SOURCE, C_GAIN, C_OFFSET, C_SIGMA, C_ABS = range(5)
@@ -81,6 +81,9 @@ _REACHED = 0.9999
 # Shares of the longest anchor: the kinetic friction holds from the first on, and one whose wheel
 # does not slip stays below it.
 _SLIPPED, _STUCK = 0.999, 0.998
+# A part that lies in the pipe presses with up to its weight, and little more where its joints still
+# bear some torque; one that was clamped and is relaxed presses with at least 4 weights.
+_LYING_WEIGHTS = 2.0
 # Farther from its end stops than this, a joint cannot reach them in one substep.
 _STOP_RAD = 0.1
 
@@ -545,6 +548,18 @@ def _project(n: int, pos: Floats, legs: Floats, out: Floats, base: int) -> None:
 
 
 @compiled
+def _lies(n: int, part: int, body: Floats, legs: Floats, world: Floats, out: Floats) -> bool:
+    """Whether a part, 1 ahead of the roll joint or 2 behind it, lies in the pipe, not wedged."""
+    press, mass = 0.0, 0.0
+    for i in range(n):
+        if (i <= world[ROLL_LINK]) == (part == 1):
+            press += out[6 * n + i]
+            mass += 1.0 / body[i, MASS_INV]
+    gravity = np.sqrt(legs[0, L_GT] ** 2 + legs[0, L_GN] ** 2 + legs[0, L_GB] ** 2)
+    return bool(press <= _LYING_WEIGHTS * mass * gravity)
+
+
+@compiled
 def _prepare(
     n: int,
     command: Floats,
@@ -558,9 +573,18 @@ def _prepare(
     """What stays the same for a whole call is set: gravity, motor limits, compliances."""
     dt = world[DT]
     radius = world[RADIUS]
+    front, rear = roll[1], roll[2]
+    if front != rear:
+        front_lies = _lies(n, 1, body, legs, world, out)
+        rear_lies = _lies(n, 2, body, legs, world, out)
+        # The joints of the part that holds bear the weight of the other, in their own plane.
+        if front_lies and not rear_lies:
+            front = rear
+        elif rear_lies and not front_lies:
+            rear = front
     for i in range(n):
         leg = legs[int(out[9 * n + i])]
-        part = roll[1] if i <= world[ROLL_LINK] else roll[2]
+        part = front if i <= world[ROLL_LINK] else rear
         across = leg[L_GN]
         if part != 0.0:
             across = leg[L_GN] * np.cos(part) - leg[L_GB] * np.sin(part)
@@ -585,24 +609,42 @@ def _prepare(
 
 @compiled
 def _turn_roll(
-    n: int, roll: Floats, world: Floats, passed: float, tally: Floats, out: Floats
+    n: int, roll: Floats, body: Floats, legs: Floats, world: Floats, passed: float, out: Floats
 ) -> None:
-    """The roll joint has turned towards its target: the part that is held less gives way."""
+    """Turn the roll joint towards its target, as far as one of the parts can turn.
+
+    A part that presses on the walls with much more than its own weight is wedged and does not
+    turn. One that only lies there turns against the friction of its wheels, with the lever of the
+    pipe's radius. Where both parts could turn, the one with less friction does.
+
+    The current is the share of the stall torque that the motor gives: all of it while it stalls.
+    """
     k = len(PER_WHEEL) * n
-    reach = world[ROLL_RATE] * passed
-    turn = min(max(world[ROLL_TARGET] - roll[0], -reach), reach)
-    out[k + 1] = 0.0
-    if turn != 0.0:
-        balance = 0.0
-        for i in range(n):
-            balance += tally[i, T_PRESS] if i <= world[ROLL_LINK] else -tally[i, T_PRESS]
-        roll[0] += turn
-        if balance <= 0.0:
-            roll[1] += turn
-        else:
-            roll[2] -= turn
-        out[k + 1] = abs(turn) / reach
     out[k] = roll[0]
+    out[k + 1] = 0.0
+    wanted = world[ROLL_TARGET] - roll[0]
+    if wanted == 0.0:
+        return
+    part, friction = 0, np.inf
+    for half in (1, 2):
+        if not _lies(n, half, body, legs, world, out):
+            continue
+        torque = 0.0
+        for i in range(n):
+            if (i <= world[ROLL_LINK]) == (half == 1):
+                torque += body[i, MU_STATIC] * out[6 * n + i] * world[DEPTH]
+        if torque < friction:
+            part, friction = half, torque
+    load = friction / world[ROLL_STALL]
+    if part == 0 or load >= 1.0:
+        out[k + 1] = 1.0
+        return
+    reach = world[ROLL_RATE] * (1.0 - load) * passed
+    turn = min(max(wanted, -reach), reach)
+    roll[0] += turn
+    roll[part] += turn if part == 1 else -turn
+    out[k] = roll[0]
+    out[k + 1] = load
 
 
 @compiled
@@ -630,17 +672,18 @@ def _feel(
     length = np.sqrt(hx * hx + hy * hy)
     hx /= length
     hy /= length
-    fx = accel_x - w[m, G_X]
-    fy = accel_y - w[m, G_Y]
     cr = np.cos(roll[1])
     sr = np.sin(roll[1])
+    across = leg[L_GN] if roll[1] == 0.0 else leg[L_GN] * cr - leg[L_GB] * sr
+    fx = accel_x - (leg[L_GT] * leg[L_TX] - across * leg[L_TY])
+    fy = accel_y - (leg[L_GT] * leg[L_TY] + across * leg[L_TX])
     out[k + 2] = fx * hx + fy * hy
     out[k + 3] = fx * hy - fy * hx
     out[k + 4] = leg[L_GN] * sr + leg[L_GB] * cr
-    across = world[MAG_X] * hy - world[MAG_Y] * hx
+    sideways = world[MAG_X] * hy - world[MAG_Y] * hx
     out[k + 5] = world[MAG_X] * hx + world[MAG_Y] * hy
-    out[k + 6] = across * cr - world[MAG_Z] * sr
-    out[k + 7] = across * sr + world[MAG_Z] * cr
+    out[k + 6] = sideways * cr - world[MAG_Z] * sr
+    out[k + 7] = sideways * sr + world[MAG_Z] * cr
 
 
 @compiled
@@ -747,7 +790,7 @@ def advance(
         out[5 * n + i] = tally[i, T_DRIVE] * per_step * world[RADIUS]
         out[6 * n + i] = tally[i, T_PRESS] * per_step
         out[10 * n + i] = tally[i, T_GRIP] * per_step
-    _turn_roll(n, roll, world, passed, tally, out)
+    _turn_roll(n, roll, body, legs, world, passed, out)
     accel_x = (vel[imu, 0] - vx) / passed
     accel_y = (vel[imu, 1] - vy) / passed
     _feel(n, pos, accel_x, accel_y, legs, world, roll, out, w)

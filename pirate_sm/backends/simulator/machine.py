@@ -115,7 +115,7 @@ def _chain(profile: model.Profile, wheels: dict[str, int], joints: dict[str, int
     modules = [link.module for link in body.links]
     made: dict[int, WheelBody] = {}
     springs: dict[int, JointBody] = {}
-    roll_rate = 0.0
+    roll_rate = roll_stall = 0.0
     stops = {joint.name: joint.end_stop for joint in body.joints}
     for board in profile.boards:
         for slot in board.slots:
@@ -140,6 +140,7 @@ def _chain(profile: model.Profile, wheels: dict[str, int], joints: dict[str, int
                 )
             elif slot.roll is not None:
                 roll_rate = _needed(motor.no_load_speed, slot.motor, "no_load_speed")
+                roll_stall = _needed(motor.stall_torque, slot.motor, "stall_torque")
     for i, wheel in enumerate(body.wheels):
         made.setdefault(i, WheelBody(wheel.mass, max(i - 1, 0), 0.0, 1.0, 0.0, 0.0))
     return ChainBody(
@@ -150,6 +151,7 @@ def _chain(profile: model.Profile, wheels: dict[str, int], joints: dict[str, int
         body.body_half_thickness,
         next((m for m, link in enumerate(body.links) if link.roll is not None), -1),
         roll_rate or 1.0,
+        roll_stall or 1.0,
     )
 
 

@@ -213,6 +213,7 @@ def _constants(machine: Machine, pipe: Pipe, dt: float) -> Floats:
     world[kernel.BLOCK_NODE] = -1
     world[kernel.ROLL_LINK] = chain.roll_link
     world[kernel.ROLL_RATE] = chain.roll_rate_rad_s
+    world[kernel.ROLL_STALL] = chain.roll_stall_nm
     world[kernel.MAG_X : kernel.MAG_Z + 1] = _FIELD_UT
     return world
 

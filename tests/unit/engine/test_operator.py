@@ -224,7 +224,11 @@ def test_a_failure_of_the_operators_command_is_not_one_of_the_mission(drive):
     driver.accept()
     driver.signals["phi"] = 0.0
 
-    driver.run(driver.now + 12)
+    give_up = driver.now + 22
+    while driver.now < give_up:
+        driver.run(driver.now + 0.1)
+        if driver.in_flight:
+            driver.accept()
 
     assert driver.statuses[-1] == ("AlignLeft", "failed")
     assert driver.ended is None

@@ -4,7 +4,61 @@ the text at which the fault is shown, and how its message begins.
 
 from __future__ import annotations
 
+_BEFORE = "actuation:\n  Grip:\n"
+_CASE = "postures: {bowed: [{when: Grip == NoseHeld, set: {fold_neck: -50 %, fold_hip: 10 deg}}]}\n"
+
+
+def _posture(old: str, new: str) -> tuple[str, str]:
+    """Puts in a posture in which something stands in place of what is right."""
+    assert old in _CASE
+    return _BEFORE, _CASE.replace(old, new) + _BEFORE
+
+
 FAULTS = [
+    (
+        *_posture("fold_hip: 10 deg", "drive_a: 0 %"),
+        "drive_a: 0 %",
+        "'drive_a' drives no bend joint, and a posture moves only those",
+    ),
+    (
+        *_posture("fold_neck: -50 %", "fold_neck: 0 %"),
+        "{fold_neck",
+        "'fold_neck' holds the part 'nose' there: it must keep a duty of that sign",
+    ),
+    (
+        *_posture("fold_neck: -50 %", "fold_neck: 50 %"),
+        "{fold_neck",
+        "'fold_neck' holds the part 'nose' there",
+    ),
+    (
+        *_posture("fold_neck: -50 %", "fold_neck: 0.5 * hip"),
+        "{fold_neck",
+        "'fold_neck' holds the part 'nose' there",
+    ),
+    (*_posture("10 deg", "0.5 * nek"), "0.5 * nek", "there is no joint 'nek'"),
+    (*_posture("Grip == NoseHeld", "neck > 5 deg"), "neck > 5", "only states count here"),
+    (
+        *_posture("set: {fold_neck: -50 %, fold_hip: 10 deg}", "within: 5 deg"),
+        "{when",
+        "expected exactly one of `set` and `refuse`",
+    ),
+    (
+        *_posture("set: {fold_neck: -50 %, fold_hip: 10 deg}", "refuse: no, within: 5 deg"),
+        "{when",
+        "`within` and `done` go with `set`: what is refused is never done",
+    ),
+    (
+        "NoseHeld: {fold_neck: -50 %, fold_hip: 0 %}",
+        "NoseHeld: {fold_neck: -50 %, fold_hip: 0.5 * neck}",
+        "0.5 * neck",
+        "a share of a joint's angle is for postures: in a state it could be unknown",
+    ),
+    (
+        "  HoldNose:\n    asks_for",
+        "  HoldNose:\n    posture: bowed\n    asks_for",
+        "bowed",
+        "there is no posture 'bowed'",
+    ),
     (
         "name: neck, wheel: right_fore",
         "name: neck, wheel: right",

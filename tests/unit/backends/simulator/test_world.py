@@ -8,7 +8,7 @@ import pytest
 
 from pirate_sm.backends.simulator.chain import Friction
 from pirate_sm.backends.simulator.geometry import Pipe
-from pirate_sm.backends.simulator.machine import Machine, machine_of
+from pirate_sm.backends.simulator.machine import ROLL, Machine, machine_of
 from pirate_sm.backends.simulator.world import StartPose, World
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
@@ -205,16 +205,87 @@ def test_a_joint_that_no_pipe_holds_back_folds_to_120_deg_and_no_farther(place: 
     assert math.degrees(robot.world.values("bend")[4]) == pytest.approx(120.0, abs=1.0)
 
 
-def test_rolling_the_free_part_leaves_the_clamped_one(place: Place) -> None:
-    robot = place(straight(), clamped=0.0)
-    robot.clamp(3, 4)
-    robot.run(6.0)
+def _turn(robot: Driver, angle_rad: float, seconds: float) -> tuple[float, float, float]:
+    """Ask the roll joint for an angle; the angles of the joint and of both parts after a time."""
+    slot = next(i for i, r in enumerate(robot.world.machine.routes) if r.command == ROLL)
     values = [0.0] * len(robot.world.machine.routes)
-    values[next(i for i, r in enumerate(robot.world.machine.routes) if r.command == -1)] = 1.5
+    values[slot] = angle_rad
+    duties = robot.world.command.copy()
     robot.world.set_values(values)
-    robot.run(3.0)
-    roll, front, rear = robot.world.state.roll
-    assert (roll, front, rear) == pytest.approx((1.5, 1.5, 0.0))
+    robot.world.command[:] = duties
+    robot.run(seconds)
+    roll, front, rear = robot.world.state.roll.tolist()
+    return roll, front, rear
+
+
+def _bring(robot: Driver, seconds: float, **angles_deg: float) -> None:
+    """Bring the joints at these wheels to angles, each by a motor that runs until it is there."""
+    for _ in range(round(seconds / CYCLE_S)):
+        for name, angle in angles_deg.items():
+            wheel = int(name.removeprefix("at_"))
+            left = math.radians(angle) - robot.world.values("bend")[wheel]
+            robot.world.command[wheel] = math.copysign(0.5, left) if abs(left) > 0.05 else 0.0
+        robot.world.advance(0, 0)
+
+
+_APEX_DEG = 2 * math.degrees(math.asin((DIAMETER_M - 0.048) / 0.09))
+
+
+@pytest.mark.parametrize("relaxed", [(), (1, 2), (3, 4), ALL_JOINTS])
+def test_a_part_that_presses_on_the_walls_does_not_turn(
+    place: Place, relaxed: tuple[int, ...]
+) -> None:
+    robot = place(straight())
+    robot.clamp(*ALL_JOINTS, duty=0.7)
+    robot.run(2.0)
+    robot.clamp(*relaxed, duty=0.0)  # the worm stays wound
+    assert _turn(robot, math.pi / 2, 3.0) == (0.0, 0.0, 0.0)
+    assert robot.world.value("roll_current") == 1.0
+
+
+def test_the_front_turns_once_the_rear_holds_with_its_apex_alone(place: Place) -> None:
+    robot = place(straight())
+    robot.clamp(*ALL_JOINTS, duty=0.7)
+    robot.run(2.0)
+    _bring(robot, 6.0, at_1=0.0, at_2=0.0, at_3=-_APEX_DEG / 2)
+    assert robot.world.values("press")[2] == 0.0  # wheel 3 is clear of the wall
+    assert min(robot.world.values("press")[3:]) > 4.0  # wheels 4, 5, 6 hold
+    turned = _turn(robot, math.pi / 2, 5.0)
+    assert turned == pytest.approx((math.pi / 2, math.pi / 2, 0.0))
+    assert robot.world.value("roll_current") == 0.0
+
+
+def test_the_rear_turns_the_other_way_once_the_front_holds_with_its_apex_alone(
+    place: Place,
+) -> None:
+    robot = place(straight())
+    robot.clamp(*ALL_JOINTS, duty=0.7)
+    robot.run(2.0)
+    _bring(robot, 6.0, at_2=_APEX_DEG / 2, at_3=0.0, at_4=0.0)
+    turned = _turn(robot, math.pi / 2, 5.0)
+    assert turned == pytest.approx((math.pi / 2, 0.0, -math.pi / 2))
+
+
+@pytest.mark.parametrize("held", [ALL_JOINTS[:2], ALL_JOINTS[2:]])
+def test_a_part_that_holds_with_its_apex_alone_stays_where_it_is_in_a_vertical_pipe(
+    place: Place, held: tuple[int, ...]
+) -> None:
+    robot = place(vertical(), at=2.0)
+    robot.clamp(*ALL_JOINTS, duty=0.7)
+    robot.run(2.0)
+    apex, half = (1, _APEX_DEG / 2) if held == (1, 2) else (4, -_APEX_DEG / 2)
+    start = robot.world.values("arc")[apex]
+    loose = {f"at_{wheel}": 0.0 for wheel in ALL_JOINTS if wheel not in held}
+    beside = next(wheel for wheel in held if wheel != apex)
+    _bring(robot, 6.0, **loose, **{f"at_{beside}": half})
+    _turn(robot, math.pi / 2, 10.0)
+    assert abs(robot.world.state.roll[0]) == pytest.approx(math.pi / 2)
+    assert robot.world.values("arc")[apex] == pytest.approx(start, abs=2e-3)
+
+
+def test_a_part_that_lies_in_the_pipe_turns_against_its_friction(place: Place) -> None:
+    robot = place(straight(), clamped=0.0)
+    assert _turn(robot, 1.5, 3.0)[0] == pytest.approx(1.5)
 
 
 def test_the_accelerometer_feels_tilt_and_roll(place: Place) -> None:
