@@ -39,7 +39,7 @@ OUT, STRAIGHT, JOINT = SEGMENTS = ("Out", "Straight", "Joint")
 SURVEY_EVERY_S = 0.2
 """Often enough at 0.1 m/s, and slow beside the cost of looking [decided]."""
 
-_SAMPLES = 5
+_SAMPLES = 9
 """Of so many accelerations the median counts: a jolt of a motor is not gravity [decided]."""
 
 _GRAVITY_M_S2 = 9.81
@@ -55,7 +55,7 @@ _TURNED_RAD = radians(20)
 _COPLANAR_RAD = radians(10)
 """With more roll between the parts their headings cannot be compared."""
 
-_LEAST_SAMPLES = 3
+_LEAST_SAMPLES = 5
 """With fewer of them roll and pitch are not known yet."""
 
 _AGREEING = 0.03
