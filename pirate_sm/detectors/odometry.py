@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import isnan
 
+from pirate_sm.detectors.odometer import Odometer
 from pirate_sm.detectors.reckoning import Reckoned, Reckoner
-from pirate_sm.detectors.rolling import Rolling
 from pirate_sm.detectors.route import Route
 from pirate_sm.detectors.words import Detector, words_of
+from pirate_sm.engine.body import WHOLE
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
@@ -74,7 +75,7 @@ class Odometry:
         """Follow this robot from now on."""
         self._robot = robot
         self._reckoner = Reckoner(robot.body, self._route, self._aside_m, robot.odometry)
-        self._rolling = Rolling(robot)
+        self._odometer = Odometer(robot)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
         """Nothing is different: what counts is in the signals."""
@@ -82,7 +83,9 @@ class Odometry:
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Follow the wheels to where they are now; return a warning when that is unknown."""
         numbers, robot = list(state.sensing.numbers), self._robot
-        numbers[robot.odometry] += self._rolling.look(state, now_s)
+        anchor = self.reckoned.anchor if self.reckoned else WHOLE
+        wheels = robot.body.wheels_of(anchor)
+        numbers[robot.odometry] = self._odometer.look(state, now_s, wheels)
         held = confirmed_parts(robot, state.robot)
         if self.reckoned is not None:
             self.reckoned = self._reckoner.look(self.reckoned, numbers, held)

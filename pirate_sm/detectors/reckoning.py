@@ -22,10 +22,7 @@ from math import cos, isnan, nan, sin
 from typing import NamedTuple
 
 from pirate_sm.detectors.route import Leg, Place, Route
-from pirate_sm.engine.body import BodySpec, known
-
-WHOLE = -1
-"""In place of a part's index: the whole chain."""
+from pirate_sm.engine.body import WHOLE, BodySpec, known
 
 _UNKNOWN: Place = (nan, nan)
 
@@ -141,15 +138,12 @@ class Reckoner:
         self, anchor: int, points: Sequence[Place], places_m: Sequence[float]
     ) -> Spot | None:
         """Return where an anchor stands by the places of its wheels; None where one is unknown."""
-        wheels = self._wheels(anchor)
+        wheels = self._body.wheels_of(anchor)
         if not known(points, wheels):
             return None
         leg = self._route.leg_at(_mean([places_m[wheel] for wheel in wheels]))
         # Not the mean of the places: they leap where a wheel cuts the corner of a mitre.
         return Spot(leg.arc_m + _mean([leg.beyond(points[wheel]) for wheel in wheels]), leg)
-
-    def _wheels(self, anchor: int) -> tuple[int, ...]:
-        return self._everything if anchor == WHOLE else self._body.parts[anchor].wheels
 
     def _counted(self, numbers: Sequence[float], before: float) -> float:
         counted = numbers[self._odometer] if self._odometer >= 0 else before
@@ -166,7 +160,7 @@ class Reckoner:
             spot: Where.
             at: By default the anchor's wheels.
         """
-        wheels = self._wheels(anchor)
+        wheels = self._body.wheels_of(anchor)
         aside_m = 0.0 if anchor == WHOLE else self._aside_m
         shape = self._body.shape(angles, wheels[0])
         turn = self._body.lean(shape, wheels, aside_m)

@@ -13,6 +13,9 @@ from typing import NamedTuple
 
 Point = tuple[float, float]
 
+WHOLE = -1
+"""In place of a part's index: the whole chain."""
+
 
 class Vee(NamedTuple):
     """The V of a part that clamps.
@@ -65,6 +68,10 @@ class BodySpec:
     wheel_radius_m: float
     roll_link: int = -1
     imu: Imu | None = None
+
+    def wheels_of(self, part: int) -> tuple[int, ...]:
+        """Return the wheels of a part, or of the ``WHOLE`` chain, front to rear."""
+        return tuple(range(len(self.joints))) if part == WHOLE else self.parts[part].wheels
 
     def angles(self, numbers: Sequence[float]) -> tuple[float, ...]:
         """Return the angle at each wheel, rad: 0 without a joint, NaN where it is unknown."""
