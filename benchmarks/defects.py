@@ -13,6 +13,7 @@ the place that the detector's last word means, by the truth.
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections import Counter
 from collections.abc import Sequence
@@ -121,7 +122,8 @@ def heedless(folder: Path) -> list[str]:
     found = []
     for name in ("mitre_bend", "mitre_bend_backward"):
         text = library.find_mission(name).read_text(encoding="utf-8")
-        changed = text.replace("fault: [sensor.silent,", f"fault: [{', '.join(SENSOR_FAULTS)},")
+        caught = f"fault: [{', '.join(SENSOR_FAULTS)}, wheel.dead]"
+        changed = re.sub(r"fault: \[sensor\.silent[^]]*\]", caught, text)
         assert changed != text, f"{name} handles no fault of a sensor"
         path = folder / f"{name}_heedless.yaml"
         path.write_text(changed.replace(f"mission: {name}", f"mission: {path.stem}"), "utf-8")
