@@ -6,25 +6,36 @@ from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
+from math import nan
 from multiprocessing import get_context
 from os import cpu_count
 from typing import TYPE_CHECKING, TypeAlias
 
-from pirate_sm.model.effects import Effect, Fault, StateChange
+from pirate_sm.detectors.words import words_of
+from pirate_sm.model.effects import Detected, Effect, Fault, Setpoints, StateChange
 
 # Clamps that have just been taken settle for so long; then the robot is watched for so long.
 _SETTLING_S, _WATCHED_S = 5.0, 2.0
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
+    from pirate_sm.engine.robot import RobotSpec
     from pirate_sm.loading.mission import LoadedMission
-    from pirate_sm.wiring import Order
+    from pirate_sm.wiring import Order, Prepared
 
 
 @dataclass
 class Notes:
-    """What a run leaves behind."""
+    """What a run leaves behind.
 
+    Attributes:
+        word: What the detector said last.
+        travel: Which way the wheels were driven last: 1 forward, -1 backward.
+    """
+
+    robot: RobotSpec
+    word: str = ""
+    travel: int = 0
     states: list[tuple[str, ...]] = field(default_factory=list)
     unconfirmed: tuple[str, ...] = ()
     faults: list[str] = field(default_factory=list)
@@ -37,6 +48,10 @@ class Notes:
                 self.unconfirmed = effect.unconfirmed
             elif isinstance(effect, Fault):
                 self.faults.append(f"{effect.code} ({effect.handling})")
+            elif isinstance(effect, Detected):
+                self.word = effect.word
+            elif isinstance(effect, Setpoints):
+                self.travel = self.robot.travel(effect.values) or self.travel
 
 
 @dataclass(frozen=True)
@@ -49,6 +64,8 @@ class Outcome:
         stopped: Whether the last setpoints had every wheel at zero.
         torques: What each bend joint bears, Nm.
         slid_m: How far a wheel is carried in two seconds, once the robot has settled after the end.
+        short_m: How far the wheel of the detector's last word is short of the place that the word
+            means, by the truth; NaN where none was said, negative where the wheel is beyond it.
     """
 
     seed: int
@@ -65,6 +82,7 @@ class Outcome:
     held_at_end: bool
     torques: tuple[float, ...]
     slid_m: float
+    short_m: float
 
 
 MotorValue: TypeAlias = tuple[str, str, float]
@@ -95,7 +113,7 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
     from pirate_sm.wiring import prepare
 
     prepared = prepare(order, _loaded(order.mission, order.pipe, motors))
-    notes = Notes()
+    notes = Notes(prepared.engine.robot)
     run_ = MissionRun(
         prepared.engine, prepared.backend, observers=[notes],
         companions=(*prepared.companions, FirstChoice()),
@@ -111,8 +129,25 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
         all(state.robot.values[slot] == 0 for slot in engine.robot.safe_zero),
         tuple(notes.states), tuple(notes.faults),
         bool(engine.robot.held[state.robot.configuration]),
-        real.torques_nm, slid_m,
+        real.torques_nm, slid_m, _short_m(prepared, notes, real.arcs_m),
     )  # fmt: skip
+
+
+def _short_m(prepared: Prepared, notes: Notes, arcs_m: Sequence[float]) -> float:
+    """How far short of the last word's place, at the nearest bend, its wheel has ended."""
+    words = {word.name: word for word in words_of(prepared.loaded.loaded_robot.profile)}
+    word = words.get(notes.word)
+    if word is None or not notes.travel:
+        return nan
+    point = word.forward if notes.travel > 0 else word.backward
+    return min(
+        (
+            point.passed_m - notes.travel * (arcs_m[point.wheel] - crossing)
+            for crossing in prepared.backend.crossings_m  # type: ignore[attr-defined]
+        ),
+        key=abs,
+        default=nan,
+    )
 
 
 def _slid_m(backend: Backend, now_s: float) -> float:

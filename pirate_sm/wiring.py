@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from pirate_sm.detectors.choice import Detecting, Kind, detecting
 from pirate_sm.detectors.odometry import Odometry
+from pirate_sm.detectors.true_places import TruePlaces
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.program import Wait
 from pirate_sm.engine.robot_state import at_rest_in
@@ -221,8 +222,13 @@ def _simulator(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
         start_values=_start_values(loaded),
         jitter=jitter,
         defects=order.defects,
-        detects=detector.kind == "sim",
     )
+    if detector.kind == "sim":
+        sees = TruePlaces(
+            loaded.loaded_robot.profile, loaded.robot, backend.crossings_m,
+            lambda: backend.arcs_m, order.seed,
+        )  # fmt: skip
+        detector = detector._replace(companions=(sees,))
 
     def truth() -> Truth:
         real = backend.truth

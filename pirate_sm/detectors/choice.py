@@ -8,6 +8,7 @@ from pirate_sm.detectors.keys import offer
 from pirate_sm.detectors.listener import Address, read_address
 from pirate_sm.detectors.odometry import Odometry
 from pirate_sm.detectors.outside import OutsideWords
+from pirate_sm.detectors.true_places import TruePlaces
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.model.pipe import Pipe
@@ -30,14 +31,14 @@ class Detecting(NamedTuple):
     """Who says the words of a run.
 
     Attributes:
-        kind: ``sim``: the backend itself. ``operator``: whoever has the keyboard makes it.
-            ``none``: nobody.
+        kind: ``sim``: the simulator; whoever has it makes the companion, as whoever has the
+            keyboard does for ``operator``. ``none``: nobody.
         companions: Who stands beside the mission for it; what can be entered must be.
         notices: What a person should know.
     """
 
     kind: Kind
-    companions: tuple[Odometry | OutsideWords, ...] = ()
+    companions: tuple[Odometry | OutsideWords | TruePlaces, ...] = ()
     notices: tuple[str, ...] = ()
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import isnan
 
-from pirate_sm.detectors.reckoning import Reckoned, Reckoner, chain_of
-from pirate_sm.detectors.rolling import Rolling
+from pirate_sm.detectors.odometer import Odometer
+from pirate_sm.detectors.reckoning import Reckoned, Reckoner
 from pirate_sm.detectors.route import Route
 from pirate_sm.detectors.words import Detector, words_of
+from pirate_sm.engine.body import WHOLE
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
@@ -23,7 +24,7 @@ LOOK_EVERY_S = 0.05
 """At 0.1 m/s a robot drives 5 mm in this time."""
 
 _PATIENCE_S = 1.0
-"""A joint that has said nothing for so long is taken to be straight."""
+"""For so long nobody is told that a joint has not spoken yet."""
 
 
 class Odometry:
@@ -36,7 +37,7 @@ class Odometry:
         first_wheel_m: Where its first wheel begins along the pipe; by default as the pipe says.
 
     Attributes:
-        reckoned: Where the wheels are taken to be; None until the joints have spoken.
+        reckoned: Where the wheels are taken to be; None until every joint has spoken.
 
     Raises:
         UsageError: The robot counts no odometry, or the place is outside the pipe.
@@ -49,11 +50,12 @@ class Odometry:
     ) -> None:
         if robot.odometry < 0:
             raise UsageError(f"--detector odometry: {robot.name} has no signal of odometry_of")
-        chain, route = chain_of(profile, robot, pipe), Route(pipe)
+        self._route = route = Route(pipe)
         self._radius_m = profile.body.wheel_radius
+        self._aside_m = pipe.diameter / 2 - self._radius_m
         self._walls = route.walls(pipe.diameter / 2)
         end_m = route.legs[-1].arc_m + route.legs[-1].length_m
-        length_m = sum(chain.lengths_m)
+        length_m = sum(robot.body.lengths_m)
         self.first_wheel_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
         if not 0.0 <= self.first_wheel_m <= end_m:
             raise UsageError(
@@ -62,43 +64,65 @@ class Odometry:
             )
         self.due_s = 0.0
         self.reckoned: Reckoned | None = None
-        self._robot = robot
-        self._joints = [joint for joint in chain.joints if joint >= 0]
-        self._reckoner = Reckoner(chain, route, robot.odometry)
-        self._rolling = Rolling(robot)
+        self._warned = False
+        self._take(robot)
         words = words_of(profile)
         errors = (0.0,) * len(words)
         self._detector = Detector(words, errors, route.crossings_m, profile.detector.valid_for)
         self._word: DetectorWord | None = None
 
+    def _take(self, robot: RobotSpec) -> None:
+        """Follow this robot from now on."""
+        self._robot = robot
+        self._reckoner = Reckoner(robot.body, self._route, self._aside_m, robot.odometry)
+        self._odometer = Odometer(robot)
+
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
         """Nothing is different: what counts is in the signals."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """The wheels have been followed to where they are now."""
-        numbers, odometer = list(state.sensing.numbers), self._robot.odometry
-        numbers[odometer] += self._rolling.look(state, now_s)
-        held = confirmed_parts(self._robot, state.robot)
+        """Follow the wheels to where they are now; return a warning when that is unknown."""
+        numbers, robot = list(state.sensing.numbers), self._robot
+        anchor = self.reckoned.anchor if self.reckoned else WHOLE
+        wheels = robot.body.wheels_of(anchor)
+        numbers[robot.odometry] = self._odometer.look(state, now_s, wheels)
+        held = confirmed_parts(robot, state.robot)
         if self.reckoned is not None:
             self.reckoned = self._reckoner.look(self.reckoned, numbers, held)
-        elif now_s < _PATIENCE_S and any(isnan(numbers[joint]) for joint in self._joints):
-            return ()
+        elif any(isnan(angle) for angle in robot.body.angles(numbers)):
+            return self._warn(numbers) if now_s >= _PATIENCE_S else ()
         else:
             self.reckoned = self._reckoner.begin(self.first_wheel_m, numbers, held)
-        self._word = self._detector.look(now_s, self.reckoned.places_m)
-        return ()
+            self._warned = False
+        travel = robot.travel(state.robot.values)
+        self._word = self._detector.look(now_s, self.reckoned.places_m, travel)
+        return self._warn(numbers) if self.reckoned.lost else ()
+
+    def _warn(self, numbers: Sequence[float]) -> Sequence[Log]:
+        """Return, once, a warning that no place is known."""
+        if self._warned:
+            return ()
+        self._warned = True
+        names, joints = self._robot.vocabulary.numbers, self._robot.body.joints
+        silent = [names[joint] for joint in joints if joint >= 0 and isnan(numbers[joint])]
+        because = f": {', '.join(silent)} unknown" if silent else ""
+        if self.reckoned is None:
+            message = f"odometry does not know yet where the robot is{because}"
+        else:
+            message = f"odometry has lost the robot's place while the hold changed{because}"
+        return (Log("warning", f"{message}; it says no word"),)
 
     def truth(self) -> Truth | None:
-        """Where the robot is taken to be; None until the joints have spoken."""
+        """Where the robot is taken to be; None while the place of a wheel is unknown."""
         at = self.reckoned
-        if at is None:
+        if at is None or any(isnan(place) for place in at.places_m):
             return None
         moved_m = at.places_m[0] - self.first_wheel_m
         return Truth(at.points, self._radius_m, self._walls, moved_m)
 
-    def restart(self) -> None:
+    def restart(self, robot: RobotSpec) -> None:
         """The robot is where it is, and its odometer stands at zero again."""
-        self._rolling = Rolling(self._robot)
+        self._take(robot)
         if self.reckoned is not None:
             self.reckoned = self.reckoned._replace(odometer_m=0.0)
 

@@ -1,9 +1,14 @@
 """Dead reckoning: where each wheel is along the pipe, from the joints and the odometer alone.
 
-A part whose clamp is confirmed is the anchor: the mean place of its wheels moves by what the
+A part whose clamp is confirmed is an anchor: the mean place of its wheels moves by what the
 odometer counts and by nothing else. It lies in its leg with each wheel at the wall that it
 touches when clamped, and the measured angles of the bend joints give the rest of the chain, also
 round a mitre. Without a confirmed clamp all wheels are the anchor, on the centre line.
+
+The place of a wheel rests on the joints inside the anchor and on those between the anchor and
+the wheel. Where one of them is unknown, so is the place, unless another clamped part gives it. A
+part that clamps gets its place from the chain; where that is unknown at that moment the robot's
+place is lost, and no later measurement can give it back.
 
 Neglected: slip; that a part may shift while it clamps, relaxes or is pushed; roll, so that the
 robot's plane is taken for the pipe's; the odometer's own lag of one round of the boards; an
@@ -13,165 +18,160 @@ anchor that stands in two legs at once is taken to lie in that of its middle.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import asin, atan2, cos, hypot, isnan, sin
+from math import cos, isnan, nan, sin
 from typing import NamedTuple
 
 from pirate_sm.detectors.route import Leg, Place, Route
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.model.pipe import Pipe
-from pirate_sm.model.profile import Profile
+from pirate_sm.engine.body import WHOLE, BodySpec, known
+
+_UNKNOWN: Place = (nan, nan)
 
 
-@dataclass(frozen=True)
-class Chain:
-    """The robot's body in its plane.
+class Spot(NamedTuple):
+    """Where an anchor stands: the middle of its wheels along the pipe, m, and in which leg."""
 
-    Attributes:
-        lengths_m: Length of each link, front to rear; the first lies between wheels 0 and 1.
-        joints: Per wheel the index of the number with its joint's angle; -1 without a joint.
-        aside_m: Per wheel how far from the centre line it is when clamped, towards side A.
-        parts: Wheels of each part, in the order of the robot's parts.
-    """
-
-    lengths_m: tuple[float, ...]
-    joints: tuple[int, ...]
-    aside_m: tuple[float, ...]
-    parts: tuple[tuple[int, ...], ...]
-
-
-def chain_of(profile: Profile, robot: RobotSpec, pipe: Pipe) -> Chain:
-    """The chain of a robot as it stands in a pipe of this inner diameter."""
-    body, names = profile.body, robot.vocabulary.numbers
-    joints = {joint.wheel: names.index(joint.name) for joint in body.joints}
-    aside = pipe.diameter / 2 - body.wheel_radius
-    if robot.polarity == "mirrored":
-        aside = -aside
-    return Chain(
-        tuple(link.length for link in body.links),
-        tuple(joints.get(wheel.name, -1) for wheel in body.wheels),
-        tuple(wheel.direction * aside for wheel in body.wheels),
-        tuple(
-            tuple(index for index, wheel in enumerate(body.wheels) if wheel.part == part)
-            for part in robot.parts
-        ),
-    )
+    middle_m: float
+    leg: Leg
 
 
 class Reckoned(NamedTuple):
-    """What is taken to be so.
+    """Where the robot is taken to be; NaN is unknown.
 
     Attributes:
         places_m: Place of each wheel along the pipe.
         points: Where that is in the plane of the pipe.
-        angles_rad: Angle of each wheel's joint when it was last known; 0 before and without one.
         odometer_m: What the odometer showed.
-        anchor: Index of the part that is the anchor, -1 for the whole chain.
-        leg: Which leg the anchor is taken to lie in.
+        anchor: Index of the part that the places are reckoned from first, or ``WHOLE``.
+        spots: Where each anchor stands, by part; one that is lost is missing.
     """
 
     places_m: tuple[float, ...]
     points: tuple[Place, ...]
-    angles_rad: tuple[float, ...]
     odometer_m: float
     anchor: int
-    leg: Leg
+    spots: dict[int, Spot]
+
+    @property
+    def lost(self) -> bool:
+        """Whether no anchor's place is known any more."""
+        return not self.spots
 
 
 class Reckoner:
     """Takes a reckoning from one look to the next; keeps nothing itself.
 
     Args:
-        chain: The body.
+        body: The robot's chain.
         route: The pipe.
+        aside_m: How far from the centre line a wheel that touches a wall is.
         odometer: Index of the number that the odometer is.
     """
 
-    def __init__(self, chain: Chain, route: Route, odometer: int) -> None:
-        self._chain = chain
+    def __init__(self, body: BodySpec, route: Route, aside_m: float, odometer: int) -> None:
+        self._body = body
         self._route = route
+        self._aside_m = aside_m
         self._odometer = odometer
-        self._everything = tuple(range(len(chain.joints)))
+        self._everything = tuple(range(len(body.joints)))
 
     def begin(
         self, first_wheel_m: float, numbers: Sequence[float], held: frozenset[int] = frozenset()
     ) -> Reckoned:
-        """The first wheel began at this place, when the odometer stood at zero.
+        """Return where the robot is that began with its first wheel at a place.
 
         Args:
-            first_wheel_m: That place along the pipe; the whole robot is in the same leg.
-            numbers: The engine's signals in SI.
+            first_wheel_m: The place of the first wheel along the pipe when the odometer stood at
+                zero; the whole robot is in the same leg.
+            numbers: The engine's signals in SI, those of the joints known.
             held: Parts whose clamp is confirmed.
         """
-        angles = self._angles(numbers, (0.0,) * len(self._chain.joints))
         counted = self._counted(numbers, 0.0)
         place = first_wheel_m + counted
-        return self._put(angles, counted, min(held, default=-1), (0,), place)
+        anchor, spot = min(held, default=WHOLE), Spot(place, self._route.leg_at(place))
+        points = self._lay(self._body.angles(numbers), anchor, spot, (0,))
+        places = self._places(points)
+        anchors = held or {WHOLE}
+        spots = {each: self._stand(each, points, places) for each in anchors}
+        found = {each: spot for each, spot in spots.items() if spot is not None}
+        return Reckoned(places, points, counted, anchor, found)
 
     def look(self, before: Reckoned, numbers: Sequence[float], held: frozenset[int]) -> Reckoned:
-        """Where the wheels are now; arguments as of :meth:`begin`."""
-        angles = self._angles(numbers, before.angles_rad)
+        """Return where the wheels are now; arguments as of :meth:`begin`."""
         counted = self._counted(numbers, before.odometer_m)
-        anchor = before.anchor if before.anchor in held else min(held, default=-1)
-        wheels = self._wheels(anchor)
-        leg = before.leg
-        if anchor != before.anchor:
-            leg = self._route.leg_at(_mean([before.places_m[wheel] for wheel in wheels]))
+        moved = counted - before.odometer_m
+        spots = self._carried(before, held or frozenset({WHOLE}), moved)
+        if not spots:
+            nowhere = (_UNKNOWN,) * len(self._everything)
+            return Reckoned((nan,) * len(nowhere), nowhere, counted, min(held, default=WHOLE), {})
+        anchor = before.anchor if before.anchor in spots else min(spots)
+        angles = self._body.angles(numbers)
+        points = self._lay(angles, anchor, spots[anchor])
+        places = self._places(points)
+        for other in spots.keys() - {anchor}:
+            # What the first anchor says of another one holds; the odometer alone stands in.
+            spots[other] = self._stand(other, points, places) or spots[other]
+        if not known(points, self._everything):
+            for other in sorted(spots.keys() - {anchor}):
+                more = self._lay(angles, other, spots[other])
+                points = tuple(
+                    second if isnan(first[0]) else first
+                    for first, second in zip(points, more, strict=True)
+                )
+            places = self._places(points)
+        return Reckoned(places, points, counted, anchor, spots)
+
+    def _carried(
+        self, before: Reckoned, anchors: frozenset[int], moved_m: float
+    ) -> dict[int, Spot]:
+        """Return where those of the anchors stand that have a place."""
+        spots: dict[int, Spot] = {}
+        for anchor in anchors:
+            spot = before.spots.get(anchor)
+            if spot is None:  # it was none before: the chain says where it stands
+                spot = self._stand(anchor, before.points, before.places_m)
+            if spot is not None:
+                middle_m = spot.middle_m + moved_m
+                spots[anchor] = Spot(middle_m, self._route.leg_at(middle_m))
+        return spots
+
+    def _stand(
+        self, anchor: int, points: Sequence[Place], places_m: Sequence[float]
+    ) -> Spot | None:
+        """Return where an anchor stands by the places of its wheels; None where one is unknown."""
+        wheels = self._body.wheels_of(anchor)
+        if not known(points, wheels):
+            return None
+        leg = self._route.leg_at(_mean([places_m[wheel] for wheel in wheels]))
         # Not the mean of the places: they leap where a wheel cuts the corner of a mitre.
-        middle = _mean([leg.beyond(before.points[wheel]) for wheel in wheels])
-        middle += leg.arc_m + counted - before.odometer_m
-        return self._put(angles, counted, anchor, wheels, middle)
-
-    def _wheels(self, anchor: int) -> tuple[int, ...]:
-        return self._chain.parts[anchor] if anchor >= 0 else self._everything
-
-    def _angles(self, numbers: Sequence[float], before: tuple[float, ...]) -> tuple[float, ...]:
-        """Angles at the wheels; one that is unknown is what it was."""
-        return tuple(
-            old if joint < 0 or isnan(numbers[joint]) else numbers[joint]
-            for joint, old in zip(self._chain.joints, before, strict=True)
-        )
+        return Spot(leg.arc_m + _mean([leg.beyond(points[wheel]) for wheel in wheels]), leg)
 
     def _counted(self, numbers: Sequence[float], before: float) -> float:
         counted = numbers[self._odometer] if self._odometer >= 0 else before
         return before if isnan(counted) else counted
 
-    def _put(
-        self,
-        angles: tuple[float, ...],
-        counted: float,
-        anchor: int,
-        at: tuple[int, ...],
-        middle_m: float,
-    ) -> Reckoned:
-        """The chain lies in the pipe with the middle of the wheels ``at`` at a place."""
-        shape, chain, wheels = self._shape(angles), self._chain, self._wheels(anchor)
-        aside = chain.aside_m if anchor >= 0 else (0.0,) * len(chain.aside_m)
-        (x0, y0), (x1, y1) = shape[wheels[-1]], shape[wheels[0]]
-        rise = (aside[wheels[0]] - aside[wheels[-1]]) / (hypot(x1 - x0, y1 - y0) or 1.0)
-        turn = asin(max(-1.0, min(1.0, rise))) - atan2(y1 - y0, x1 - x0)
-        turned = [(x * cos(turn) - y * sin(turn), x * sin(turn) + y * cos(turn)) for x, y in shape]
-        leg = self._route.leg_at(middle_m)
-        forward = middle_m - _mean([turned[wheel][0] for wheel in at])
-        across = _mean([aside[wheel] - turned[wheel][1] for wheel in wheels])
-        points = tuple(leg.point(x + forward, y + across) for x, y in turned)
-        places = tuple(map(self._route.place_of, points))
-        return Reckoned(places, points, angles, counted, anchor, leg)
+    def _lay(
+        self, angles: Sequence[float], anchor: int, spot: Spot, at: tuple[int, ...] | None = None
+    ) -> tuple[Place, ...]:
+        """Return the chain laid into the pipe, the middle of the wheels ``at`` at the spot.
 
-    def _shape(self, angles: tuple[float, ...]) -> list[Place]:
-        """The chain from the first wheel at the origin, its first link along x.
-
-        A joint's angle is the heading of the link ahead less that of the link behind, counted
-        away from side A.
+        Args:
+            angles: At each wheel.
+            anchor: The part that lies along the pipe.
+            spot: Where.
+            at: By default the anchor's wheels.
         """
-        x = y = heading = 0.0
-        shape = [(x, y)]
-        for wheel, length in enumerate(self._chain.lengths_m):
-            if wheel > 0:
-                heading += angles[wheel]
-            x, y = x - length * cos(heading), y - length * sin(heading)
-            shape.append((x, y))
-        return shape
+        wheels = self._body.wheels_of(anchor)
+        aside_m = 0.0 if anchor == WHOLE else self._aside_m
+        shape = self._body.shape(angles, wheels[0])
+        turn = self._body.lean(shape, wheels, aside_m)
+        turned = [(x * cos(turn) - y * sin(turn), x * sin(turn) + y * cos(turn)) for x, y in shape]
+        forward = spot.middle_m - _mean([turned[wheel][0] for wheel in at or wheels])
+        sides = self._body.sides
+        across = _mean([sides[wheel] * aside_m - turned[wheel][1] for wheel in wheels])
+        return tuple(spot.leg.point(x + forward, y + across) for x, y in turned)
+
+    def _places(self, points: Sequence[Place]) -> tuple[float, ...]:
+        return tuple(nan if isnan(point[0]) else self._route.place_of(point) for point in points)
 
 
 def _mean(values: Sequence[float]) -> float:

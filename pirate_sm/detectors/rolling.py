@@ -1,11 +1,10 @@
-"""What the wheels must have rolled since their boards last reported.
+"""Estimates what the wheels have rolled since their boards last reported.
 
-Where frames get lost the odometer lags: a wheel that drives and was last heard 0.3 s ago is 3 cm
-farther. What it rolls meanwhile is added up from its last known speed, but never more than can be
-vouched for: not once its board counts as silent, which is when the odometer has the others stand
-in; not from the moment on at which it was told to stop; and no faster than the wheel that was
-heard last, which shows when the robot as a whole has become slower or stands. What has been added
-stays until the wheel is heard and the odometer knows better: else places would leap back.
+A wheel that drives and was last heard 0.3 s ago is 3 cm farther. What it rolls meanwhile is added
+up from its last known speed, but no more than is sure: not once its board counts as silent; not
+after it was told to stop; and no faster than the wheel that was heard last, which shows when the
+robot as a whole has become slower or stands. What has been added stays until the wheel is heard:
+else places would leap back.
 """
 
 from __future__ import annotations
@@ -30,8 +29,8 @@ class Rolling:
         self._heard_s = [-inf] * count
         self._rolled_m = [0.0] * count
 
-    def look(self, state: EngineState, now_s: float) -> float:
-        """How far the odometer must be behind, m; negative when driving backward.
+    def look(self, state: EngineState, now_s: float) -> tuple[float, ...]:
+        """Return how far each wheel has rolled unheard, m; negative when driving backward.
 
         Args:
             state: The engine's; a wheel is driven when the setpoints in force and the newest ones
@@ -49,9 +48,9 @@ class Rolling:
                 speed = _slower(sensing.numbers[wheel.speed] * wheel.metres_per_rad, robots)
                 until_s = min(now_s, heard_s + robot.link.silent_after_s)
                 lasting_s = max(0.0, until_s - max(self._now_s, heard_s))
-                self._rolled_m[place] += sensing.shares[place] * speed * lasting_s
+                self._rolled_m[place] += speed * lasting_s
         self._now_s = now_s
-        return sum(self._rolled_m)
+        return tuple(self._rolled_m)
 
     def _freshest(self, state: EngineState) -> float:
         """Speed of the driven wheel that was heard last, m/s; 0 where none is known."""

@@ -6,12 +6,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from pirate_sm.detectors.tracking import Tracker
 from pirate_sm.model.events import DetectorWord
 from pirate_sm.model.profile import Profile
 
-# Every wheel must have gone back so far before the robot counts as travelling the other way:
-# parts that bend move single wheels by more.
-_TURNED_BACK_M = 0.01
+# A word that has been said holds until its wheel is this far before the point: noise does not
+# make it come and go.
+_SLACK_M = 0.01
 # The last word of a bend is no longer said this far beyond its point.
 _FORGOTTEN_M = 0.25
 # Near the end of its validity a word that still holds is said again.
@@ -51,11 +52,14 @@ def words_of(profile: Profile) -> tuple[Word, ...]:
 class Detector:
     """Says a word when it begins to hold, and again while it holds.
 
-    Each word's points are off by a fixed error per run.
+    Places are filtered (:class:`pirate_sm.detectors.tracking.Tracker`). The direction of travel is
+    that in which the setpoints in force drive the wheels, or last drove them: places are too
+    uncertain to tell. Where the place of a word's wheel is unknown, neither the word nor one
+    before it is said, since the robot may be farther.
 
     Args:
         words: In the order in which a robot meets them at a bend.
-        errors_m: Error of each word's points.
+        errors_m: Error of each word's points, fixed for a run.
         crossings_m: Arc lengths of the bends.
         valid_for_s: How long a word is valid.
     """
@@ -67,18 +71,27 @@ class Detector:
         crossings_m: Sequence[float],
         valid_for_s: float,
     ) -> None:
-        self._words = tuple(zip(words, errors_m, strict=True))
+        self._words = tuple(zip(words, errors_m, strict=True))[::-1]
         self._crossings = tuple(crossings_m)
         self._valid_for_s = valid_for_s
+        self._tracker = Tracker()
         self._direction = 0
-        self._farthest: list[float] = []
         self._said = ""
         self._said_at = -math.inf
 
-    def look(self, time_s: float, arcs: Sequence[float]) -> DetectorWord | None:
-        """The word to say now, with the wheels at these arc lengths; None for silence."""
-        self._follow(arcs)
-        word = self._holding(arcs)
+    def look(self, time_s: float, places_m: Sequence[float], travel: int) -> DetectorWord | None:
+        """Return the word to say now; None for silence.
+
+        Args:
+            time_s: Now.
+            places_m: Where each wheel is along the pipe; NaN where that is unknown.
+            travel: Which way the setpoints in force drive the wheels: 1 forward, -1 backward,
+                0 not at all.
+        """
+        self._tracker.see(time_s, places_m, driven=travel != 0)
+        if travel and travel != self._direction:
+            self._direction, self._said = travel, ""
+        word = self._holding()
         if not word:
             self._said = ""
             return None
@@ -88,32 +101,18 @@ class Detector:
         self._said, self._said_at = word, time_s
         return DetectorWord(word, self._valid_for_s)
 
-    def _follow(self, arcs: Sequence[float]) -> None:
-        """The direction of travel is that of the last common motion of all wheels."""
-        if not self._farthest:
-            self._farthest = list(arcs)
-            return
-        moved = [arc - was for arc, was in zip(arcs, self._farthest, strict=True)]
-        if self._direction >= 0 and max(moved) < -_TURNED_BACK_M:
-            self._direction, self._farthest = -1, list(arcs)
-        elif self._direction <= 0 and min(moved) > _TURNED_BACK_M:
-            self._direction, self._farthest = 1, list(arcs)
-        elif self._direction > 0:
-            self._farthest = list(map(max, arcs, self._farthest))
-        elif self._direction < 0:
-            self._farthest = list(map(min, arcs, self._farthest))
-
-    def _holding(self, arcs: Sequence[float]) -> str:
+    def _holding(self) -> str:
         if self._direction == 0:
             return ""
         for crossing in self._crossings:
-            holding = ""
-            beyond = 0.0
-            for word, error in self._words:
+            for word, error in self._words:  # the farthest first
                 point = word.forward if self._direction > 0 else word.backward
-                passed = self._direction * (arcs[point.wheel] - crossing) - point.passed_m + error
-                if passed >= 0.0:
-                    holding, beyond = word.name, passed
-            if holding and beyond < _FORGOTTEN_M:
-                return holding
+                passed = self._direction * (self._tracker.place(point.wheel) - crossing)
+                passed += error - point.passed_m
+                if math.isnan(passed):
+                    return ""
+                if passed >= (-_SLACK_M if word.name == self._said else 0.0):
+                    if passed < _FORGOTTEN_M:
+                        return word.name
+                    break
         return ""

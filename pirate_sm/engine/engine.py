@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from math import inf, isnan
 from typing import Any
 
-from pirate_sm.engine import machine, operating, pausing, robot_state, rules, scripted
+from pirate_sm.engine import environment, machine, operating, pausing, robot_state, rules, scripted
 from pirate_sm.engine.diverting import divert, meet
 from pirate_sm.engine.faults import ANEW, Found, begin_anew, listen, look, no_faults, unsettle
 from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline, spoken
@@ -26,7 +26,6 @@ from pirate_sm.model.effects import (
     Detected,
     Effect,
     Ended,
-    Environment,
     Log,
     WakeAt,
 )
@@ -80,7 +79,10 @@ class Engine:
         words = (*robot_state.states_of(self.robot, robot), None, None)
         mission = MissionState(self.program.start, offset_s=now_s, pause_wanted=paused)
         following, _ = rules.follow(self.program, self.robot, rules.unseen(self.program), robot, 0)
-        state = EngineState(robot, sensing, mission, no_faults(self.robot), words, rules=following)
+        state = EngineState(
+            robot, sensing, mission, no_faults(self.robot), words, rules=following,
+            surveyed=environment.nothing_surveyed(nominal=self.nominal),
+        )  # fmt: skip
         effects: list[Effect] = [robot_state.state_change(self.robot, robot)]
         for report in seen:
             if isinstance(report, events.SignalReport):
@@ -136,7 +138,7 @@ class Engine:
         faults, found = look(self.robot, state.faults, board, sensing, words, now)
         state = EngineState(
             state.robot, sensing, state.mission, faults, state.words,
-            state.word_until_s, state.wake_at_s, state.rules,
+            state.word_until_s, state.wake_at_s, state.rules, state.surveyed,
         )  # fmt: skip
         for report in reports:
             state = meet(self._setting, state, self._found(report), now, effects)
@@ -163,12 +165,6 @@ class Engine:
             return state
         effects.append(Detected(event.word))
         return state._replace(words=(*state.words[:-2], event.word, state.words[-1]))
-
-    def _environment(
-        self, state: EngineState, event: events.EnvironmentReport, now: float, effects: list[Effect]
-    ) -> EngineState:
-        effects.append(Environment(*event))
-        return state._replace(words=(*state.words[:-1], event.segment))
 
     def _submitted(
         self, state: EngineState, event: events.SubmitResult, now: float, effects: list[Effect]
@@ -239,6 +235,8 @@ class Engine:
         due = has_come(now, state.wake_at_s)
         if due:
             state = self._housekeep(state, now, effects)
+        if now >= state.surveyed.due_s:
+            state = environment.look_round(self, state, now, effects)
         judged = before
         if state.mission.ending is not None:
             state = self._finish_ending(state, now, effects)
@@ -358,7 +356,9 @@ class Engine:
             next_deadline(self._setting, state),
             state.word_until_s,
         )
-        if not self.nominal:
+        if self.nominal:
+            wake = min(wake, state.surveyed.due_s)
+        else:
             wake = min(wake, state.sensing.checked_s + self._listen_every_s)
         if wake == state.wake_at_s or isnan(wake):
             return state
@@ -377,7 +377,7 @@ _Handler = Callable[[Engine, EngineState, Any, float, list[Effect]], EngineState
 _ON: dict[type, _Handler] = {
     events.Tick: Engine._tick,
     events.DetectorWord: Engine._word,
-    events.EnvironmentReport: Engine._environment,
+    events.EnvironmentReport: environment.hear,
     events.SubmitResult: Engine._submitted,
     events.FaultReport: Engine._fault_report,
     events.OperatorCommand: operating.command,

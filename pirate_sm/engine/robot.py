@@ -7,12 +7,13 @@ state of each region, then the detector's word and the segment, None = unknown).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, nan
 from typing import Literal, NamedTuple, TypeAlias
 
+from pirate_sm.engine.body import BodySpec
 from pirate_sm.engine.chart_table import ChartTable
 from pirate_sm.expressions import Expression, Vocabulary
 
@@ -362,6 +363,7 @@ class RobotSpec:
         unneeded: Per configuration and command, whether what it asks for is so already.
         safe_zero: Slots that are zero in the safe state.
         odometry: Number indexes of odometry and speed; -1 where the robot has none.
+        words_behind: Words of the detector that say that the whole robot is beyond the bend.
     """
 
     name: str
@@ -384,6 +386,8 @@ class RobotSpec:
     link: LinkSpec
     plausibility: PlausibilitySpec
     detector_words: tuple[str, ...]
+    words_behind: frozenset[str]
+    body: BodySpec
 
     @property
     def regions(self) -> tuple[str, ...]:
@@ -397,6 +401,22 @@ class RobotSpec:
             wheel.place: board.position for board in self.boards.values() for wheel in board.wheels
         }
         return tuple(positions.get(wheel.place, -1) for wheel in self.wheels)
+
+    def travel(self, values: Sequence[float]) -> int:
+        """Return which way setpoints drive the wheels, in this polarity.
+
+        Args:
+            values: One per slot.
+
+        Returns:
+            1 forward, -1 backward; 0 where no wheel is driven, or wheels against each other.
+        """
+        ways = {
+            1 if values[wheel.slot] * wheel.metres_per_rad > 0 else -1
+            for wheel in self.wheels
+            if values[wheel.slot]
+        }
+        return ways.pop() if len(ways) == 1 else 0
 
     def fault_codes(self) -> dict[str, bool]:
         """Every fault code of this robot and whether a mission may catch it."""

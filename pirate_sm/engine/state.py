@@ -6,6 +6,7 @@ from math import inf, isnan, nan
 from typing import NamedTuple
 
 from pirate_sm.engine.done import Loop
+from pirate_sm.engine.environment import Surveyed
 from pirate_sm.engine.program import HandlerSpec
 from pirate_sm.engine.robot_state import Finished, RobotState
 from pirate_sm.engine.sensing import Sensing
@@ -115,6 +116,7 @@ class EngineState(NamedTuple):
         word_until_s: Until when the detector's word is valid.
         wake_at_s: When time alone will change something.
         rules: Where each safety rule of the program is, see :mod:`pirate_sm.engine.rules`.
+        surveyed: The pipe around the robot.
     """
 
     robot: RobotState
@@ -125,3 +127,4 @@ class EngineState(NamedTuple):
     word_until_s: float = inf
     wake_at_s: float = inf
     rules: tuple[int, ...] = ()
+    surveyed: Surveyed = Surveyed()

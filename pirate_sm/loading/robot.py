@@ -16,6 +16,7 @@ from pirate_sm.loading.folders import PROFILE_FILE, shown
 from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.robot_actuation import resolve_actuation
 from pirate_sm.loading.robot_body import check_body
+from pirate_sm.loading.robot_chain import resolve_chain, words_behind
 from pirate_sm.loading.robot_commands import resolve_commands, resolve_faults, resolve_parts
 from pirate_sm.loading.robot_plausibility import thresholds
 from pirate_sm.loading.robot_postures import resolve_postures
@@ -206,4 +207,6 @@ def _resolve(
         link=signals.link,
         plausibility=thresholds(profile),
         detector_words=tuple(profile.detector.words),
+        words_behind=words_behind(profile),
+        body=resolve_chain(profile, signals),
     )

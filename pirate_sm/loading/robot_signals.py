@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from pirate_sm.engine.chart_table import ChartTable
+from pirate_sm.engine.environment import SEGMENTS
 from pirate_sm.engine.robot import BoardSpec, FaultSpec, LinkSpec, Vector, WheelSpec
 from pirate_sm.expressions import (
     EnumType,
@@ -21,9 +22,6 @@ from pirate_sm.model import derived as kinds
 from pirate_sm.model import profile as model
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE, CURRENT, DIMENSIONLESS, LENGTH, SPEED, TIME, TORQUE, Dimension
-
-SEGMENTS = ("Out", "Straight", "Joint")
-"""What the environment report may call the segment (thesis section 4-3-2)."""
 
 DETECTOR, SEGMENT = "detector", "segment"
 

@@ -5,6 +5,7 @@ Only the runtime performs them. ``Setpoints`` moves the robot; the others inform
 
 from __future__ import annotations
 
+from math import degrees, isnan
 from typing import Literal, NamedTuple, TypeAlias
 
 CommandState: TypeAlias = Literal["sent", "accepted", "refused", "done", "failed", "skipped"]
@@ -101,12 +102,32 @@ class Detected(NamedTuple):
 
 
 class Environment(NamedTuple):
-    """The reported surroundings have changed."""
+    """The pipe around the robot has changed, by more than noise.
+
+    Attributes:
+        segment: ``Out``, ``Straight`` or ``Joint`` (thesis section 4-3-2); empty is unknown.
+        roll_rad: Roll of the robot about the axis of the pipe, against the horizontal; NaN is
+            unknown, as for the others.
+        pitch_rad: Pitch of the pipe's axis, positive where it climbs ahead of the robot.
+        diameter_m: Inner diameter, h + 2r (thesis eq. 3-2).
+    """
 
     segment: str
     roll_rad: float
     pitch_rad: float
     diameter_m: float
+
+    @property
+    def measures(self) -> str:
+        """The known ones of roll, pitch and diameter, for people; empty where none is."""
+        known = [
+            f"{name} {degrees(angle):.0f}°"
+            for name, angle in (("roll", self.roll_rad), ("pitch", self.pitch_rad))
+            if not isnan(angle)
+        ]
+        if not isnan(self.diameter_m):
+            known.append(f"inner diameter {self.diameter_m * 1e3:.1f} mm")
+        return ", ".join(known)
 
 
 class Fault(NamedTuple):

@@ -8,6 +8,7 @@ the run began. ``ALPHABET_VERSION`` changes with any change of a field or a clas
 
 from __future__ import annotations
 
+from math import inf
 from typing import Literal, NamedTuple, TypeAlias
 
 ALPHABET_VERSION = 3
@@ -39,19 +40,24 @@ class DetectorWord(NamedTuple):
 
 
 class EnvironmentReport(NamedTuple):
-    """The pipe around the robot has been reported.
+    """Somebody outside has reported the pipe around the robot.
+
+    The engine derives the same from its signals; a report counts instead while it is valid.
 
     Attributes:
-        segment: ``Out``, ``Straight`` or ``Joint`` (thesis section 4-3-2).
-        roll_rad: Roll of the pipe segment relative to the robot.
-        pitch_rad: Pitch of the pipe segment.
-        diameter_m: Inner diameter, h + 2r (thesis eq. 3-2); NaN when nothing is clamped.
+        segment: ``Out``, ``Straight`` or ``Joint`` (thesis section 4-3-2); empty is unknown.
+        roll_rad: Roll of the robot about the axis of the pipe, against the horizontal; NaN is
+            unknown, as for the others.
+        pitch_rad: Pitch of the pipe's axis, positive where it climbs ahead of the robot.
+        diameter_m: Inner diameter, h + 2r (thesis eq. 3-2).
+        valid_for_s: How long it is valid unless another one comes; infinite: until then.
     """
 
     segment: str
     roll_rad: float
     pitch_rad: float
     diameter_m: float
+    valid_for_s: float = inf
 
 
 class SubmitResult(NamedTuple):

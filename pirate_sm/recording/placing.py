@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import isnan
 
-from pirate_sm.detectors.reckoning import Reckoned, Reckoner, chain_of
+from pirate_sm.detectors.reckoning import Reckoned, Reckoner
 from pirate_sm.detectors.route import Place, Route
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import confirmed_parts
@@ -33,23 +33,31 @@ class Placing:
         self, profile: Profile, robot: RobotSpec, pipe: Pipe | None, first_wheel_m: float | None
     ) -> None:
         pipe = pipe or _somewhere(profile.body)
-        chain = chain_of(profile, robot, pipe)
-        length_m = sum(chain.lengths_m)
         self._robot = robot
-        self._joints = [joint for joint in chain.joints if joint >= 0]
-        self._reckoner = Reckoner(chain, Route(pipe), robot.odometry)
+        self._joints = [joint for joint in robot.body.joints if joint >= 0]
+        aside_m = pipe.diameter / 2 - profile.body.wheel_radius
+        self._reckoner = Reckoner(robot.body, Route(pipe), aside_m, robot.odometry)
+        length_m = sum(robot.body.lengths_m)
         self._first_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
         self._reckoned: Reckoned | None = None
+        self._angles = dict.fromkeys(self._joints, 0.0)
 
     def look(self, state: EngineState, now_s: float) -> tuple[Place, ...] | None:
-        """The place of each wheel now; None before its joints have spoken."""
-        numbers, held = state.sensing.numbers, confirmed_parts(self._robot, state.robot)
-        if self._reckoned is not None:
-            self._reckoned = self._reckoner.look(self._reckoned, numbers, held)
-        elif now_s < _PATIENCE_S and any(isnan(numbers[joint]) for joint in self._joints):
+        """Return the place of each wheel now; None before its joints have spoken.
+
+        A picture needs an angle: an unknown one is drawn as it was last.
+        """
+        numbers, held = list(state.sensing.numbers), confirmed_parts(self._robot, state.robot)
+        unknown = [joint for joint in self._joints if isnan(numbers[joint])]
+        if unknown and self._reckoned is None and now_s < _PATIENCE_S:
             return None
-        else:
+        for joint in unknown:
+            numbers[joint] = self._angles[joint]
+        self._angles = {joint: numbers[joint] for joint in self._joints}
+        if self._reckoned is None:
             self._reckoned = self._reckoner.begin(self._first_m, numbers, held)
+        else:
+            self._reckoned = self._reckoner.look(self._reckoned, numbers, held)
         return self._reckoned.points
 
 

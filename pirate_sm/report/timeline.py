@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import degrees, isnan
 from typing import Any
 
 from pirate_sm.model import effects as fx
@@ -140,8 +139,10 @@ class Timeline:
 
     def _environment(self, at_s: float, it: fx.Environment) -> None:
         track = self._tracks[SEGMENT]
-        if track.current != it.segment:
-            track.begin(at_s, it.segment, "word", _surroundings(it))
+        if not it.segment:
+            track.end(at_s)
+        elif track.current != it.segment:
+            track.begin(at_s, it.segment, "word", it.measures)
 
     def _fault(self, at_s: float, it: fx.Fault) -> None:
         then = {"continue": "the mission goes on", "stop": "safe stop"}
@@ -181,11 +182,6 @@ def _about(it: fx.CommandStatus) -> str:
     return (
         f"{it.status}{f': {it.reason}' if it.reason else ''}{f' ({it.place})' if it.place else ''}"
     )
-
-
-def _surroundings(it: fx.Environment) -> str:
-    diameter = "" if isnan(it.diameter_m) else f", inner diameter {it.diameter_m * 1e3:.1f} mm"
-    return f"roll {degrees(it.roll_rad):.0f}°, pitch {degrees(it.pitch_rad):.0f}°{diameter}"
 
 
 def _pressed(what: str) -> Callable[[Any], str]:

@@ -19,6 +19,7 @@ from pirate_sm.model.effects import (
 from pirate_sm.model.events import Abort, Answer, Event, Skip
 
 if TYPE_CHECKING:
+    from pirate_sm.engine.robot import RobotSpec
     from pirate_sm.engine.state import EngineState
     from pirate_sm.runtime.loop import MissionRun
 
@@ -65,8 +66,8 @@ class Onlooker(Protocol):
 class Counting(Protocol):
     """A companion that counts from the beginning of a mission."""
 
-    def restart(self) -> None:
-        """Another mission begins, with the robot where it is."""
+    def restart(self, robot: RobotSpec) -> None:
+        """Another mission begins with this robot, which is where it is; polarity may differ."""
         ...
 
 

@@ -172,7 +172,7 @@ class MissionRun:
         else:
             for companion in self._companions:
                 if isinstance(companion, Counting):
-                    companion.restart()
+                    companion.restart(self._engine.robot)
         body = before and before.robot._replace(flight=None, motion=None, loops=())
         seen = [event for event in events if isinstance(event, SensorFrame | SignalReport)]
         self._heard.update((each.board, each) for each in seen if isinstance(each, SensorFrame))

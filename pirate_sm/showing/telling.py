@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import takewhile
-from math import degrees, isinf, isnan
+from math import degrees, isinf
 from typing import Any, NamedTuple
 
 from pirate_sm.engine.robot import RobotSpec, SlotSpec
@@ -95,9 +95,7 @@ class Teller:
         return [Line("detected", it.word)]
 
     def _environment(self, it: fx.Environment) -> list[Line]:
-        diameter = "" if isnan(it.diameter_m) else f", inner diameter {it.diameter_m * 1e3:.1f} mm"
-        angles = f"roll {degrees(it.roll_rad):.0f}°, pitch {degrees(it.pitch_rad):.0f}°"
-        return [Line("pipe", f"{it.segment}, {angles}{diameter}")]
+        return [Line("pipe", ", ".join(filter(None, (it.segment or "unknown", it.measures))))]
 
     def _fault(self, it: fx.Fault) -> list[Line]:
         then = {"continue": "logged, the mission goes on", "stop": "safe stop"}

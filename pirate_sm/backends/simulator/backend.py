@@ -18,18 +18,15 @@ from pirate_sm.backends.simulator.defects import make_effects
 from pirate_sm.backends.simulator.geometry import Pipe
 from pirate_sm.backends.simulator.machine import machine_of
 from pirate_sm.backends.simulator.obstacles import Obstacles
-from pirate_sm.backends.simulator.scene import Jitter, scene_of, vees_of
-from pirate_sm.backends.simulator.surroundings import Surroundings
+from pirate_sm.backends.simulator.scene import Jitter, scene_of
 from pirate_sm.backends.simulator.world import World
-from pirate_sm.detectors.words import Detector, words_of
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import Event, SensorFrame, SubmitResult
 from pirate_sm.model.pipe import Pipe as PipeFile
 from pirate_sm.model.profile import Profile
 
-# Reports from outside come less often than frames.
-_DETECT_EVERY = 2
-_SURVEY_EVERY = 16
+# How often, in cycles, it is looked whether the robot has left the pipe.
+_GONE_EVERY = 16
 # With a silent robot `advance` still returns this often.
 _SILENCE_S = 1.0
 _TOUCHING_N = 0.05
@@ -100,7 +97,6 @@ class SimulatorBackend:
             with clamped parts; None for a straight robot.
         jitter: How far start, friction and diameter may differ from the files.
         defects: Names of the profile's defects to switch on.
-        detects: Whether it says the detector's words; False where somebody else does.
 
     Raises:
         UsageError: It does not fit: the robot into the pipe, the pipe into itself, a defect's
@@ -120,7 +116,6 @@ class SimulatorBackend:
         start_values: Sequence[float] | None = None,
         jitter: Jitter | None = None,
         defects: Sequence[str] = (),
-        detects: bool = True,
     ) -> None:
         link = profile.link
         machine = machine_of(profile)
@@ -139,11 +134,6 @@ class SimulatorBackend:
         # A robot that starts clamped is held there by its motors.
         for joint, duty in scene.pose.duties.items():
             self._world.command[joint] = duty
-        words = words_of(profile)
-        errors = rng.normal(0.0, profile.simulation.noise.detector, len(words)).tolist()
-        crossings = self._world.pipe.crossings_m if detects else ()
-        self._detector = Detector(words, errors, crossings, profile.detector.valid_for)
-        self._surroundings = Surroundings(vees_of(profile, machine), profile.body.wheel_radius)
         self._obstacles = Obstacles(scene.obstacles)
         self._effects = make_effects(defects, profile.simulation.defects, self._world, seed)
         self._one_value = link.state_message == "value"
@@ -181,17 +171,26 @@ class SimulatorBackend:
         """Place of each wheel in the drawing of the pipe, m: of the truth what costs little."""
         return tuple((x, y) for x, y in self._world.state.position.tolist())
 
+    @property
+    def arcs_m(self) -> list[float]:
+        """Place of each wheel along the pipe: of the truth what a detector needs often."""
+        return self._world.values("arc")
+
+    @property
+    def crossings_m(self) -> tuple[float, ...]:
+        """Where the axes of the pipe cross, along the pipe."""
+        return self._world.pipe.crossings_m
+
     def _middle(self) -> float:
         arcs = self._world.values("arc")
         return sum(arcs) / len(arcs)
 
     def open(self) -> Sequence[Event]:
-        """Every board has reported once, and the surroundings are known."""
+        """Every board has reported once."""
         events: list[Event] = []
         for board in self._world.machine.boards:
             events += self._frame(board.board, board.first, board.last)
-        report = self._surroundings.look(self._world, self._world.values("arc"))
-        return [*events, report] if report is not None else events
+        return events
 
     def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
         """The array is in force from the next cycle on, unless it is lost or refused.
@@ -266,21 +265,8 @@ class SimulatorBackend:
         fault = self._obstacles.step(world, arcs, self._cycle_s)
         if fault is not None:
             events.append(fault)
-        events += self._reports(arcs)
-        return events
-
-    def _reports(self, arcs: list[float]) -> list[Event]:
-        """What somebody outside has to say in this cycle."""
-        events: list[Event] = []
-        if self._cycles % _DETECT_EVERY == 0:
-            word = self._detector.look(self._now, arcs)
-            if word is not None:
-                events.append(word)
-        if self._cycles % _SURVEY_EVERY == 0:
-            self._world.check_gone(arcs)
-            report = self._surroundings.look(self._world, arcs)
-            if report is not None:
-                events.append(report)
+        if self._cycles % _GONE_EVERY == 0:
+            world.check_gone(arcs)
         return events
 
     def _frame(self, board: int, first: int, last: int) -> list[Event]:

@@ -11,7 +11,6 @@ from pirate_sm.backends.simulator.chain import Friction
 from pirate_sm.backends.simulator.geometry import Mitre, PipeShape, Straight
 from pirate_sm.backends.simulator.machine import Machine
 from pirate_sm.backends.simulator.obstacles import Obstacle
-from pirate_sm.backends.simulator.surroundings import Vee
 from pirate_sm.backends.simulator.world import StartPose
 from pirate_sm.model import pipe as pipe_model
 from pirate_sm.model.profile import Profile
@@ -91,15 +90,3 @@ def _wound(machine: Machine, values: Sequence[float] | None) -> dict[int, float]
         for route, value in zip(machine.routes, values, strict=True)
         if 0 <= route.command < n and value != 0.0
     }
-
-
-def vees_of(profile: Profile, machine: Machine) -> dict[str, Vee]:
-    """The parts that show the pipe's diameter when they are clamped."""
-    links = profile.body.links
-    found: dict[str, Vee] = {}
-    for name, part in profile.body.parts.items():
-        apex = machine.joints[part.apex]
-        legs = [links[m].length for m in (apex - 1, apex) if links[m].roll is None]
-        wheels = tuple(machine.wheels[w.name] for w in profile.body.wheels if w.part == name)
-        found[name] = Vee(apex, legs[0] if legs else links[apex].length, wheels)
-    return found

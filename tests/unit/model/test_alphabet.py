@@ -40,7 +40,7 @@ def test_the_alphabet_is_what_its_version_says():
     # Who changes a line here changes ALPHABET_VERSION too: recordings tell them apart by it.
     letters = {kind.__name__: kind._fields for kind in classes(events) | classes(effects)}
 
-    assert events.ALPHABET_VERSION == 2
+    assert events.ALPHABET_VERSION == 3
     assert letters == {
         "Abort": ("reason",),
         "Answer": ("choice",),
@@ -51,7 +51,7 @@ def test_the_alphabet_is_what_its_version_says():
         "DetectorWord": ("word", "valid_for_s"),
         "Ended": ("outcome", "message", "end"),
         "Environment": ("segment", "roll_rad", "pitch_rad", "diameter_m"),
-        "EnvironmentReport": ("segment", "roll_rad", "pitch_rad", "diameter_m"),
+        "EnvironmentReport": ("segment", "roll_rad", "pitch_rad", "diameter_m", "valid_for_s"),
         "Fault": ("code", "message", "handling"),
         "FaultReport": ("code", "message"),
         "GoTo": ("phase", "states", "unconfirmed"),

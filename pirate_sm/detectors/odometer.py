@@ -1,0 +1,104 @@
+"""How far the robot has come: the median of what the wheels of the part that holds it have rolled.
+
+Where the robot squeezes round a bend single wheels slip and roll up to twice as far as it moves.
+The wheels of one clamped part all move alike, so the median leaves out one of three that slips, or
+that is dead. The median is taken over short pieces of the way, since another wheel may slip next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf, isnan, nan
+from statistics import median
+
+from pirate_sm.detectors.rolling import Rolling
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.state import EngineState
+
+_PIECE_S = 0.3
+"""Longer than a round of the boards, so that each wheel has been heard in it [decided]."""
+
+
+class Odometer:
+    """Counts from one look to the next, from zero.
+
+    Args:
+        robot: Whose wheels are counted.
+    """
+
+    def __init__(self, robot: RobotSpec) -> None:
+        count = len(robot.wheels)
+        self._robot = robot
+        self._rolling = Rolling(robot)
+        self._angles = [nan] * count
+        self._ways_m = [0.0] * count
+        self._active = False
+        self._stopped_s = inf
+        self._counted_m = 0.0
+        self._piece_s = -inf
+        self._begun_m = [0.0] * count
+        self._sharing: tuple[int, ...] = ()
+
+    def look(self, state: EngineState, now_s: float, holding: Sequence[int]) -> float:
+        """Return how far the robot has come along the pipe, m; backward counts negative.
+
+        Args:
+            state: The engine's.
+            now_s: Not before that of any earlier look.
+            holding: The wheels of the part that holds the robot, or all.
+        """
+        unheard = self._rolling.look(state, now_s)
+        self._measure(state)
+        totals = [way + more for way, more in zip(self._ways_m, unheard, strict=True)]
+        piece_m = self._piece(totals)
+        self._notice_stop(state, now_s)
+        sharing = self._sharers(state, now_s, holding)
+        if sharing != self._sharing or now_s - self._piece_s >= _PIECE_S:
+            self._counted_m += piece_m
+            self._begun_m, self._piece_s, self._sharing = totals, now_s, sharing
+            piece_m = 0.0
+        return self._counted_m + piece_m
+
+    def _piece(self, totals: Sequence[float]) -> float:
+        """Return how far the robot has come since the present piece of the way began, m."""
+        if not self._sharing:
+            return 0.0
+        return median(totals[place] - self._begun_m[place] for place in self._sharing)
+
+    def _measure(self, state: EngineState) -> None:
+        """Take in what the wheels show; what rolls while no wheel is driven is no way."""
+        for wheel in self._robot.wheels:
+            shown, before = state.sensing.angles[wheel.place], self._angles[wheel.place]
+            if self._active and not isnan(shown) and not isnan(before):
+                self._ways_m[wheel.place] += (shown - before) * wheel.metres_per_rad
+            self._angles[wheel.place] = shown
+
+    def _notice_stop(self, state: EngineState, now_s: float) -> None:
+        """Count on until every wheel has been heard after the stop, or its board is silent."""
+        in_force, newest = state.robot.values, state.robot.latest
+        if any(in_force[wheel.slot] or newest[wheel.slot] for wheel in self._robot.wheels):
+            self._active, self._stopped_s = True, inf
+            return
+        self._stopped_s = min(self._stopped_s, now_s)
+        heard_s = [state.sensing.heard_s[position] for position in self._robot.wheel_boards]
+        silent_s = now_s - self._robot.link.silent_after_s
+        if all(at > self._stopped_s or at <= silent_s for at in heard_s):
+            self._active = False
+
+    def _sharers(self, state: EngineState, now_s: float, holding: Sequence[int]) -> tuple[int, ...]:
+        """Return the places of the wheels whose median counts now."""
+        if not self._active:
+            return ()
+        in_force, newest = state.robot.values, state.robot.latest
+        silent_s = now_s - self._robot.link.silent_after_s
+        heard = [
+            wheel
+            for wheel, position in zip(self._robot.wheels, self._robot.wheel_boards, strict=True)
+            if state.sensing.heard_s[position] > silent_s and not isnan(self._angles[wheel.place])
+        ]
+        driven = [
+            wheel.place
+            for wheel in heard
+            if in_force[wheel.slot] or newest[wheel.slot] or wheel.place in self._sharing
+        ]
+        return tuple(place for place in driven if place in holding) or tuple(driven)

@@ -1,0 +1,42 @@
+"""A mission that succeeds has its wheels where the detector's last word says, by the truth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.campaign import run
+from benchmarks.defects import DETECTORS, SHORT_M, heedless, is_false, joint_defects
+from pirate_sm.loading import library
+from pirate_sm.loading.robot import load_robot
+from pirate_sm.wiring import Order
+
+DEFECTS = joint_defects(load_robot(library.find_robot("pirate_ii")).profile)
+
+
+def test_the_campaign_knows_the_defects_of_joints_from_the_profile() -> None:
+    assert {"gamma_2_drops", "gamma_2_stiff", "gamma_3_spikes", "gamma_1_zero_jumps"} < {*DEFECTS}
+    assert not {"imu_stale", "wheels_3_4_dead", "bay_silent"} & {*DEFECTS}
+
+
+@pytest.mark.parametrize("detector", DETECTORS)
+@pytest.mark.parametrize("defect", DEFECTS)
+def test_no_defect_of_a_joint_makes_a_mission_succeed_falsely(
+    defect: str, detector: str, tmp_path: Path
+) -> None:
+    missions = ["mitre_bend", "exp_2c_tilted", *heedless(tmp_path)]
+    for number, mission in enumerate(missions):
+        outcome = run(Order(mission, seed=number, defects=(defect,), detector=detector))
+        assert not is_false(outcome), f"{mission}: {outcome.short_m * 1000:.0f} mm short"
+        assert outcome.stopped
+
+
+@pytest.mark.parametrize("detector", DETECTORS)
+@pytest.mark.parametrize("mission", ["mitre_bend", "mitre_bend_backward", "mitre_bend_other_side"])
+def test_a_sound_robot_succeeds_with_its_wheel_beyond_the_words_place(
+    mission: str, detector: str
+) -> None:
+    outcome = run(Order(mission, detector=detector))
+    assert outcome.outcome == "succeeded"
+    assert outcome.short_m < SHORT_M

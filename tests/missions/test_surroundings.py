@@ -1,0 +1,135 @@
+"""The environment that the engine derives, beside the truth of the simulator and of the bay."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from itertools import groupby
+from math import asin, atan2, cos, isnan, nan, radians, sin
+
+import pytest
+
+from pirate_sm.backends.pico.assembly import read_plan
+from pirate_sm.backends.pico.backend import SerialBackend
+from pirate_sm.backends.pico.virtual_port import VirtualPort
+from pirate_sm.bay.switches import Switches
+from pirate_sm.bay.texts import message_texts
+from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.detectors.choice import detecting
+from pirate_sm.detectors.route import Leg, Route
+from pirate_sm.engine.engine import Engine
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.effects import Effect, Ended, Environment
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.runtime.companions import Companion, FirstChoice
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.wiring import Order, load, prepare
+
+JOINT_REACH_M = 0.06
+"""A wheel this near to a crossing stands in the joint, as the profile's words say."""
+
+LAG_S = 1.0
+"""So much of a run the report may be behind: signals, words and noise take their time."""
+
+NOTHING = Environment("", nan, nan, nan)
+Arcs = Callable[[], Sequence[float]]
+
+
+@dataclass
+class Beside:
+    """Keeps the report and the truth of every moment at which anything happened."""
+
+    pipe: Pipe
+    arcs_m: Arcs
+    report: Environment = NOTHING
+    reports: int = 0
+    moments: list[tuple[float, Environment, tuple[float, ...]]] = field(default_factory=list)
+    outcome: str = ""
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        for effect in effects:
+            if isinstance(effect, Environment):
+                self.report, self.reports = effect, self.reports + 1
+            elif isinstance(effect, Ended):
+                self.outcome = effect.outcome
+        self.moments.append((now_s, self.report, tuple(self.arcs_m())))
+
+    def segment(self, arcs: Sequence[float]) -> str:
+        low, high = min(arcs) - JOINT_REACH_M, max(arcs) + JOINT_REACH_M
+        crossings = Route(self.pipe).crossings_m
+        return "Joint" if any(low <= each <= high for each in crossings) else "Straight"
+
+    def attitudes(self, arcs: Sequence[float]) -> list[tuple[float, float]]:
+        """Roll and pitch of every leg in which a wheel stands."""
+        route = Route(self.pipe)
+        return [self._attitude(leg) for leg in {route.leg_at(arc) for arc in arcs}]
+
+    def _attitude(self, leg: Leg) -> tuple[float, float]:
+        slope, (x, y) = sin(self.pipe.tilt), leg.along
+        up_x, up_y = slope * cos(self.pipe.uphill), slope * sin(self.pipe.uphill)
+        return atan2(up_y * x - up_x * y, cos(self.pipe.tilt)), asin(up_x * x + up_y * y)
+
+
+def run(order: Order) -> Beside:
+    prepared = prepare(order)
+    assert prepared.loaded.pipe is not None
+    beside = Beside(prepared.loaded.pipe, lambda: prepared.backend.truth.arcs_m)
+    companions = [*prepared.companions, FirstChoice()]
+    MissionRun(
+        prepared.engine, prepared.backend, observers=[beside], companions=companions
+    ).execute()
+    return beside
+
+
+def run_serial(order: Order) -> Beside:
+    """The mission against the emulated bay in virtual time, with the odometry detector."""
+    loaded: LoadedMission = load(order)
+    assert loaded.pipe is not None
+    profile, folder = loaded.loaded_robot.profile, loaded.loaded_robot.folder
+    bay = VirtualBay(profile, loaded.pipe, message_texts(folder, profile), Switches(), order.seed)
+    plan = read_plan(folder, profile, loaded.robot)
+    assert profile.serial is not None
+    backend = SerialBackend(plan, VirtualPort(bay, profile.serial.heartbeat_within))
+    says = detecting(
+        "odometry", usual="odometry", profile=profile, robot=loaded.robot, pipe=loaded.pipe
+    )
+    beside = Beside(loaded.pipe, lambda: bay.truth.arcs_m)
+    companions: list[Companion] = [*says.companions, FirstChoice()]
+    engine = Engine(loaded.robot, loaded.program, nominal=False)
+    MissionRun(engine, backend, observers=[beside], companions=companions).execute()
+    return beside
+
+
+@pytest.mark.parametrize("how", [run, run_serial])
+@pytest.mark.parametrize("mission", ["mitre_bend", "mitre_bend_backward", "exp_2c_tilted"])
+def test_the_derived_environment_agrees_with_the_truth(
+    how: Callable[[Order], Beside], mission: str
+) -> None:
+    beside = how(Order(mission, seed=2))
+    assert beside.outcome == "succeeded"
+    known = [report.segment for _, report, _ in beside.moments if report.segment]
+    true = [beside.segment(arcs) for *_, arcs in beside.moments]
+    assert [each for each, _ in groupby(known)] == [each for each, _ in groupby(true)]
+    wrong = {"segment": 0.0, "diameter": 0.0, "attitude": 0.0}
+    for (now_s, report, arcs), (next_s, *_) in zip(
+        beside.moments, beside.moments[1:], strict=False
+    ):
+        wrong["segment"] += (next_s - now_s) * (report.segment not in ("", beside.segment(arcs)))
+        wrong["diameter"] += (next_s - now_s) * (
+            abs(report.diameter_m - beside.pipe.diameter) > 3e-3
+        )
+        wrong["attitude"] += (next_s - now_s) * (
+            not isnan(report.pitch_rad)
+            and not any(
+                abs(report.roll_rad - roll) < radians(3)
+                and abs(report.pitch_rad - pitch) < radians(3)
+                for roll, pitch in beside.attitudes(arcs)
+            )
+        )
+    assert wrong == pytest.approx(dict.fromkeys(wrong, 0.0), abs=LAG_S)
+    last = beside.moments[-1][1]
+    ((roll, pitch),) = beside.attitudes(beside.moments[-1][2])
+    assert last.segment == "Straight"
+    assert last.diameter_m == pytest.approx(beside.pipe.diameter, abs=3e-3)
+    assert (last.roll_rad, last.pitch_rad) == pytest.approx((roll, pitch), abs=radians(3))
+    assert beside.reports < 40, "a change is reported, noise is not"

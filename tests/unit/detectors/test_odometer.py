@@ -1,0 +1,135 @@
+"""The way that odometry counts: by the median wheel of the part that holds the robot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import nan
+
+import pytest
+
+from pirate_sm.detectors.odometer import Odometer
+from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.state import EngineState
+from pirate_sm.wiring import Order, prepare
+
+SPEED = 0.1
+STEP_S = 0.05
+FRONT, ALL = (0, 1, 2), (0, 1, 2, 3, 4, 5)
+
+
+@pytest.fixture(scope="module", params=["mitre_bend", "mitre_bend_other_side"])
+def begun(request: pytest.FixtureRequest) -> tuple[RobotSpec, EngineState]:
+    loaded = prepare(Order(request.param, backend="trace")).loaded
+    state, _ = Engine(loaded.robot, loaded.program, nominal=False).start()
+    return loaded.robot, state
+
+
+class World:
+    """Wheels that roll, each with a speed of its own, heard every time or not."""
+
+    def __init__(self, robot: RobotSpec, state: EngineState) -> None:
+        self.robot, self.state = robot, state
+        self.odometer = Odometer(robot)
+        self.now_s = 0.0
+        self.rolled = [0.0] * 6
+        self.shown = [0.0] * 6
+        self.heard_s = [0.0] * 6
+
+    def run(
+        self,
+        for_s: float,
+        speeds: Callable[[float], list[float]] = lambda _: [SPEED] * 6,
+        *,
+        duty: float = 1.0,
+        mute: tuple[int, ...] = (),
+        holding: tuple[int, ...] = FRONT,
+    ) -> float:
+        found = 0.0
+        for _ in range(round(for_s / STEP_S)):
+            self.now_s += STEP_S
+            now_speeds = speeds(self.now_s) if duty else [0.0] * 6
+            found = self._look(now_speeds, duty, mute, holding)
+        return found
+
+    def _look(
+        self, speeds: list[float], duty: float, mute: tuple[int, ...], holding: tuple[int, ...]
+    ) -> float:
+        sensing, body = self.state.sensing, self.state.robot
+        numbers, values, heard_s = [*sensing.numbers], [*body.values], [*sensing.heard_s]
+        for wheel, position in zip(self.robot.wheels, self.robot.wheel_boards, strict=True):
+            self.rolled[wheel.place] += speeds[wheel.place] * STEP_S
+            if wheel.place not in mute:
+                self.shown[wheel.place] = self.rolled[wheel.place] / wheel.metres_per_rad
+                self.heard_s[wheel.place] = self.now_s
+            numbers[wheel.speed] = speeds[wheel.place] / wheel.metres_per_rad
+            values[wheel.slot] = duty
+            heard_s[position] = self.heard_s[wheel.place]
+        sensing = sensing._replace(
+            numbers=tuple(numbers), heard_s=tuple(heard_s), angles=tuple(self.shown),
+            shares=(1 / 6,) * 6,
+        )  # fmt: skip
+        robot = body._replace(values=tuple(values), flight=None)
+        state = self.state._replace(sensing=sensing, robot=robot)
+        return self.odometer.look(state, self.now_s, holding)
+
+
+@pytest.fixture
+def world(begun: tuple[RobotSpec, EngineState]) -> World:
+    world = World(*begun)
+    world.run(0.2, duty=0.0)
+    return world
+
+
+def test_wheels_that_roll_alike_are_the_way(world: World) -> None:
+    assert world.run(5.0) == pytest.approx(5 * SPEED, abs=0.006)
+    assert world.run(1.0, duty=0.0) == pytest.approx(5 * SPEED, abs=0.006)
+
+
+def test_backward_counts_backward(world: World) -> None:
+    assert world.run(2.0, lambda _: [-SPEED] * 6) == pytest.approx(-2 * SPEED, abs=0.006)
+
+
+def test_a_wheel_that_slips_is_left_out_whichever_it_is(world: World) -> None:
+    def slipping(now_s: float) -> list[float]:
+        return [3 * SPEED if place == int(now_s / 2) % 3 else SPEED for place in range(6)]
+
+    # The mean would be 400 mm too far. In the piece in which the slip changes, two wheels slip.
+    assert world.run(6.0, slipping) == pytest.approx(6 * SPEED, abs=0.05)
+
+
+def test_a_dead_wheel_is_left_out(world: World) -> None:
+    dead = [SPEED, SPEED, 0.0, 0.0, SPEED, SPEED]
+    assert world.run(5.0, lambda _: dead) == pytest.approx(5 * SPEED, abs=0.006)
+
+
+def test_the_wheels_of_the_other_part_count_only_where_none_of_the_holding_part_can(
+    world: World,
+) -> None:
+    halves = [SPEED] * 3 + [2 * SPEED] * 3
+    assert world.run(2.0, lambda _: halves) == pytest.approx(2 * SPEED, abs=0.006)
+    assert world.run(2.0, lambda _: halves, holding=(3, 4, 5)) == pytest.approx(6 * SPEED, abs=0.02)
+
+
+def test_what_rolls_while_no_wheel_is_driven_is_no_way(world: World) -> None:
+    world.rolled = [0.05] * 6
+    assert world.run(1.0, duty=0.0) == 0.0
+
+
+def test_what_was_not_heard_while_driving_is_made_up_when_it_is(world: World) -> None:
+    world.run(1.0)
+    assert world.run(0.5, mute=ALL) == pytest.approx(1.5 * SPEED, abs=0.01)
+    assert world.run(0.2) == pytest.approx(1.7 * SPEED, abs=0.01)
+    world.run(0.3, mute=ALL)
+    assert world.run(0.5, duty=0.0) == pytest.approx(2.0 * SPEED, abs=0.01)
+
+
+def test_a_silent_wheel_does_not_hold_the_way_back(world: World) -> None:
+    world.run(1.0)
+    assert world.run(4.0, mute=(0, 1)) == pytest.approx(5 * SPEED, abs=0.03)
+    assert world.run(1.0) == pytest.approx(6 * SPEED, abs=0.03)
+
+
+def test_nothing_is_counted_of_a_wheel_without_a_value(world: World) -> None:
+    world.shown = [nan] * 6
+    assert world.run(1.0, mute=ALL) == 0.0
