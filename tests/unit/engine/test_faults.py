@@ -54,6 +54,21 @@ def test_a_fault_that_nobody_handles_ends_in_the_safe_stop(drive):
     )
 
 
+def test_a_second_fault_while_the_mission_ends_is_told_with_its_own_code_and_message(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(ev.FaultReport("firmware.reset", "the boards started again"))
+
+    driver.give(ev.FaultReport("motor.hot", "the motor of wheel 1 is hot"))
+    driver.accept()
+
+    assert driver.of(fx.Fault) == [
+        fx.Fault("firmware.reset", "the boards started again", "stop"),
+        fx.Fault("motor.hot", "the motor of wheel 1 is hot", "stop"),
+    ]
+    assert driver.ended.message == "firmware.reset: the boards started again"
+
+
 @pytest.mark.parametrize(
     "code", ["robot.fallen", "link.lost", "link.silent", "link.no_echo", "backend.failed"]
 )

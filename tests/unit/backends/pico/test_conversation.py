@@ -6,7 +6,7 @@ import struct
 
 from pirate_sm.backends.pico.conversation import Conversation, Wanted
 from pirate_sm.backends.pico.framing import Decoder, encode
-from pirate_sm.backends.pico.topics import PUBLISHER, TIME
+from pirate_sm.backends.pico.topics import PUBLISHER, SUBSCRIBER, TIME
 
 STATE = Wanted("state", "some_msgs/State", "0" * 32, "publishes")
 NUMBER = 125
@@ -32,3 +32,36 @@ def test_the_time_is_told_though_the_devices_first_request_was_lost() -> None:
 
     assert told[0] < 0.2
     assert len(told) > 3, "and again, since that may be lost too"
+
+
+TAKES = Wanted("setpoints", "some_msgs/Setpoints", "1" * 32, "takes")
+TAKEN = 100
+
+
+def offer(wanted: Wanted, number: int, room: int) -> bytes:
+    texts = b"".join(
+        struct.pack("<I", len(word)) + word.encode()
+        for word in (wanted.name, wanted.type, wanted.md5)
+    )
+    return encode(SUBSCRIBER, struct.pack("<H", number) + texts + struct.pack("<i", room))
+
+
+def test_one_damaged_introduction_does_not_change_the_length_that_a_device_has_room_for() -> None:
+    conversation = Conversation([TAKES], now=0.0)
+    list(conversation.receive(offer(TAKES, TAKEN, 64) * 2, 0.1))
+    assert conversation.frame(0, bytes(64))
+
+    list(conversation.receive(offer(TAKES, TAKEN, 0x10040), 0.2))  # one byte of it is damaged
+
+    assert conversation.frame(0, bytes(64))
+    assert not conversation.frame(0, bytes(65)), "it would overrun the device's memory"
+
+
+def test_one_damaged_introduction_does_not_change_the_number_of_a_topic() -> None:
+    conversation = Conversation([TAKES], now=0.0)
+    list(conversation.receive(offer(TAKES, TAKEN, 64) * 2, 0.1))
+
+    list(conversation.receive(offer(TAKES, TAKEN + 1, 64), 0.2))
+
+    [frame] = Decoder().feed(conversation.frame(0, b"x"))
+    assert frame.topic == TAKEN

@@ -145,3 +145,49 @@ def test_nothing_older_is_written_after_something_newer(line: Line) -> None:
     written = [counts[0] for *_, counts in line.written]
     assert written == sorted(written)
     assert line.fates == {1: "unknown", 2: "accepted"}
+
+
+# --- margins ---------------------------------------------------------------------------------
+
+
+def written_after_steady_echoes(line: Line, late_s: float) -> int:
+    """How often an array is written whose echo takes so much longer than all before it."""
+    for number in range(1, 60):  # until the spread of the round trips is nothing
+        line.link.submit(number, (number / 1000,), line.now_s)
+        line.run(line.now_s + 0.2)
+    line.written.clear()
+    line.link.submit(99, (0.99,), line.now_s)
+    line.run(line.now_s + 0.01, arriving=False)
+    [(sent_s, number, counts)] = line.written
+    line.echoes.append((sent_s + ROUND_TRIP_S + late_s, number, counts))
+    line.run(line.now_s + ROUND_TRIP_S + 0.05, arriving=False)
+    return len(line.written)
+
+
+@pytest.mark.parametrize(("late_s", "copies"), [(0.006, 1), (0.016, 2)])
+def test_an_echo_may_be_late_by_ten_milliseconds_where_all_came_alike(
+    line: Line, late_s: float, copies: int
+) -> None:
+    assert written_after_steady_echoes(line, late_s) == copies
+
+
+def copies_at_once(line: Line) -> int:
+    line.link.submit(1, (0.5,), line.now_s)
+    line.run(line.now_s + 0.079)
+    return len(line.written)
+
+
+@pytest.mark.parametrize(("received", "copies"), [(700, 1), (1_000, 3)])
+def test_noise_is_taken_over_two_thousand_bytes(line: Line, received: int, copies: int) -> None:
+    line.link.listened(received, round(0.6 * received))
+
+    assert copies_at_once(line) == copies
+
+
+@pytest.mark.parametrize(("damaged", "copies"), [(0.1, 1), (0.3, 3)])
+def test_more_bytes_at_once_than_noise_is_taken_over_count_as_their_share(
+    line: Line, damaged: float, copies: int
+) -> None:
+    line.link.listened(10_000, round(10_000 * damaged))
+
+    assert copies_at_once(line) == copies
