@@ -16,7 +16,7 @@ ROUND_TRIP_S = 0.08
 TICK_S = 0.002
 
 
-def pack(number: int, counts: Sequence[int]) -> bytes:
+def pack(number: int, counts: Sequence[int], hold: int) -> bytes:
     return struct.pack("<Ih", number, *counts)
 
 
@@ -52,7 +52,7 @@ class Line:
     def hear(self, share: float) -> None:
         """Much has come, of which this share was damaged."""
         for _ in range(100):
-            self.link.listened(100, round(100 * share))
+            self.link.quality.listened(100, round(100 * share))
 
 
 @pytest.fixture
@@ -179,7 +179,7 @@ def copies_at_once(line: Line) -> int:
 
 @pytest.mark.parametrize(("received", "copies"), [(700, 1), (1_000, 3)])
 def test_noise_is_taken_over_two_thousand_bytes(line: Line, received: int, copies: int) -> None:
-    line.link.listened(received, round(0.6 * received))
+    line.link.quality.listened(received, round(0.6 * received))
 
     assert copies_at_once(line) == copies
 
@@ -188,6 +188,6 @@ def test_noise_is_taken_over_two_thousand_bytes(line: Line, received: int, copie
 def test_more_bytes_at_once_than_noise_is_taken_over_count_as_their_share(
     line: Line, damaged: float, copies: int
 ) -> None:
-    line.link.listened(10_000, round(10_000 * damaged))
+    line.link.quality.listened(10_000, round(10_000 * damaged))
 
     assert copies_at_once(line) == copies
