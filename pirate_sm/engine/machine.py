@@ -241,7 +241,9 @@ def _write(
         elif write.how == "seek" and slot.loop is not None:
             loop = Loop(write.slot, slot.angle, slot.rate, slot.torque, slot.loop, write.value)
             loops.append(loop)
-            values[write.slot] = _quantised(loop.duty(sensing.numbers), slot.resolution)
+            values[write.slot] = _quantised(
+                loop.duty(sensing.numbers, sensing.loss), slot.resolution
+            )
 
 
 def _accept(
@@ -322,7 +324,7 @@ def _step_loops(
     values = list(state.values)
     for loop in state.loops:
         resolution = robot.slots[loop.slot].resolution
-        values[loop.slot] = _quantised(loop.duty(sensing.numbers), resolution)
+        values[loop.slot] = _quantised(loop.duty(sensing.numbers, sensing.loss), resolution)
     return _send_if_new(state, tuple(values), effects)
 
 

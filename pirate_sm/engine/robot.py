@@ -223,8 +223,14 @@ class BoardSpec:
 
 @dataclass(frozen=True)
 class LinkSpec:
-    """When a signal is stale, a board silent, an array sent again."""
+    """When a signal is stale, a board silent, an array sent again; how often a board reports.
 
+    Attributes:
+        period_s: The time between two reports of one board. What comes at shorter intervals has
+            waited somewhere.
+    """
+
+    period_s: float
     stale_after_s: float
     silent_after_s: float
     resend_after_s: float

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import atan2, hypot, inf, isfinite, isnan, nan, sin, sqrt
 from typing import NamedTuple
 
+from pirate_sm.engine.hearing import loss_after
 from pirate_sm.engine.robot import BoardSpec, RobotSpec, Vector
 from pirate_sm.model.events import SensorFrame
 
@@ -24,6 +25,7 @@ class Sensing(NamedTuple):
             rolled until then.
         angles: Per wheel what its sensor last showed, however long ago: what it has rolled while
             its board could not be heard is not lost with the frames.
+        loss: Share of the boards' reports that is lost, lately.
         told: In place of ``numbers``, what a script says that conditions see; empty without one.
     """
 
@@ -33,6 +35,7 @@ class Sensing(NamedTuple):
     stale: frozenset[int] = frozenset()
     shares: tuple[float, ...] = ()
     angles: tuple[float, ...] = ()
+    loss: float = 0.0
     told: Numbers = ()
 
     @property
@@ -100,7 +103,8 @@ def observe(
     heard = list(sensing.heard_s)
     heard[board.position] = now
     stale = sensing.stale - {board.position} if sensing.stale else sensing.stale
-    return Sensing(tuple(numbers), tuple(heard), sensing.checked_s, stale, shares, angles)
+    loss = loss_after(sensing.loss, elapsed, robot.link.period_s)
+    return Sensing(tuple(numbers), tuple(heard), sensing.checked_s, stale, shares, angles, loss)
 
 
 def _vector(vector: Vector, numbers: list[float]) -> float:
@@ -182,6 +186,4 @@ def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
                 numbers[index] = nan
     if robot.speed >= 0 and all(isnan(numbers[wheel.speed]) for wheel in robot.wheels):
         numbers[robot.speed] = nan
-    return Sensing(
-        tuple(numbers), sensing.heard_s, now, frozenset(stale), sensing.shares, sensing.angles
-    )
+    return sensing._replace(numbers=tuple(numbers), checked_s=now, stale=frozenset(stale))

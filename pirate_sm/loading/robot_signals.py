@@ -49,7 +49,10 @@ class Signals:
     def link(self) -> LinkSpec:
         """When signals are stale, boards silent, arrays sent again."""
         link = self.profile.link
-        return LinkSpec(link.stale_after, link.silent_after, link.resend_after, link.resend_limit)
+        return LinkSpec(
+            link.cycle * self.profile.messages_per_round,
+            link.stale_after, link.silent_after, link.resend_after, link.resend_limit,
+        )  # fmt: skip
 
     def number(self, name: str, path: Path, dimension: Dimension | None = None) -> int:
         """The index of a numeric signal; -1 and a problem when there is none of that kind."""

@@ -238,7 +238,7 @@ class SetpointLink:
         flight = self._flight
         if flight is not None and not flight.told and (self.quality.bad or len(flight.numbers) > 1):
             return _HURRY * self._spacing_s
-        return self.quality.patience_s
+        return min(self.quality.patience_s, self._refresh_every_s)
 
     def expire(self, now: float, able: bool = True) -> None:
         """Whatever has been awaited for long enough is given up or will be written again.
