@@ -34,8 +34,8 @@ class CutPort(VirtualPort):
     def write(self, data: bytes) -> None:
         super().write(data)
         bends, duties = self.device.truth.bends_rad, self.device.duties
-        bending = duties[JOINT] < 0 and duties[JOINT + 1] < 0  # a clamp turns them apart
-        if self.plugged and bending and bends[JOINT] < self._at_rad:
+        # A clamp turns this joint to the negative side; a bend brings it back from there.
+        if self.plugged and duties[JOINT] > 0 and bends[JOINT] > self._at_rad:
             self.plugged, self.cut_s, self.then = False, self.now(), bends
 
 
@@ -43,7 +43,7 @@ def run_on(switch: bool) -> tuple[float, VirtualBay]:
     """Degrees that the joint has turned since the cable was cut, and the bay afterwards."""
     loaded = loaded_mission()
     bay, plan = bay_of(1, Switches(dead_man=switch))
-    port = CutPort(bay, radians(-20))
+    port = CutPort(bay, radians(-70))
     backend = SerialBackend(plan, port)
     holder = Holder(backend.hold)
     engine = Engine(loaded.robot, loaded.program, nominal=False)
