@@ -327,6 +327,14 @@ def test_a_sensor_out_of_its_range(go: Go) -> None:
     assert course.is_safe
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_boards_of_which_one_report_in_four_comes_are_not_silent(go: Go, seed: int) -> None:
+    course = go(loss_out=0.75, seed=seed)
+
+    assert "sensor.silent" not in course.codes
+    assert "link.silent" not in course.codes
+
+
 def test_motion_that_nobody_asked_for(go: Go) -> None:
     course = go(spontaneous_at_s=(12.0,), seed=7, commands="ToggleLighting", refreshed=False)
 
