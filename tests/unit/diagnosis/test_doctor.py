@@ -128,10 +128,11 @@ def test_the_robot_has_seen_every_array_that_is_counted_as_written_or_repeated(
         listening.listen(2.0)
         move = Moving(listening, lambda text: None).run()
         counts = listening.exchange.counts
-    received = sum(record.event == "received" for record in bay_of(listening).records)
+        records = bay_of(listening).records
+        received = sum(record.event == "received" for record in records)  # the port is still open
 
-    assert received == counts.written
-    assert counts.repeats == received - move.sent - counts.refreshes
+    assert counts.written - received in {0, 1}, "one refresh may be on its way"
+    assert counts.written == move.sent + counts.repeats + counts.refreshes
 
 
 def test_a_dead_wheel_is_suspicious_and_the_red_led_is_explained(examine: Examine) -> None:

@@ -107,6 +107,7 @@ def _valid_frames_within(data: bytes) -> set[tuple[int, int]]:
     return found
 
 
+@pytest.mark.timeout(0 if NIGHTLY else 120)
 @settings(max_examples=1_000_000 if NIGHTLY else 300)
 @given(
     data=st.lists(
@@ -118,6 +119,7 @@ def test_any_bytes_in_any_split_give_the_same_frames(data: bytes, cuts: list[int
     assert _decode(data, cuts) == Decoder().feed(data)
 
 
+@pytest.mark.timeout(0 if NIGHTLY else 120)
 @settings(max_examples=1_000_000 if NIGHTLY else 300)
 @given(
     sent=st.lists(frames, min_size=1, max_size=6),

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import pytest
 
+from pirate_sm.backends.pico.line_quality import NEVER, Refreshing
 from pirate_sm.backends.pico.link import SetpointLink, WireSlot
 
 SPACING_S = 0.05
@@ -23,10 +24,11 @@ def pack(number: int, counts: Sequence[int], hold: int) -> bytes:
 class Line:
     """The link with a device at its other end that echoes what is said to arrive."""
 
-    def __init__(self) -> None:
+    def __init__(self, refreshing: Refreshing = NEVER) -> None:
         self.link = SetpointLink(
-            [WireSlot("motor", 0.001, 1.0)], pack, echo_within_s=0.15, spacing_s=SPACING_S
-        )
+            [WireSlot("motor", 0.001, 1.0)], pack, echo_within_s=0.15, spacing_s=SPACING_S,
+            refreshing=refreshing,
+        )  # fmt: skip
         self.now_s = 0.0
         self.written: list[tuple[float, int, tuple[int, ...]]] = []
         self.echoes: list[tuple[float, int, tuple[int, ...]]] = []
@@ -145,6 +147,34 @@ def test_nothing_older_is_written_after_something_newer(line: Line) -> None:
     written = [counts[0] for *_, counts in line.written]
     assert written == sorted(written)
     assert line.fates == {1: "unknown", 2: "accepted"}
+
+
+def test_while_a_last_copy_is_awaited_the_firmware_hears_as_much_as_from_refreshes() -> None:
+    line = Line(Refreshing(every_s=0.2, stop_after_s=0.5))
+    line.hear(0.75)
+    line.link.submit(1, (0.5,), line.now_s)
+    line.run(0.05)
+    line.echoes[1:] = []
+    line.run(0.1)
+    assert line.fates == {1: "accepted"}
+    assert not line.link.idle, "its last copy is not confirmed"
+
+    line.run(0.6, arriving=False)
+
+    gaps = [late - early for (early, *_), (late, *_) in pairwise(line.written)]
+    assert max(gaps) < 0.05
+
+
+def test_a_refresh_does_not_go_before_an_array_that_waits() -> None:
+    line = Line(Refreshing(every_s=0.04, stop_after_s=0.5))
+    line.link.submit(1, (0.1,), line.now_s)
+    line.run(0.085)
+    line.link.submit(2, (0.2,), line.now_s)
+    line.run(0.5)
+
+    counts = [each[0] for *_, each in line.written]
+    assert counts == sorted(counts)
+    assert line.fates == {1: "accepted", 2: "accepted"}
 
 
 # --- margins ---------------------------------------------------------------------------------
