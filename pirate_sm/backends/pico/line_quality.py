@@ -90,7 +90,8 @@ class LineQuality:
 
     @property
     def _worst(self) -> float:
-        return max(self._loss, self._noise)
+        # A byte may be known to be damaged long after it came, so the noise may exceed 1.
+        return min(max(self._loss, self._noise), _MOST_LOST)
 
     def learn(self, took_s: float) -> None:
         """Take in that an echo has taken so long."""

@@ -177,6 +177,14 @@ def test_what_is_lost_one_way_is_the_root_of_what_is_answered(answered: float, l
     assert quality.lost_one_way == pytest.approx(lost, abs=0.01)
 
 
+def test_bytes_that_turn_out_damaged_late_are_never_more_than_all() -> None:
+    quality = LineQuality(0.15)
+    quality.listened(1_000, 100_000)
+
+    assert 0.5 < quality.lost_one_way < 1.0
+    assert quality.bad
+
+
 def test_refreshes_that_are_not_echoed_tell_of_a_bad_line(
     backend: SerialBackend, device: Device
 ) -> None:
