@@ -102,7 +102,7 @@ def commands(seed: int) -> Tally:
     backend.close()
     tally.statuses.update(fates.values())
     tally.virtual_s = port.now()
-    tally.round_trips_s = list(backend.exchange.link.round_trips)
+    tally.round_trips_s = list(backend.exchange.link.quality.round_trips)
     seen = _watch(bay, fates, told_s, tally, f"seed {seed}")
     tally.applied_s = [at_s - began_s - sent_s[number] for number, at_s in seen.items()]
     _watch_damage(bay, port, tally, f"seed {seed}")

@@ -40,7 +40,7 @@ from pirate_sm.bay.firmware import Record
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.engine.engine import Engine
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.companions import FirstChoice, Holder
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import Result
 
@@ -59,6 +59,7 @@ class Ride:
         safe: Whether every wheel's setpoint was zero in the bay at the end.
         resets: How often the firmware started again by itself before the end.
         wrong: What was not as it must be after restarts, in words; empty where all was.
+        trips: How often the firmware's dead man's switch tripped before the end.
     """
 
     seed: int
@@ -67,6 +68,7 @@ class Ride:
     faults: tuple[str, ...]
     resets: int
     wrong: str
+    trips: int
 
 
 def main() -> int:
@@ -110,16 +112,19 @@ def ride(seed: int, reset_every_s: float, bad: bool = True) -> Ride:
         pipe=loaded.pipe,
     )  # fmt: skip
     engine = Engine(loaded.robot, loaded.program, nominal=False)
-    companions = (*detector.companions, FirstChoice())
+    holder = Holder(backend.hold)
+    companions = (holder, *detector.companions, FirstChoice())
     run = MissionRun(engine, backend, companions=companions)
+    holder.follow(run)
     result = run.execute()
+    trips = sum(record.event == "tripped" for record in bay.records)
     zeros = loaded.robot.safe_zero
     last = bay.last_applied
     safe = last is None or not any(last.counts[slot] for slot in zeros)
     details = tuple(record.detail for record in bay.records if record.detail)
     resets = sum(record.event == "reset" for record in bay.records) - 1  # one when it was opened
     wrong = _reason(result, resets) or _stand(run, engine, plan, bay, backend.port.now())
-    return Ride(seed, result, safe, details, resets, wrong)
+    return Ride(seed, result, safe, details, resets, wrong, trips)
 
 
 def _reason(result: Result, resets: int) -> str:
@@ -207,6 +212,8 @@ def _tell_rides(name: str, rides: list[Ride], reset_every_s: float) -> bool:
     share = outcomes["succeeded"] / len(rides)
     unsafe = [ride.seed for ride in rides if not ride.safe]
     print(f"{len(rides)} missions {name}: {share:.1%} succeeded; wheels left driven: {len(unsafe)}")
+    tripped = [ride.trips for ride in rides]
+    print(f"    dead man's switch: {sum(tripped)} trips, at most {max(tripped)} in a mission")
     reasons: dict[str, list[int]] = {}
     for ride in rides:
         if ride.result.ended.outcome != "succeeded":

@@ -28,7 +28,8 @@ class Record(NamedTuple):
     Attributes:
         at_s: When.
         event: ``received`` (an array came whole), ``applied`` (it is in force), ``echoed`` (its
-            echo has been handed to the line), ``reset``, ``booted``, ``hung``,
+            echo has been handed to the line), ``tripped`` (the dead man's switch has stopped what
+            is not held), ``reset``, ``booted``, ``hung``,
             ``unconfigured``, ``spontaneous``, ``fault`` (the host did something that it must
             not), ``opened``, ``closed``.
         setpoint_id: Of the array, where there is one.
@@ -56,6 +57,8 @@ class Firmware:
         switches: What goes wrong.
         cycle_s: Of the bus.
         echo_delay_s: From the reception of an array to its echo.
+        stop_after_s: The dead man's switch trips after so long without a valid array; infinite:
+            there is no switch.
         now_s: When the set-up is done and the loop begins.
         tell: Takes what happens.
     """
@@ -69,6 +72,7 @@ class Firmware:
         *,
         cycle_s: float,
         echo_delay_s: float,
+        stop_after_s: float,
         now_s: float,
         tell: Tell,
     ) -> None:
@@ -88,6 +92,9 @@ class Firmware:
         self._to_write: list[Array] = []
         self._echoes: deque[tuple[float, Array]] = deque()
         self._state: Message | None = None
+        self._stop_after_s = stop_after_s
+        self._stop_s = math.inf  # until an array has come there is nothing to stop
+        self._in_force: Array | None = None
 
     @property
     def configured(self) -> bool:
@@ -102,7 +109,7 @@ class Firmware:
     @property
     def due_s(self) -> float:
         """When it does the next thing."""
-        due = min(self._case_s, self._poll_s)
+        due = min(self._case_s, self._poll_s, self._stop_s)
         if self._echoes and self._echoes[0][0] < due:
             due = self._echoes[0][0]
         return max(due, self._free_s)
@@ -120,6 +127,8 @@ class Firmware:
         now = self.due_s
         if self._echoes and self._echoes[0][0] <= now:
             self._say_echo(now, self._echoes.popleft()[1])
+        elif self._stop_s <= now:
+            self._stop(now)
         elif self._poll_s <= now:
             assert self._switches.poll_s is not None
             self._poll(now)
@@ -160,7 +169,22 @@ class Firmware:
             return
         array = waiting[-1]
         self._robot.set_values(self._wire.values(array))
+        self._in_force = array
         self._tell(Record(now_s, "applied", array.setpoint_id, array.counts))
+
+    def _stop(self, now_s: float) -> None:
+        """No valid array has come for too long: what is not held is zero, and the host hears it.
+
+        The echo is that of the last array with the values that are in force now. It may be lost,
+        so it is said again for as long as nothing comes.
+        """
+        self._stop_s = now_s + self._stop_after_s
+        if self._in_force is None:
+            return
+        self._in_force = array = self._in_force.tripped
+        self._robot.set_values(self._wire.values(array))
+        self._tell(Record(now_s, "tripped", array.setpoint_id, array.counts))
+        self._say_echo(now_s, array)
 
     def _publish(self, now_s: float) -> None:
         state, self._state = self._state, None
@@ -210,6 +234,7 @@ class Firmware:
         self._tell(Record(now_s, "received", array.setpoint_id, array.counts))
         arrives, echoes = self._robot.delivery(now_s)
         if arrives:
+            self._stop_s = now_s + self._stop_after_s
             self._to_write.append(array)
         if arrives and echoes:
             self._echoes.append((now_s + self._echo_delay_s, array))

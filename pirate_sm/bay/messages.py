@@ -51,6 +51,12 @@ class MessageType:
             return 1
         return what[1] if kind == Nodetype.ARRAY else None
 
+    def bits(self, field: str) -> int:
+        """How many bits one number of a field has."""
+        kind, what = self._field(field)
+        element = what if kind == Nodetype.BASE else what[0][1]
+        return np.dtype(str(element[0])).itemsize * 8
+
     def _field(self, field: str) -> tuple[Nodetype, Any]:
         if field not in self._fields:
             raise UsageError(f"message {self.name} has no field '{field}'")

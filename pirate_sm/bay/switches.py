@@ -51,6 +51,7 @@ class Switches:
             if not, setpoints are echoed and motors ignore them.
         sensors_started: Whether the sensors were ([Set]); if not, no board says anything.
         old_client: The client of 2014 to 2017: unconfigured after an overrun.
+        dead_man: Whether the firmware has the dead man's switch that the profile describes.
         defects: Names of the profile's defects.
     """
 
@@ -79,6 +80,7 @@ class Switches:
     motors_started: bool = True
     sensors_started: bool = True
     old_client: bool = False
+    dead_man: bool = True
     defects: tuple[str, ...] = ()
 
     def speaks(self, board: int, now_s: float) -> bool:

@@ -37,7 +37,7 @@ class VirtualBay:
     Attributes:
         records: What has happened, oldest first; a reader may clear it.
         last_array: The last array of setpoints that came whole; None before the first.
-        last_applied: The last one whose setpoints came into force.
+        last_applied: The array in force; where the dead man's switch has tripped, what it left.
 
     Raises:
         UsageError: Robot, pipe, texts and switches do not fit together.
@@ -65,6 +65,8 @@ class VirtualBay:
         self._boot = (serial.boot * _SHORTEST_BOOT, serial.boot, chances[1])
         self._cycle_s = profile.link.cycle
         self._echo_delay_s = profile.link.echo_delay
+        stop_after_s = serial.stop_after if switches.dead_man else None
+        self._stop_after_s = math.inf if stop_after_s is None else stop_after_s
         self._twitches = chances[2]
         self._resets = Occasions(switches.reset_at_s, switches.reset_every_s, chances[3])
         self._motions = Occasions(
@@ -208,7 +210,8 @@ class VirtualBay:
     def _set_up(self, now_s: float) -> Firmware:
         return Firmware(
             self._wire, self._line, self._robot, self._switches,
-            cycle_s=self._cycle_s, echo_delay_s=self._echo_delay_s, now_s=now_s, tell=self._tell,
+            cycle_s=self._cycle_s, echo_delay_s=self._echo_delay_s, stop_after_s=self._stop_after_s,
+            now_s=now_s, tell=self._tell,
         )  # fmt: skip
 
     def _tell(self, record: Record) -> None:
@@ -217,7 +220,7 @@ class VirtualBay:
             return
         if record.event == "received":
             self.last_array = Array(record.setpoint_id, record.counts)
-        elif record.event == "applied":
+        elif record.event in {"applied", "tripped"}:
             self.last_applied = Array(record.setpoint_id, record.counts)
 
 

@@ -14,10 +14,23 @@ from pirate_sm.model.wire import Serial, SetpointTopic
 
 
 class Array(NamedTuple):
-    """Setpoints as they came: an id, and an integer per slot."""
+    """Setpoints as they came.
+
+    Attributes:
+        setpoint_id: The id.
+        counts: An integer per slot.
+        hold: A bit per slot that the dead man's switch keeps.
+    """
 
     setpoint_id: int
     counts: tuple[int, ...]
+    hold: int = 0
+
+    @property
+    def tripped(self) -> Array:
+        """What the dead man's switch makes of it: what is not held is zero."""
+        kept = (count if self.hold >> slot & 1 else 0 for slot, count in enumerate(self.counts))
+        return self._replace(counts=tuple(kept))
 
 
 def serial_of(profile: Profile) -> Serial:
@@ -53,12 +66,16 @@ class Wire:
             link.angle_resolution if slot.unit == "angle" else link.duty_resolution
             for slot in slots
         )
+        # What a sketch has compiled in whose messages have no field for it.
+        zero = set(profile.safe_state.zero)
+        self._kept = sum(1 << at for at, slot in enumerate(slots) if slot.name not in zero)
         types = message_types(texts)
         self._setpoints, self._echo, self._state = (
             _type(types, each.type) for each in (serial.setpoints, serial.echo, serial.state)
         )
         for kind, topic in ((self._setpoints, serial.setpoints), (self._echo, serial.echo)):
             _check_array(kind, topic, len(slots))
+        self._id_bits = self._setpoints.bits(serial.setpoints.id) - len(slots)
         self._check_state(max((len(board.channels) for board in profile.boards), default=0))
 
         def announced(number: int, name: TopicName, topic: str, kind: MessageType) -> Topic:
@@ -106,16 +123,27 @@ class Wire:
     def echo(self, array: Array) -> Message:
         """The array, said back."""
         echo = self._serial.echo
-        content: Content = {echo.id: array.setpoint_id, echo.values: array.counts}
+        number, more = array.setpoint_id, {}
+        if echo.hold == echo.id:
+            number |= array.hold << self._id_bits
+        elif echo.hold:
+            more[echo.hold] = array.hold
+        content: Content = {echo.id: number, echo.values: array.counts, **more}
         return Message(self.publishers[1].id, self._echo.pack(content))
 
     def array(self, payload: bytes) -> Array | None:
         """The array that a receive buffer begins with; None where it holds none."""
         setpoints = self._serial.setpoints
-        found = self._setpoints.unpack(payload, (setpoints.id, setpoints.values))
+        hold = setpoints.hold
+        found = self._setpoints.unpack(
+            payload, (setpoints.id, setpoints.values, hold or setpoints.id)
+        )
         if found is None or len(found[1]) != len(self._steps):
             return None
-        return Array(found[0][0], found[1])
+        (number,), counts, (mask,) = found
+        if hold == setpoints.id:
+            return Array(number & (1 << self._id_bits) - 1, counts, number >> self._id_bits)
+        return Array(number, counts, mask if hold else self._kept)
 
     def values(self, array: Array) -> tuple[float, ...]:
         """The array as duty cycles and angles in rad."""
@@ -131,6 +159,8 @@ def _type(types: Mapping[str, MessageType], name: str) -> MessageType:
 
 def _check_array(kind: MessageType, topic: SetpointTopic, slots: int) -> None:
     kind.room(topic.id)
+    if topic.hold:
+        kind.room(topic.hold)
     room = kind.room(topic.values)
     if room is not None and room != slots:
         raise UsageError(

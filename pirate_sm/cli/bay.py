@@ -58,6 +58,7 @@ class BayWishes:
     motors_started: bool
     sensors_started: bool
     old_client: bool
+    dead_man: bool
     defects: Sequence[str]
 
 
@@ -136,6 +137,7 @@ def _switches(wishes: BayWishes) -> Switches:
         motors_started=wishes.motors_started,
         sensors_started=wishes.sensors_started,
         old_client=wishes.old_client,
+        dead_man=wishes.dead_man,
         defects=tuple(wishes.defects),
     )
 

@@ -76,6 +76,10 @@ def bay(
     old_client: Annotated[
         bool, typer.Option("--old-client", help="Lose the host after an overrun (2014-2017).")
     ] = False,
+    dead_man: Annotated[
+        bool,
+        typer.Option("--dead-man/--no-dead-man", help="Whether a silent host stops the motors."),
+    ] = True,
     defects: Annotated[
         list[str] | None,
         typer.Option("--defect", metavar="NAME", help="Switch on a known defect. Repeatable."),
@@ -115,6 +119,7 @@ def bay(
                 motors_started=play,
                 sensors_started=set_,
                 old_client=old_client,
+                dead_man=dead_man,
                 defects=defects or [],
             )
         )

@@ -224,7 +224,7 @@ class Listening:
             resets=self._resets,
             time_requests=max(0, self._counts[TIME] - len(self._asked_ms)),
             asked_ms=tuple(self._asked_ms),
-            echoed_ms=tuple(each * 1e3 for each in self.exchange.link.round_trips),
+            echoed_ms=tuple(each * 1e3 for each in self.exchange.link.quality.round_trips),
         )
         return Facts(
             port=self.port.name,

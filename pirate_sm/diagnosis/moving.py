@@ -83,11 +83,19 @@ class Moving:
         self._accepted += result is not None and result.status == "accepted"
 
     def _stop(self) -> None:
-        """Every wheel is at rest, as far as the link carries that."""
+        """Bring every wheel to rest, as far as the link carries that.
+
+        Copies that are still on their way are waited for: with the port they would be lost, and
+        the count of what was written would not be that of what the robot has seen.
+        """
+        listening = self._listening
         with suppress(PortLostError):
-            link = self._listening.exchange.link
+            link = listening.exchange.link
             if not link.idle or link.applied != link.counts(self._rest):
                 self._send(self._rest)
+            give_up_s = listening.port.now() + _ANSWER_WITHIN_S
+            while not link.idle and listening.port.now() < give_up_s:
+                listening.turn(min(give_up_s, listening.port.now() + _LOOK_UP_S))
 
     def _wait(self, seconds: float) -> None:
         until_s = self._listening.port.now() + seconds

@@ -41,12 +41,20 @@ class Loop(NamedTuple):
         """Whether the angle is inside the threshold; an unknown angle has not arrived."""
         return abs(self.target_rad - numbers[self.angle]) <= self.spec.threshold_rad
 
-    def duty(self, numbers: Numbers) -> float:
-        """The duty cycle of a proportional controller, 0 once arrived or when blind."""
+    def duty(self, numbers: Numbers, loss: float = 0.0) -> float:
+        """Return the duty cycle of a proportional controller, 0 once arrived or when blind.
+
+        Args:
+            numbers: Signals.
+            loss: Share of reports that is lost. The gain is smaller by it: where the array that
+                stops the joint may come late, the joint comes to its angle more slowly.
+        """
         error = self.target_rad - numbers[self.angle]
         if not abs(error) > self.spec.threshold_rad:
             return 0.0
-        size = min(max(abs(error) * self.spec.gain, self.spec.least_duty), self.spec.limit)
+        size = min(
+            max(abs(error) * self.spec.gain * (1 - loss), self.spec.least_duty), self.spec.limit
+        )
         return size if error > 0 else -size
 
     def pushes(self, numbers: Numbers, setpoints: Numbers, share: float) -> bool:

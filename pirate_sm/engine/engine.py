@@ -122,6 +122,11 @@ class Engine:
         """The safe array, for a last resort when no step can be made any more."""
         return robot_state.safe_values(self.robot, state.robot, state.sensing.numbers)
 
+    def seeking(self, state: EngineState) -> frozenset[int]:
+        """Return the slots that a position loop drives in the newest array."""
+        flight = state.robot.flight
+        return state.robot.seeking if flight is None else flight.seeking
+
     # --- events -----------------------------------------------------------------------------
 
     def _frame(

@@ -6,6 +6,7 @@ from math import isnan, nan
 from typing import NamedTuple
 
 from pirate_sm.engine import plausibility
+from pirate_sm.engine.hearing import silent_limit_s
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.robot import BoardSpec, RobotSpec
 from pirate_sm.engine.sensing import Sensing, nothing_known
@@ -107,31 +108,42 @@ def begin_anew(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
         numbers[robot.odometry] = sensing.numbers[robot.odometry]
     heard_s = (now,) * len(fresh.heard_s)  # each board has its time to report
     records = tuple(map(plausibility.begin_anew, sensing.records))
-    return fresh._replace(numbers=tuple(numbers), heard_s=heard_s, checked_s=now, records=records)
+    return fresh._replace(
+        numbers=tuple(numbers),
+        heard_s=heard_s,
+        checked_s=now,
+        records=records,
+        loss=sensing.loss,
+    )
 
 
 def listen(
     robot: RobotSpec, faults: FaultState, sensing: Sensing, now: float
 ) -> tuple[FaultState, tuple[Found, ...]]:
-    """Boards that have been silent for too long are reported, once; all of them are the link."""
-    limit = now - robot.link.silent_after_s
-    silent = frozenset(
-        board.position
-        for board in robot.boards.values()
-        if sensing.heard_s[board.position] <= limit
-    )
+    """Report boards that have been silent for too long, once; all of them are the link.
+
+    A single board has longer where reports are lost, and is judged only while others report:
+    where all of them stop, one stops first.
+    """
+    silent_after_s, heard_s = robot.link.silent_after_s, sensing.heard_s
+    newest_s = max(heard_s, default=now)
+    if newest_s <= now - silent_after_s:
+        every = frozenset(range(len(heard_s)))
+        if every <= faults.silent:
+            return faults, ()
+        message = f"no board has reported for {silent_after_s:g} s"
+        return faults._replace(silent=every), (Found("link.silent", message, False),)
+    if newest_s <= now - silent_after_s / 2:
+        return faults, ()
+    limit_s = silent_limit_s(robot.link, sensing.loss)
+    silent = frozenset(at for at, each_s in enumerate(heard_s) if each_s <= now - limit_s)
     new = silent - faults.silent
     if not new:
         return faults, ()
-    faults = faults._replace(silent=silent | faults.silent)
-    if len(silent) == len(robot.boards):
-        message = f"no board has reported for {robot.link.silent_after_s:g} s"
-        return faults, (Found("link.silent", message, False),)
-    return faults, tuple(
+    return faults._replace(silent=silent | faults.silent), tuple(
         Found(
             "sensor.silent",
-            f"board {board.id} ({board.module}) has not reported for "
-            f"{robot.link.silent_after_s:g} s",
+            f"board {board.id} ({board.module}) has not reported for {limit_s:.3g} s",
             True,
         )
         for board in robot.boards.values()

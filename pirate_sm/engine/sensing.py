@@ -7,6 +7,7 @@ from math import atan2, hypot, inf, isfinite, isnan, nan, sin, sqrt
 from typing import NamedTuple
 
 from pirate_sm.engine import plausibility
+from pirate_sm.engine.hearing import loss_after
 from pirate_sm.engine.robot import BoardSpec, RobotSpec, Vector
 from pirate_sm.model.events import FaultReport, SensorFrame
 
@@ -42,6 +43,7 @@ class Sensing(NamedTuple):
             its board could not be heard is not lost with the frames.
         records: Per board what is remembered of its sensors, to know which values to believe.
         asked: What the motors have been asked, which tells what can move.
+        loss: Share of the boards' reports that is lost, lately.
         told: In place of ``numbers``, what a script says that conditions see; empty without one.
     """
 
@@ -53,6 +55,7 @@ class Sensing(NamedTuple):
     angles: tuple[float, ...] = ()
     records: tuple[plausibility.Record, ...] = ()
     asked: Asked = Asked()
+    loss: float = 0.0
     told: Numbers = ()
 
     @property
@@ -141,9 +144,10 @@ def observe(
     if record is not records[board.position]:
         records = (*records[: board.position], record, *records[board.position + 1 :])
     stale = sensing.stale - {board.position} if sensing.stale else sensing.stale
+    loss = loss_after(sensing.loss, elapsed_s, robot.link.period_s)
     sensed = Sensing(
         tuple(numbers), tuple(heard), sensing.checked_s, stale, shares, angles,
-        records, asked,
+        records, asked, loss,
     )  # fmt: skip
     return sensed, reports
 

@@ -92,7 +92,7 @@ def looped_values(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Numb
     values = list(state.values)
     for loop in state.loops:
         resolution = robot.slots[loop.slot].resolution
-        values[loop.slot] = _quantised(loop.duty(sensing.numbers), resolution)
+        values[loop.slot] = _quantised(loop.duty(sensing.numbers, sensing.loss), resolution)
     return tuple(values)
 
 
@@ -113,7 +113,8 @@ def _write(
             target_rad = write.value * share
             loop = Loop(write.slot, slot.angle, slot.rate, slot.torque, slot.loop, target_rad)
             loops.append(loop)
-            values[write.slot] = _quantised(loop.duty(sensing.numbers), slot.resolution)
+            duty = loop.duty(sensing.numbers, sensing.loss)
+            values[write.slot] = _quantised(duty, slot.resolution)
 
 
 def _quantised(value: float, resolution: float) -> float:

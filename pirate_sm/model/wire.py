@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, StringConstraints
+from pydantic import Field, StringConstraints, model_validator
 
 from pirate_sm.model.base import Frozen, Name
 from pirate_sm.model.quantities import Count, Duration
@@ -21,12 +21,16 @@ class SetpointTopic(Frozen):
         type: Its message type, ``package/Type``.
         id: Field with the array's id.
         values: Field with one integer per slot.
+        hold: Field with one bit per slot, the lowest for slot 0: set where the firmware's dead
+            man's switch keeps the value, clear where it writes 0. The name of the id's field:
+            these are the upper bits of the id. Empty: the message has none.
     """
 
     topic: str
     type: TypeName
     id: Name = "id"
     values: Name = "setpoints"
+    hold: Name | Literal[""] = ""
 
 
 class StateTopic(Frozen):
@@ -75,6 +79,10 @@ class Serial(Frozen):
         echo_within: An array not echoed for so long is sent again.
         recover_within: A controller that has fallen silent, or whose port has gone, must be back
             within so long beyond the boot loader's time; then the link is lost.
+        refresh_every: The array in force is written again when nothing else has been written for
+            so long, sooner on a line that loses frames. Without it nothing is repeated.
+        stop_after: The firmware has a dead man's switch: without a valid array for so long it
+            stops every slot that is not to be held. Without it the firmware has no switch.
         heartbeat_within: The guardian sends the safe array when it has not heard the runner for so
             long.
         messages: Folder beside the profile with one ``<Type>.msg`` per type.
@@ -88,9 +96,28 @@ class Serial(Frozen):
     boot: Duration
     echo_within: Annotated[Duration, Field(gt=0)]
     recover_within: Annotated[Duration, Field(gt=0)] = 6.0
+    refresh_every: Annotated[Duration, Field(gt=0)] | None = None
+    stop_after: Annotated[Duration, Field(gt=0)] | None = None
     heartbeat_within: Annotated[Duration, Field(gt=0)]
     messages: str = "messages"
     setpoints: SetpointTopic
     echo: SetpointTopic
     state: StateTopic
     advice: Advice = Advice()
+
+    @model_validator(mode="after")
+    def _refreshed_in_time(self) -> Serial:
+        if self.stop_after is None:
+            return self
+        if self.refresh_every is None:
+            raise ValueError(
+                "'stop_after' needs 'refresh_every': without repeats the firmware's switch stops "
+                "the robot whenever a mission waits"
+            )
+        if 2 * self.refresh_every > self.stop_after:
+            raise ValueError(
+                f"'refresh_every' is {self.refresh_every:g} s and 'stop_after' "
+                f"{self.stop_after:g} s: at least two repeats must fit, or one lost frame stops "
+                "the robot"
+            )
+        return self

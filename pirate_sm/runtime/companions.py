@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from math import inf
 from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, runtime_checkable
 
@@ -202,7 +202,7 @@ def _asks(effect: Effect) -> bool:
 
 
 class Holder:
-    """Tells a backend at every turn which array is the safe one now, should this process die.
+    """Tells a backend at every turn what is to be held and what stopped, should this process die.
 
     Args:
         hold: What wants to know.
@@ -211,7 +211,7 @@ class Holder:
     due_s = inf
     listening = False
 
-    def __init__(self, hold: Callable[[tuple[float, ...]], None]) -> None:
+    def __init__(self, hold: Callable[[tuple[float, ...], Collection[int]], None]) -> None:
         self._hold = hold
         self._run: MissionRun | None = None
 
@@ -220,10 +220,10 @@ class Holder:
         self._run = run
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """The safe array is that of this moment."""
+        """Pass on the safe array of this moment, and the slots that position loops drive."""
         values = self._run.safe_values() if self._run is not None else None
-        if values is not None:
-            self._hold(values)
+        if self._run is not None and values is not None:
+            self._hold(values, self._run.seeking())
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Nothing."""

@@ -130,6 +130,10 @@ class MissionRun:
         """The safe array of this moment; None before anything is known."""
         return None if self.state is None else self._engine.safe_values(self.state)
 
+    def seeking(self) -> frozenset[int]:
+        """Slots that a position loop drives at this moment."""
+        return frozenset() if self.state is None else self._engine.seeking(self.state)
+
     def execute(self) -> Result:
         """The mission has ended, the robot is in its safe state, the backend is closed or kept."""
         kept = False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from math import inf
 
@@ -64,6 +64,7 @@ class SerialBackend:
         self._held_s = inf
         self._late = False
         self._told = False
+        self._trips = 0
         self._now_s = 0.0
         self._events: list[Event] = []
         self._open = False
@@ -150,9 +151,14 @@ class SerialBackend:
 
     # --- beyond it --------------------------------------------------------------------------
 
-    def hold(self, values: tuple[float, ...]) -> None:
-        """Whoever survives this process sends this array, with the safe state's zeros, at once."""
-        self.exchange.hold(values)
+    def hold(self, values: tuple[float, ...], seeking: Collection[int] = ()) -> None:
+        """Whoever survives this process sends this array, with the safe state's zeros, at once.
+
+        Args:
+            values: The safe array.
+            seeking: Slots that a position loop drives; the firmware's switch stops them too.
+        """
+        self.exchange.hold(values, seeking)
 
     @property
     def health(self) -> LinkHealth:
@@ -160,7 +166,14 @@ class SerialBackend:
         return health_of(self.exchange, self.port.now())
 
     def remark(self) -> str:
-        """What a person must know while the mission is held, once; else empty."""
+        """What a person must know now, once; else empty."""
+        trips = self.exchange.counts.trips
+        if trips > self._trips:
+            self._trips = trips
+            return (
+                "the robot's dead man's switch had stopped what moved, for no setpoints arrived; "
+                f"they are sent again ({trips} time{'s' if trips > 1 else ''} so far)"
+            )
         told, self._told = self._told, self.exchange.outage is not None
         if told or not self._told:
             return ""

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from math import inf, isnan, nan
 from typing import NamedTuple, TypeAlias
 
-from pirate_sm.backends.pico.framing import Decoder, Frame, encode
+from pirate_sm.backends.pico.framing import LONGEST_PAYLOAD, Decoder, Frame, encode
 from pirate_sm.backends.pico.topics import (
     FIRST_OF_THE_DEVICE,
     LOG,
@@ -42,6 +42,9 @@ _TIME_AGAIN_S = 0.4
 
 _WORDS_KEPT = 20
 
+_ROOM_FOR_WORDS = 128
+"""Bytes that an introduction or a line of the firmware's log may always have."""
+
 
 class Wanted(NamedTuple):
     """A topic that the robot's profile names.
@@ -49,6 +52,9 @@ class Wanted(NamedTuple):
     Attributes:
         direction: What the device does with it.
         text: The definition that we hold, for people.
+        longest: Bytes of its longest payload.
+        answers: It only ever answers what was written. So it does not show that the device goes
+            on by itself, and is no end of a silence.
     """
 
     name: str
@@ -56,6 +62,8 @@ class Wanted(NamedTuple):
     md5: str
     direction: Direction
     text: str = ""
+    longest: int = LONGEST_PAYLOAD
+    answers: bool = False
 
 
 class Message(NamedTuple):
@@ -92,7 +100,7 @@ class Conversation:
     Attributes:
         frames: How many have come.
         words: The last lines of the firmware.
-        heard_s: When the last frame came.
+        heard_s: When the last frame came that was no mere answer.
         offered: Every topic that the device has introduced, by direction and name.
         strange: How many frames there were on topics that nobody introduced.
     """
@@ -193,8 +201,23 @@ class Conversation:
 
     def receive(self, data: bytes, now: float) -> Iterator[Heard]:
         """What these bytes say; taken in as it is asked for."""
+        self._decoder.longest = self._longest
         for frame in self._decoder.feed(data):
             yield from self._take(frame, now)
+
+    @property
+    def _longest(self) -> int:
+        """Bytes of the longest payload that is expected now.
+
+        A device that is being asked, or that has topics besides those that are wanted, may send
+        payloads of any length.
+        """
+        wanted = {(each.direction, each.name.lstrip("/")) for each in self._wanted}
+        others = (info for key, info in self.offered.items() if key not in wanted)
+        if self.asking or any(self._unproven[info] > 1 for info in others):
+            return LONGEST_PAYLOAD
+        published = (each.longest for each in self._wanted if each.direction == "publishes")
+        return max((_ROOM_FOR_WORDS, *published))
 
     def _tell_time(self) -> bytes:
         """The time at which the device asked for it, which adds what has passed since.
@@ -218,6 +241,9 @@ class Conversation:
             self.strange += topic >= FIRST_OF_THE_DEVICE
             return  # nothing is proven by it: it may be damaged, or of no rosserial
         self.frames += 1
+        if at is not None and self._wanted[at].answers:
+            yield Message(at, payload)
+            return
         self._silence_s, self.heard_s = max(self._silence_s, now - self.heard_s), now
         if at is not None:
             if not (self._again and self._fresh):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Collection
+from math import inf
 
 from pirate_sm.backends.pico.conversation import (
     SILENT_AFTER_S,
@@ -11,11 +12,13 @@ from pirate_sm.backends.pico.conversation import (
     Message,
     Refused,
 )
+from pirate_sm.backends.pico.counts import Counts
 from pirate_sm.backends.pico.diagnosis import sensors_off
 from pirate_sm.backends.pico.framing import OVERHEAD_BYTES
+from pirate_sm.backends.pico.line_quality import Refreshing
 from pirate_sm.backends.pico.link import SetpointLink
 from pirate_sm.backends.pico.measurements import Measurements
-from pirate_sm.backends.pico.messages import Malformed
+from pirate_sm.backends.pico.messages import Array, Malformed
 from pirate_sm.backends.pico.plan import ECHO, SETPOINTS, STATE, Plan
 from pirate_sm.backends.pico.recovery import BRIEF, RESET, Outage, Recovery, was_reset
 from pirate_sm.backends.pico.throttle import Throttle
@@ -28,30 +31,13 @@ _GREETING_BYTES = OVERHEAD_BYTES * 2
 
 SAFE_WIRE_ID = 0
 
+_INTRODUCTION_S = 0.06
+"""A device that introduces its topics, some 270 bytes at 57,600 baud, reads nothing meanwhile."""
+
 _EXPIRE_EVERY_S = 0.05
 
 _SILENT_SHARE = 0.4
 """Of the time after which a single board is silent: none may be so before all of them are."""
-
-
-class Counts(NamedTuple):
-    """What the link has seen, for people.
-
-    Attributes:
-        dropped: Bytes that belonged to no frame.
-        unreadable: Payloads that were not what their type says.
-        strange: Frames and readings of nothing that is known.
-        damaged: Echoes of something else than was written.
-        repeats: Frames written again.
-    """
-
-    frames: int
-    dropped: int
-    unreadable: int
-    strange: int
-    written: int
-    damaged: int
-    repeats: int
 
 
 class Exchange:
@@ -81,13 +67,16 @@ class Exchange:
         payload = plan.messages.setpoints.pack(0, [0] * len(plan.slots))
         self._setpoint_bytes = len(payload) + OVERHEAD_BYTES
         codec = plan.messages.setpoints
+        self._kept = sum(1 << at for at in range(len(plan.slots)) if at not in plan.safe_zero)
         self.link = SetpointLink(
             plan.slots,
             codec.pack,
+            refreshing=Refreshing(plan.serial.refresh_every or inf, plan.serial.stop_after or inf),
             echo_within_s=plan.serial.echo_within,
             spacing_s=self._throttle.spacing_s(self._setpoint_bytes),
             ids=codec.ids,
         )
+        self.link.hold = self._kept
         self._measurements = Measurements(plan.channels)
         advice = sensors_off(plan.serial.advice.no_sensors)
         self._recovery = Recovery(BRIEF * plan.silent_after_s, plan.away_s, advice)
@@ -147,10 +136,18 @@ class Exchange:
         self.link.submit(setpoint_id, values, now)
         self._events += self.link.take()
 
-    def hold(self, values: tuple[float, ...]) -> None:
-        """This is the safe array, if it may be sent at all."""
+    def hold(self, values: tuple[float, ...], seeking: Collection[int] = ()) -> None:
+        """Take note of what is to be held should nobody be able to send anything more.
+
+        Args:
+            values: The safe array; ignored where it must not be sent.
+            seeking: Slots that a position loop drives. The firmware's switch stops them, if the
+                message can tell it which they are.
+        """
         if not self.link.refusal(values):
             self._held = self.link.counts(values)
+        loose = seeking if self._plan.messages.setpoints.holds else ()
+        self.link.hold = self._kept & ~sum(1 << at for at in loose)
 
     def receive(self, data: bytes, now: float) -> None:
         """The bytes have had their consequences."""
@@ -163,7 +160,7 @@ class Exchange:
                 self._take(heard, now)
             elif isinstance(heard, Refused):
                 self._refuse(heard)
-        self.link.listened(len(data), self.conversation.dropped - dropped)
+        self.link.quality.listened(len(data), self.conversation.dropped - dropped)
         self._events += self.link.take()
 
     def take(self) -> list[Event]:
@@ -199,10 +196,11 @@ class Exchange:
             now: The time.
             able: Whether there is a port; without one nothing is returned and time passes.
         """
-        data = b""
+        data, busy_s = b"", 0.0
         if able and self._throttle.free_s(_GREETING_BYTES, now) <= now:
             data = self.conversation.write(now)
             if self.conversation.asking:
+                busy_s = _INTRODUCTION_S if data else 0.0
                 self._hold(now)
         if self.outage is not None:
             self._judge(self.outage, now)
@@ -213,7 +211,7 @@ class Exchange:
         if not data and fits and self.conversation.known:
             data = self._setpoints(now)
         if data:
-            self._throttle.wrote(len(data), now)
+            self._throttle.wrote(len(data), now, busy_s)
         return data
 
     def room_s(self, size: int, now: float) -> float:
@@ -238,7 +236,7 @@ class Exchange:
             zero = set(self._plan.safe_zero)
             safe = tuple(0 if slot in zero else count for slot, count in enumerate(counts))
             self._safe_from, self._safe_counts = counts, safe
-            self._safe_payload = self._plan.messages.setpoints.pack(SAFE_WIRE_ID, safe)
+            self._safe_payload = self._plan.messages.setpoints.pack(SAFE_WIRE_ID, safe, self._kept)
         frame = self.conversation.frame(SETPOINTS, self._safe_payload)
         if frame or self.conversation.known:
             self._safe_frame = frame
@@ -266,6 +264,8 @@ class Exchange:
             written=link.written,
             damaged=link.damaged,
             repeats=link.repeats,
+            refreshes=link.refreshes,
+            trips=link.trips,
         )
 
     # --- inside -----------------------------------------------------------------------------
@@ -326,15 +326,15 @@ class Exchange:
             if message.which == STATE:
                 self._measure(message.payload)
             elif message.which == ECHO:
-                self._echo(*self._plan.messages.echo.unpack(message.payload), now)
+                self._echo(self._plan.messages.echo.unpack(message.payload), now)
         except Malformed:
             self._unreadable += 1
             if message.which == ECHO:
                 self.link.unreadable(now)
 
-    def _echo(self, number: int, counts: tuple[int, ...], now: float) -> None:
-        if number != SAFE_WIRE_ID or counts != self._safe_counts:
-            self.link.echoed(number, counts, now)
+    def _echo(self, array: Array, now: float) -> None:
+        if array.number != SAFE_WIRE_ID or array.counts != self._safe_counts:
+            self.link.echoed(array.number, array.counts, now, array.hold)
         elif self.outage is not None:
             self.outage.confirm(now)
 

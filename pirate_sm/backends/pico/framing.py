@@ -50,12 +50,15 @@ class Decoder:
 
     Attributes:
         dropped: How many bytes belonged to no frame.
+        longest: The longest payload that can come. A length beyond it is damage: it is dropped at
+            once and withholds nothing of what follows.
     """
 
     def __init__(self) -> None:
         """Nothing has been received."""
         self._pending = bytearray()
         self.dropped = 0
+        self.longest = LONGEST_PAYLOAD
 
     def feed(self, data: bytes) -> list[Frame]:
         """The frames that these bytes complete, oldest first."""
@@ -92,7 +95,7 @@ class Decoder:
         if len(pending) - at < _HEAD.size:
             return len(pending) + 1
         _, length, check = _HEAD.unpack_from(pending, at)
-        if (length % 256 + length // 256 + check) % 256 != 255 or length > LONGEST_PAYLOAD:
+        if (length % 256 + length // 256 + check) % 256 != 255 or length > self.longest:
             return 0
         end: int = at + OVERHEAD_BYTES + length
         if end <= len(pending) and sum(pending[at + _HEAD.size : end]) % 256 != 255:

@@ -19,6 +19,7 @@ class LinkHealth(NamedTuple):
         round_trip_s: What the last echo has taken; NaN before the first one.
         silent_s: How long nothing has come; 0 while all is well.
         trouble: What is wrong now, in words; empty: nothing.
+        trips: How often the firmware's dead man's switch has tripped, as far as was heard.
     """
 
     received: int
@@ -29,12 +30,13 @@ class LinkHealth(NamedTuple):
     round_trip_s: float
     silent_s: float
     trouble: str
+    trips: int = 0
 
 
 def health_of(exchange: Exchange, now: float) -> LinkHealth:
     """The health of a link at this moment of its port's clock."""
     counts, outage = exchange.counts, exchange.outage
-    trips = exchange.link.round_trips
+    trips = exchange.link.quality.round_trips
     trouble = ""
     if outage is not None:
         trouble = outage.gone or "nothing comes from the robot"
@@ -47,4 +49,5 @@ def health_of(exchange: Exchange, now: float) -> LinkHealth:
         round_trip_s=trips[-1] if trips else nan,
         silent_s=now - outage.heard_s if outage is not None else 0.0,
         trouble=trouble,
+        trips=counts.trips,
     )

@@ -3,16 +3,19 @@
 Each writing of an array has a number of its own (its *wire id*), so that an echo tells which one
 it answers. An echo with other values, or with a number that nobody wrote, means damage on one of
 the two ways: the array is written again at once.
+
+The array in force is repeated while nothing else is written (*refreshed*), so that the firmware's
+dead man's switch sees that the line is alive. Nobody waits for the echo of a refresh.
 """
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import inf, isfinite
 from typing import NamedTuple
 
+from pirate_sm.backends.pico.line_quality import NEVER, LineQuality, Refreshing
 from pirate_sm.model.events import FaultReport, SubmitResult, SubmitStatus
 
 Integers = tuple[int, ...]
@@ -23,26 +26,13 @@ BUDGET = 8
 _REPEAT_BUDGET = 5
 """Times as long is tried to confirm again what had been confirmed before."""
 
-_BAD = 0.25
-"""Where more than this share is lost, the echo of not even the first writing is waited for."""
-
 _HURRY = 0.6
 """Copies of one array follow each other after this share of the time between two arrays."""
-
-_LOSS_GAIN = 1 / 16
-_NOISE_BYTES = 2000
-"""Over so many received bytes the share of damaged ones is taken: half a second of a busy line."""
 
 _REMEMBERED = 64
 _ROUNDING = 1e-6
 
 NO_ECHO = "link.no_echo"
-
-# How the time to wait for an echo follows what echoes have taken, as TCP's does (RFC 6298).
-_MEAN_GAIN = 1 / 8
-_SPREAD_GAIN = 1 / 4
-_SPREADS = 4.0
-_MARGIN_S = 0.01
 
 
 class WireSlot(NamedTuple):
@@ -86,35 +76,55 @@ class _Flight:
     again: bool = True
 
 
+class _Written(NamedTuple):
+    """What was written under one number, and when."""
+
+    counts: Integers
+    hold: int
+    at_s: float
+
+    @property
+    def tripped(self) -> Integers:
+        """What the firmware's dead man's switch makes of it."""
+        return tuple(
+            count if self.hold >> slot & 1 else 0 for slot, count in enumerate(self.counts)
+        )
+
+
 class SetpointLink:
     """Brings arrays to the device.
 
     Args:
         slots: In the order of the wire.
-        pack: Makes a payload of a wire id and counts.
+        pack: Makes a payload of a wire id, counts and the mask of slots to be held.
         echo_within_s: An array not echoed for so long is written again; sooner where echoes have
             been seen to come sooner.
         spacing_s: The least time between two arrays.
         ids: How many wire ids there are; 0 is left to others.
+        refreshing: How the array in force is repeated.
 
     Attributes:
+        quality: Of the line.
         applied: Counts of the last array that was confirmed; None before.
-        written: How many frames; ``damaged`` echoes among the answers; ``repeats`` among them.
+        hold: One bit per slot that the firmware's switch shall keep; goes out with each writing.
+        written: How many frames; ``damaged`` echoes among the answers; ``repeats`` among the
+            frames, and ``refreshes``, for which no echo is awaited.
+        trips: How often the firmware has reported that its switch has tripped.
     """
 
     def __init__(
         self,
         slots: Sequence[WireSlot],
-        pack: Callable[[int, Sequence[int]], bytes],
+        pack: Callable[[int, Sequence[int], int], bytes],
         *,
         echo_within_s: float,
         spacing_s: float,
         ids: int = 1 << 32,
+        refreshing: Refreshing = NEVER,
     ) -> None:
         self._slots = tuple(slots)
         self._pack = pack
         self._longest_s = echo_within_s
-        self._mean_s = self._spread_s = echo_within_s / 2
         self._spacing_s = spacing_s
         self._ids = ids
         self._number = 0
@@ -122,15 +132,19 @@ class SetpointLink:
         self._flight: _Flight | None = None
         self._latest: _Order | None = None
         self._sent_s = -inf
-        self._loss = self._noise = 0.0
-        self._losses = 1
-        self._recent: dict[int, tuple[Integers, float]] = {}
+        self.quality = LineQuality(echo_within_s)
+        self._recent: dict[int, _Written] = {}
+        self._refreshing = refreshing
+        self._unanswered: dict[int, float] = {}
+        self._tripped = False
         self._results: list[SubmitResult | FaultReport] = []
         self.applied: Integers | None = None
+        self.hold = 0
         self.written = 0
         self.damaged = 0
         self.repeats = 0
-        self.round_trips: deque[float] = deque(maxlen=1000)
+        self.refreshes = 0
+        self.trips = 0
 
     # --- what is wanted ---------------------------------------------------------------------
 
@@ -193,12 +207,25 @@ class SetpointLink:
             return -inf if flight.again else flight.sent_s + self._patience_s
         if waiting is not None:
             return self._sent_s + self._gap_s
-        return inf
+        return self._refresh_s
+
+    @property
+    def _refresh_s(self) -> float:
+        """When the array in force is to be repeated; infinite where nothing was ever written."""
+        if self._latest is None:
+            return inf
+        return self._sent_s + (self._gap_s if self._tripped else self._refresh_every_s)
+
+    @property
+    def _refresh_every_s(self) -> float:
+        """How long after the last writing the array in force is repeated."""
+        lost = self.quality.lost_one_way
+        return self._refreshing.interval_s(lost, _HURRY * self._spacing_s)
 
     @property
     def _gap_s(self) -> float:
         """How long after the last writing a different array may be written."""
-        return _HURRY * self._spacing_s if self._bad else self._spacing_s
+        return _HURRY * self._spacing_s if self.quality.bad else self._spacing_s
 
     @property
     def _patience_s(self) -> float:
@@ -209,18 +236,9 @@ class SetpointLink:
         allow, still one at a time in there.
         """
         flight = self._flight
-        if flight is not None and not flight.told and (self._bad or len(flight.numbers) > 1):
+        if flight is not None and not flight.told and (self.quality.bad or len(flight.numbers) > 1):
             return _HURRY * self._spacing_s
-        return min(self._longest_s, self._mean_s + _SPREADS * self._spread_s + _MARGIN_S)
-
-    @property
-    def _bad(self) -> bool:
-        """Whether so much is lost that no single writing can be relied upon.
-
-        Echoes that do not come tell it, and so do the bytes of all that comes, long before the
-        first array is written.
-        """
-        return max(self._loss, self._noise) > _BAD
+        return min(self.quality.patience_s, self._refresh_every_s)
 
     def expire(self, now: float, able: bool = True) -> None:
         """Whatever has been awaited for long enough is given up or will be written again.
@@ -238,10 +256,11 @@ class SetpointLink:
             if waiting is not None:
                 self._end(flight, f"array {waiting.setpoint_id} came before its echo")
             elif now >= flight.began_s + patience_s:
-                self._lose(1.0)
+                self.quality.lose(1.0)
                 self._end(flight, f"no echo after {len(flight.numbers)} copies")
             else:
                 flight.again = True
+        self._miss(now)
         if able:
             return
         flight = self._flight
@@ -261,35 +280,74 @@ class SetpointLink:
         if flight is None and self._waiting is not None and now >= self._sent_s + self._gap_s:
             flight = self._flight = _Flight(self._waiting, now)
             self._waiting = None
-        if flight is None or not flight.again:
+        if flight is None:
+            return self._refresh(now) if self._waiting is None else b""
+        if not flight.again:
             return b""
-        self._number = self._number % (self._ids - 1) + 1
+        self.repeats += bool(flight.numbers) or flight.told
+        flight.again, flight.sent_s = False, now
         self._latest = flight.order
-        self._recent[self._number] = flight.order.counts, now
+        payload = self._write(flight.order, now)
+        flight.numbers.append(self._number)
+        return payload
+
+    def _refresh(self, now: float) -> bytes:
+        """The array in force once more, if that is due."""
+        if self._latest is None or now < self._refresh_s:
+            return b""
+        self.refreshes += 1
+        payload = self._write(self._latest, now)
+        self._unanswered[self._number] = now
+        return payload
+
+    def _write(self, order: _Order, now: float) -> bytes:
+        """The payload of this array under a number of its own."""
+        self._number = self._number % (self._ids - 1) + 1
+        self._recent[self._number] = _Written(order.counts, self.hold, now)
         if len(self._recent) > min(_REMEMBERED, self._ids // 2):
             del self._recent[next(iter(self._recent))]
-        self.repeats += bool(flight.numbers) or flight.told
-        flight.numbers.append(self._number)
-        flight.again = False
-        flight.sent_s = self._sent_s = now
+        self._sent_s, self._tripped = now, False
         self.written += 1
-        return self._pack(self._number, flight.order.counts)
+        return self._pack(self._number, order.counts, self.hold)
+
+    def _miss(self, now: float) -> None:
+        """Refreshes whose echo is overdue count as lost."""
+        overdue = [n for n, at_s in self._unanswered.items() if now >= at_s + self._longest_s]
+        for number in overdue:
+            del self._unanswered[number]
+            self.quality.lose(1.0)
 
     # --- what is answered -------------------------------------------------------------------
 
-    def echoed(self, number: int, counts: Integers, now: float) -> None:
-        """The device has said what it applied."""
+    def echoed(self, number: int, counts: Integers, now: float, hold: int | None = None) -> None:
+        """The device has said what it applied.
+
+        Args:
+            number: Of the writing that it answers.
+            counts: What is in force.
+            now: The time.
+            hold: The mask that came with it; None where the echo has no field for it.
+        """
         flight = self._flight
-        written, sent_s = self._recent.get(number, ((), now))
-        if written != counts:
+        written = self._recent.get(number)
+        if written is None or (hold is not None and hold != written.hold):
             self._correct(now)
             return
+        if written.counts != counts:
+            if counts == written.tripped:
+                self.trips += 1
+                self._tripped = True  # written again as soon as the line allows
+            else:
+                self._correct(now)
+            return
+        if self._unanswered.pop(number, None) is not None:
+            self.quality.lose(0.0)
         if flight is None or number not in flight.numbers:
             return  # of an array that has been given up, or one more copy of one accepted
         self.applied = counts
         place = flight.numbers.index(number)
-        self._learn(now - sent_s)
-        self._lose(place / (place + 1))
+        self.quality.learn(now - written.at_s)
+        self.quality.lose(place / (place + 1))
         if not flight.told:
             flight.told, flight.began_s = True, now
             self._tell(flight.order.setpoint_id, "accepted", "")
@@ -297,23 +355,6 @@ class SetpointLink:
             self._flight = None
         else:
             del flight.numbers[: place + 1]  # only later copies can still say something new
-
-    def _learn(self, took_s: float) -> None:
-        """An echo has taken so long."""
-        self.round_trips.append(took_s)
-        self._spread_s += _SPREAD_GAIN * (abs(took_s - self._mean_s) - self._spread_s)
-        self._mean_s += _MEAN_GAIN * (took_s - self._mean_s)
-
-    def _lose(self, share: float) -> None:
-        """Of the last writings this share was not echoed."""
-        self._losses += 1
-        self._loss += max(_LOSS_GAIN, 1 / self._losses) * (share - self._loss)
-
-    def listened(self, received: int, damaged: int) -> None:
-        """So many bytes have come lately, so many have turned out to belong to no frame."""
-        if received:
-            part = min(1.0, received / _NOISE_BYTES)
-            self._noise += part * (damaged / received - self._noise)
 
     def unreadable(self, now: float) -> None:
         """An echo has come that nobody can read."""

@@ -23,6 +23,9 @@ except ModuleNotFoundError as error:
 
 _INTEGERS = {"int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64"}
 _NUMBERS = _INTEGERS | {"float32", "float64"}
+_LEAST_NUMBER_BITS = 8
+"""So many bits of an id must count writings: 64 of them are remembered."""
+
 _ARRAYS = (Nodetype.ARRAY, Nodetype.SEQUENCE)
 
 
@@ -60,6 +63,31 @@ class MessageType:
     write: Callable[[Any], bytes]
     read: Callable[[bytes], Any]
 
+    @property
+    def largest(self) -> int | None:
+        """Bytes of the longest payload; None where a field may hold any count of numbers."""
+        total = 0
+        for kind, size in self.fields.values():
+            if kind not in _NUMBERS or size == 0:
+                return None
+            total += np.dtype(kind).itemsize * (1 if size is None else size)
+        return total
+
+
+class Array(NamedTuple):
+    """One array of setpoints as the wire carries it.
+
+    Attributes:
+        number: Its id.
+        counts: One integer per slot.
+        hold: One bit per slot that the firmware's dead man's switch keeps; None where the message
+            has no field for it.
+    """
+
+    number: int
+    counts: tuple[int, ...]
+    hold: int | None = None
+
 
 class SetpointCodec:
     """Arrays of setpoints, or their echoes, of one message type.
@@ -76,7 +104,7 @@ class SetpointCodec:
     def __init__(self, kind: MessageType, topic: SetpointTopic, slots: int) -> None:
         self.type = kind
         number, values = (_field(kind, name) for name in (topic.id, topic.values))
-        others = sorted(set(kind.fields) - {topic.id, topic.values})
+        others = sorted(set(kind.fields) - {topic.id, topic.values, topic.hold})
         if others:
             raise UsageError(f"{kind.name}.msg: nobody knows what to put into {', '.join(others)}")
         if number.size is not None or number.kind not in _INTEGERS:
@@ -86,18 +114,35 @@ class SetpointCodec:
                 f"{kind.name}.msg: '{topic.values}' must be {slots} integers, one for each slot"
             )
         self._id, self._values, self._slots = topic.id, topic.values, slots
+        self._hold = topic.hold
         self._dtype = np.dtype(values.kind)
         bounds = np.iinfo(self._dtype)
         self.least, self.most = int(bounds.min), int(bounds.max)
-        self.ids = int(np.iinfo(np.dtype(number.kind)).max) + 1
+        self.id_bits = number_bits(kind, topic, slots)
+        self.ids = 1 << self.id_bits
 
-    def pack(self, number: int, values: Sequence[int]) -> bytes:
-        """The payload with this id and one integer for each slot."""
+    @property
+    def holds(self) -> bool:
+        """Whether the message says which slots the firmware's dead man's switch keeps."""
+        return bool(self._hold)
+
+    def pack(self, number: int, values: Sequence[int], hold: int = 0) -> bytes:
+        """Return the payload with this id and one integer for each slot.
+
+        Args:
+            number: The id.
+            values: One integer per slot.
+            hold: One bit per slot to be kept; left out where the message has no field for it.
+        """
         fields = {self._id: number, self._values: np.array(values, dtype=self._dtype)}
+        if self._hold == self._id:
+            fields[self._id] = hold << self.id_bits | number
+        elif self._hold:
+            fields[self._hold] = hold
         return self.type.write(self.type.make(**fields))
 
-    def unpack(self, payload: bytes) -> tuple[int, tuple[int, ...]]:
-        """The id and the integers in this payload.
+    def unpack(self, payload: bytes) -> Array:
+        """Return the array in this payload.
 
         Raises:
             Malformed: It holds something else.
@@ -106,7 +151,11 @@ class SetpointCodec:
         values = getattr(message, self._values)
         if len(values) != self._slots:
             raise Malformed(f"{len(values)} values, not {self._slots}")
-        return int(getattr(message, self._id)), tuple(values.tolist())
+        number, counts = int(getattr(message, self._id)), tuple(values.tolist())
+        if self._hold == self._id:
+            return Array(number & self.ids - 1, counts, number >> self.id_bits)
+        hold = int(getattr(message, self._hold)) if self._hold else None
+        return Array(number, counts, hold)
 
 
 class Reading(NamedTuple):
@@ -239,3 +288,26 @@ def _field(kind: MessageType, name: str) -> Field:
     if found.kind not in _NUMBERS:
         raise UsageError(f"{kind.name}.msg: '{name}' holds no numbers")
     return found
+
+
+def number_bits(kind: MessageType, topic: SetpointTopic, slots: int) -> int:
+    """Return how many bits of the id count writings; the mask of held slots may take the others.
+
+    Raises:
+        UsageError: There is no room for the mask.
+    """
+    number = np.iinfo(np.dtype(_field(kind, topic.id).kind))
+    bits = int(number.max).bit_length()
+    if not topic.hold:
+        return bits
+    found = _field(kind, topic.hold)
+    if found.size is not None or not found.kind.startswith("uint"):
+        raise UsageError(f"{kind.name}.msg: '{topic.hold}' must be one unsigned integer")
+    room = int(np.iinfo(np.dtype(found.kind)).bits)
+    spare = _LEAST_NUMBER_BITS if topic.hold == topic.id else 0
+    if room < slots + spare:
+        raise UsageError(
+            f"{kind.name}.msg: '{topic.hold}' has {room} bits, and the mask of {slots} slots needs "
+            f"{slots + spare}" + (f", {spare} of them for the id itself" if spare else "")
+        )
+    return bits - slots if spare else bits

@@ -7,6 +7,7 @@ from math import inf, radians
 from typing import NamedTuple
 
 from pirate_sm.backends.pico.conversation import Wanted
+from pirate_sm.backends.pico.framing import LONGEST_PAYLOAD
 from pirate_sm.backends.pico.link import WireSlot
 from pirate_sm.backends.pico.messages import Messages
 from pirate_sm.engine.robot import RobotSpec
@@ -61,7 +62,7 @@ def plan_of(profile: Profile, robot: RobotSpec, messages: Messages) -> Plan:
     return Plan(
         serial=serial,
         messages=messages,
-        wanted=_wanted(serial, messages),
+        wanted=_wanted(serial, messages, bool(heard)),
         slots=slots,
         channels={board.id: len(board.channels) for board in heard},
         modules={board.id: board.module for board in heard},
@@ -81,16 +82,21 @@ def serial_of(profile: Profile) -> Serial:
     return profile.serial
 
 
-def _wanted(serial: Serial, messages: Messages) -> tuple[Wanted, ...]:
+def _wanted(serial: Serial, messages: Messages, reports: bool) -> tuple[Wanted, ...]:
+    """The topics that are needed; ``reports``: the device sends states by itself."""
     named = (
         (serial.setpoints.topic, messages.setpoints.type, "takes"),
         (serial.echo.topic, messages.echo.type, "publishes"),
         (serial.state.topic, messages.state.type, "publishes"),
     )
     return tuple(
-        Wanted(topic, kind.name, kind.md5, "takes" if way == "takes" else "publishes", kind.text)
+        Wanted(
+            topic, kind.name, kind.md5, "takes" if way == "takes" else "publishes", kind.text,
+            LONGEST_PAYLOAD if kind.largest is None else kind.largest,
+            answers=reports and topic == serial.echo.topic,
+        )
         for topic, kind, way in named
-    )
+    )  # fmt: skip
 
 
 def _wire_slot(profile: Profile, slot: Slot) -> WireSlot:

@@ -46,7 +46,7 @@ def uart_model(profile: Profile, texts: dict[str, str], pipe: Pipe) -> Callable[
     own = {**texts, state.type: "uint8 board\nuint8 channel\nfloat32 value"}
 
     def made() -> Host:
-        host = Host(VirtualBay(changed, pipe, own, Switches(poll_s=0.0005)))
+        host = Host(VirtualBay(changed, pipe, own, Switches(poll_s=0.0005, dead_man=False)))
         host.connect()
         return host
 

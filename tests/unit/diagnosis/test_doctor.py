@@ -120,6 +120,21 @@ def test_each_wheel_that_is_asked_to_turns_and_stands_still_again(
     assert not any(duties)
 
 
+@pytest.mark.parametrize("line", [{}, {"delay_s": 0.1}, {"jitter_s": 0.05}], ids=str)
+def test_the_robot_has_seen_every_array_that_is_counted_as_written_or_repeated(
+    connect: Connect, line: dict[str, float]
+) -> None:
+    with connect(**line) as listening:
+        listening.listen(2.0)
+        move = Moving(listening, lambda text: None).run()
+        counts = listening.exchange.counts
+        records = bay_of(listening).records
+        received = sum(record.event == "received" for record in records)  # the port is still open
+
+    assert counts.written - received in {0, 1}, "one refresh may be on its way"
+    assert counts.written == move.sent + counts.repeats + counts.refreshes
+
+
 def test_a_dead_wheel_is_suspicious_and_the_red_led_is_explained(examine: Examine) -> None:
     facts = examine(move=True, defects=("wheels_3_4_dead",))
 

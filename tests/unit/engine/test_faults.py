@@ -54,6 +54,21 @@ def test_a_fault_that_nobody_handles_ends_in_the_safe_stop(drive):
     )
 
 
+def test_a_second_fault_while_the_mission_ends_is_told_with_its_own_code_and_message(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(ev.FaultReport("firmware.reset", "the boards started again"))
+
+    driver.give(ev.FaultReport("motor.hot", "the motor of wheel 1 is hot"))
+    driver.accept()
+
+    assert driver.of(fx.Fault) == [
+        fx.Fault("firmware.reset", "the boards started again", "stop"),
+        fx.Fault("motor.hot", "the motor of wheel 1 is hot", "stop"),
+    ]
+    assert driver.ended.message == "firmware.reset: the boards started again"
+
+
 @pytest.mark.parametrize(
     "code", ["robot.fallen", "link.lost", "link.silent", "link.no_echo", "backend.failed"]
 )
@@ -401,3 +416,50 @@ def test_after_a_reset_nothing_is_known_and_counters_that_begin_at_zero_are_no_m
     assert driver.faults == [(code, "continue")]
     assert driver.engine.signals(driver.state)["odometry"] == pytest.approx(before_m)
     assert before_m > 0.1
+
+
+# --- silent boards ------------------------------------------------------------------------------
+
+ALL_LIKE_IT = f"on_fault: [{{fault: sensor.silent, then: continue}}]\n{IDLE}"
+
+
+def report_all_but(driver, board: int, seconds: float, *, one_in: int = 1) -> None:
+    """Time passes in which every other board's reports come, one in so many."""
+    end = driver.now + seconds
+    period_s = driver.robot.link.period_s * one_in
+    while driver.now < end and not driver.ended:
+        driver.now += period_s
+        for each in driver.robot.boards:
+            if each != board:
+                driver.report(each)
+        driver.tick(driver.now)
+
+
+@pytest.mark.parametrize(("one_in", "found_after_s"), [(1, 1.0), (2, 1.9), (4, 4.5)])
+def test_a_silent_board_is_found_later_where_reports_are_lost(drive, one_in, found_after_s):
+    driver = drive(ALL_LIKE_IT)
+    silent = next(iter(driver.robot.boards))
+    report_all_but(driver, -1, 30.0, one_in=one_in)
+    assert driver.faults == []
+    last_s = driver.now
+
+    report_all_but(driver, silent, found_after_s - 0.8, one_in=one_in)
+    assert driver.faults == []
+    while not driver.faults:
+        report_all_but(driver, silent, 0.1, one_in=one_in)
+
+    assert driver.faults == [("sensor.silent", "continue")]
+    assert driver.now - last_s < found_after_s + 0.8
+
+
+def test_where_all_boards_stop_the_first_of_them_is_not_blamed(drive):
+    driver = drive(ALL_LIKE_IT)
+    boards = list(driver.robot.boards)
+    report_all_but(driver, -1, 1.0)
+    driver.now += 0.4
+    for board in boards[1:]:  # the first one's last report is older
+        driver.report(board)
+    while not driver.ended and not driver.faults:
+        driver.tick(driver.now + 0.1)
+
+    assert driver.faults == [("link.silent", "stop")]

@@ -21,6 +21,7 @@ from pirate_sm.model.mission import (
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.quantities import Parameter
 from pirate_sm.model.simulation import Friction
+from pirate_sm.model.wire import Serial, SetpointTopic, StateTopic
 
 SETPOINT = TypeAdapter(SlotSetpoint)
 STEP = TypeAdapter(Step)
@@ -126,3 +127,32 @@ def test_names_and_codes(kind, good, bad):
     for text in bad:
         with pytest.raises(ValidationError):
             adapter.validate_python(text)
+
+
+@pytest.mark.parametrize(
+    ("refresh_every", "stop_after", "message"),
+    [
+        (None, 0.5, "'stop_after' needs 'refresh_every'"),
+        (0.26, 0.5, "at least two repeats must fit"),
+        (0.25, 0.5, ""),
+        (0.2, None, ""),
+        (None, None, ""),
+    ],
+)
+def test_refreshes_come_at_least_twice_before_the_firmware_stops(
+    refresh_every: float | None, stop_after: float | None, message: str
+) -> None:
+    topic = SetpointTopic(topic="go", type="a/Go")
+    state = StateTopic(topic="is", type="a/Is", layout="board")
+
+    def made() -> Serial:
+        return Serial(
+            baud=57600, boot=1.0, echo_within=0.1, heartbeat_within=0.3, setpoints=topic,
+            echo=topic, state=state, refresh_every=refresh_every, stop_after=stop_after,
+        )  # fmt: skip
+
+    if not message:
+        assert made().stop_after == stop_after
+        return
+    with pytest.raises(ValidationError, match=message):
+        made()

@@ -14,6 +14,12 @@ ROOT = Path(__file__).resolve().parents[4]
 SIX_WHEELED = ROOT / "hardware_profiles" / "pirate_ii"
 
 
+def without_refresh(plan: Plan) -> Plan:
+    """The same robot, and nothing is written to it without a reason of its own."""
+    never = {"refresh_every": None, "stop_after": None}
+    return plan._replace(serial=plan.serial.model_copy(update=never))
+
+
 @pytest.fixture(scope="session")
 def plan() -> Plan:
     robot = load_robot(SIX_WHEELED)

@@ -77,7 +77,7 @@ class Device:
                 self.configured = True
                 out += self.introduce()
             elif topic == NUMBERS["setpoints"]:
-                number, counts = self.plan.messages.setpoints.unpack(payload)
+                number, counts, _ = self.plan.messages.setpoints.unpack(payload)
                 self.applied.append((now, number, counts))
                 if self.configured:
                     self.echoes.append((now + self.echo_s, payload))

@@ -15,6 +15,7 @@ from pirate_sm.backends.pico.plan import Plan
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import Event, FaultReport, SensorFrame, SubmitResult
 
+from .conftest import without_refresh
 from .device import NUMBERS, Device, VirtualPort
 
 STILL = (0.0,) * 18
@@ -43,6 +44,12 @@ def results(told: list[tuple[float, Event]]) -> list[SubmitResult]:
 
 def faults(told: list[tuple[float, Event]]) -> list[FaultReport]:
     return [event for _, event in told if isinstance(event, FaultReport)]
+
+
+@pytest.fixture(scope="module")
+def plan(plan: Plan) -> Plan:
+    """Arrays are not repeated here, so that each writing has a reason of its own."""
+    return without_refresh(plan)
 
 
 @pytest.fixture

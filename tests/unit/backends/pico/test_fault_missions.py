@@ -28,6 +28,8 @@ from pirate_sm.runtime.companions import Messenger
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import Result
 
+from .conftest import without_refresh
+
 SAFE = "it holds what it held and its wheels are stopped, as it has confirmed"
 
 DRIVING = """
@@ -122,6 +124,7 @@ def go(tmp_path: Path) -> Go:
         pulled: tuple[float, float] = (1e9, 1e9),
         breaks: bool = False,
         seed: int = 3,
+        refreshed: bool = True,
         **switches: Any,
     ) -> Course:
         file = tmp_path / "driving.yaml"
@@ -137,8 +140,11 @@ def go(tmp_path: Path) -> Go:
             switches["defects"] = (*switches.get("defects", ()), "extra")
         texts = message_texts(robot.folder, profile)
         assert loaded.pipe is not None
+        switches.setdefault("dead_man", refreshed)
         bay = VirtualBay(profile, loaded.pipe, texts, Switches(**switches), seed)
         plan = read_plan(robot.folder, robot.profile, loaded.robot)
+        if not refreshed:  # a refresh ends what moves by itself before it is a fault
+            plan = without_refresh(plan)
         port = ActingPort(bay, plan.serial.heartbeat_within, pulled)
         watching = Watching(breaks)
         engine = Engine(loaded.robot, loaded.program, nominal=False)
@@ -321,8 +327,16 @@ def test_a_sensor_out_of_its_range(go: Go) -> None:
     assert course.is_safe
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_boards_of_which_one_report_in_four_comes_are_not_silent(go: Go, seed: int) -> None:
+    course = go(loss_out=0.75, seed=seed)
+
+    assert "sensor.silent" not in course.codes
+    assert "link.silent" not in course.codes
+
+
 def test_motion_that_nobody_asked_for(go: Go) -> None:
-    course = go(commands="ToggleLighting", spontaneous_at_s=(12.0,), seed=7)
+    course = go(spontaneous_at_s=(12.0,), seed=7, commands="ToggleLighting", refreshed=False)
 
     assert course.message.endswith(" moves though nothing was asked of its motor")
     assert course.message.startswith("motion.unasked: ")

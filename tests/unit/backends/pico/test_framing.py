@@ -47,6 +47,26 @@ def test_captured_frames_are_read_and_written_to_the_byte(name: str) -> None:
     assert encode(topic, bytes.fromhex(payload)).hex() == wire
 
 
+# Written out by hand: the check of the length is 255 - (low byte + high byte) modulo 256.
+@pytest.mark.parametrize(
+    ("length", "head"),
+    [
+        (255, "fffeff0000"),
+        (256, "fffe0001fe"),
+        (257, "fffe0101fd"),
+        (511, "fffeff01ff"),
+        (512, "fffe0002fd"),
+    ],
+)
+def test_payloads_of_256_bytes_and_more_have_a_check_over_both_bytes_of_their_length(
+    length: int, head: str
+) -> None:
+    wire = encode(7, bytes(length))
+
+    assert wire[:5].hex() == head
+    assert Decoder().feed(wire) == [Frame(7, bytes(length))]
+
+
 def test_a_payload_that_no_receiver_takes_is_not_written() -> None:
     with pytest.raises(ValueError, match="513 bytes"):
         encode(100, bytes(LONGEST_PAYLOAD + 1))
@@ -87,6 +107,7 @@ def _valid_frames_within(data: bytes) -> set[tuple[int, int]]:
     return found
 
 
+@pytest.mark.timeout(0 if NIGHTLY else 120)
 @settings(max_examples=1_000_000 if NIGHTLY else 300)
 @given(
     data=st.lists(
@@ -98,6 +119,7 @@ def test_any_bytes_in_any_split_give_the_same_frames(data: bytes, cuts: list[int
     assert _decode(data, cuts) == Decoder().feed(data)
 
 
+@pytest.mark.timeout(0 if NIGHTLY else 120)
 @settings(max_examples=1_000_000 if NIGHTLY else 300)
 @given(
     sent=st.lists(frames, min_size=1, max_size=6),

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import pytest
 
+from pirate_sm.backends.pico.line_quality import NEVER, Refreshing
 from pirate_sm.backends.pico.link import SetpointLink, WireSlot
 
 SPACING_S = 0.05
@@ -16,17 +17,18 @@ ROUND_TRIP_S = 0.08
 TICK_S = 0.002
 
 
-def pack(number: int, counts: Sequence[int]) -> bytes:
+def pack(number: int, counts: Sequence[int], hold: int) -> bytes:
     return struct.pack("<Ih", number, *counts)
 
 
 class Line:
     """The link with a device at its other end that echoes what is said to arrive."""
 
-    def __init__(self) -> None:
+    def __init__(self, refreshing: Refreshing = NEVER) -> None:
         self.link = SetpointLink(
-            [WireSlot("motor", 0.001, 1.0)], pack, echo_within_s=0.15, spacing_s=SPACING_S
-        )
+            [WireSlot("motor", 0.001, 1.0)], pack, echo_within_s=0.15, spacing_s=SPACING_S,
+            refreshing=refreshing,
+        )  # fmt: skip
         self.now_s = 0.0
         self.written: list[tuple[float, int, tuple[int, ...]]] = []
         self.echoes: list[tuple[float, int, tuple[int, ...]]] = []
@@ -52,7 +54,7 @@ class Line:
     def hear(self, share: float) -> None:
         """Much has come, of which this share was damaged."""
         for _ in range(100):
-            self.link.listened(100, round(100 * share))
+            self.link.quality.listened(100, round(100 * share))
 
 
 @pytest.fixture
@@ -145,3 +147,77 @@ def test_nothing_older_is_written_after_something_newer(line: Line) -> None:
     written = [counts[0] for *_, counts in line.written]
     assert written == sorted(written)
     assert line.fates == {1: "unknown", 2: "accepted"}
+
+
+def test_while_a_last_copy_is_awaited_the_firmware_hears_as_much_as_from_refreshes() -> None:
+    line = Line(Refreshing(every_s=0.2, stop_after_s=0.5))
+    line.hear(0.75)
+    line.link.submit(1, (0.5,), line.now_s)
+    line.run(0.05)
+    line.echoes[1:] = []
+    line.run(0.1)
+    assert line.fates == {1: "accepted"}
+    assert not line.link.idle, "its last copy is not confirmed"
+
+    line.run(0.6, arriving=False)
+
+    gaps = [late - early for (early, *_), (late, *_) in pairwise(line.written)]
+    assert max(gaps) < 0.05
+
+
+def test_a_refresh_does_not_go_before_an_array_that_waits() -> None:
+    line = Line(Refreshing(every_s=0.04, stop_after_s=0.5))
+    line.link.submit(1, (0.1,), line.now_s)
+    line.run(0.085)
+    line.link.submit(2, (0.2,), line.now_s)
+    line.run(0.5)
+
+    counts = [each[0] for *_, each in line.written]
+    assert counts == sorted(counts)
+    assert line.fates == {1: "accepted", 2: "accepted"}
+
+
+# --- margins ---------------------------------------------------------------------------------
+
+
+def written_after_steady_echoes(line: Line, late_s: float) -> int:
+    """How often an array is written whose echo takes so much longer than all before it."""
+    for number in range(1, 60):  # until the spread of the round trips is nothing
+        line.link.submit(number, (number / 1000,), line.now_s)
+        line.run(line.now_s + 0.2)
+    line.written.clear()
+    line.link.submit(99, (0.99,), line.now_s)
+    line.run(line.now_s + 0.01, arriving=False)
+    [(sent_s, number, counts)] = line.written
+    line.echoes.append((sent_s + ROUND_TRIP_S + late_s, number, counts))
+    line.run(line.now_s + ROUND_TRIP_S + 0.05, arriving=False)
+    return len(line.written)
+
+
+@pytest.mark.parametrize(("late_s", "copies"), [(0.006, 1), (0.016, 2)])
+def test_an_echo_may_be_late_by_ten_milliseconds_where_all_came_alike(
+    line: Line, late_s: float, copies: int
+) -> None:
+    assert written_after_steady_echoes(line, late_s) == copies
+
+
+def copies_at_once(line: Line) -> int:
+    line.link.submit(1, (0.5,), line.now_s)
+    line.run(line.now_s + 0.079)
+    return len(line.written)
+
+
+@pytest.mark.parametrize(("received", "copies"), [(700, 1), (1_000, 3)])
+def test_noise_is_taken_over_two_thousand_bytes(line: Line, received: int, copies: int) -> None:
+    line.link.quality.listened(received, round(0.6 * received))
+
+    assert copies_at_once(line) == copies
+
+
+@pytest.mark.parametrize(("damaged", "copies"), [(0.1, 1), (0.3, 3)])
+def test_more_bytes_at_once_than_noise_is_taken_over_count_as_their_share(
+    line: Line, damaged: float, copies: int
+) -> None:
+    line.link.quality.listened(10_000, round(10_000 * damaged))
+
+    assert copies_at_once(line) == copies
