@@ -138,15 +138,17 @@ class SerialBackend:
         if self._closed:
             return
         self._closed = True
+        stopped = self.exchange.stopped
         if self._open:
             with suppress(BackendError):
                 self._flush()
             self.confirmed = self.exchange.settled
-            if self.exchange.conversation.frames:  # to a rosserial device only
+            # To a rosserial device only, and to none that is still to confirm something.
+            if self.exchange.conversation.frames and stopped.confirmed:
                 with suppress(BackendError):
                     self._put(self.exchange.conversation.farewell())
         self._open = False
-        self.port.close()
+        self.port.close(stopped.confirmed)
 
     # --- beyond it --------------------------------------------------------------------------
 
@@ -159,8 +161,14 @@ class SerialBackend:
         """How the link is at this moment."""
         return health_of(self.exchange, self.port.now())
 
+    def parting(self) -> str:
+        """Return what a person must do after it was closed; empty: nothing."""
+        return self.port.remark()
+
     def remark(self) -> str:
-        """What a person must know while the mission is held, once; else empty."""
+        """What a person must know while the mission is held, or of the port, once; else empty."""
+        if about_the_port := self.port.remark():
+            return about_the_port
         told, self._told = self._told, self.exchange.outage is not None
         if told or not self._told:
             return ""

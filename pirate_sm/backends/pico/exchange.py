@@ -18,6 +18,7 @@ from pirate_sm.backends.pico.measurements import Measurements
 from pirate_sm.backends.pico.messages import Malformed
 from pirate_sm.backends.pico.plan import ECHO, SETPOINTS, STATE, Plan
 from pirate_sm.backends.pico.recovery import BRIEF, RESET, Outage, Recovery, was_reset
+from pirate_sm.backends.pico.stopped import Stopped
 from pirate_sm.backends.pico.supervision import Supervision
 from pirate_sm.backends.pico.throttle import Throttle
 from pirate_sm.model.events import Event, FaultReport
@@ -69,6 +70,7 @@ class Exchange:
     Attributes:
         conversation: What has been said about topics.
         link: What has become of arrays.
+        stopped: Whether the robot is known to be stopped.
         heard: Boards that have reported since the beginning.
         outage: The silence during which the mission is held; None while all is well.
         brief: Whether the last outage was none, only a short silence.
@@ -91,6 +93,7 @@ class Exchange:
             spacing_s=self._throttle.spacing_s(self._setpoint_bytes),
             ids=codec.ids,
         )
+        self.stopped = Stopped(plan.safe_zero)
         self._measurements = Measurements(plan.channels)
         self._supervision = Supervision(plan.watched, plan.wheels, plan.frame_s)
         advice = sensors_off(plan.serial.advice.no_sensors)
@@ -319,7 +322,7 @@ class Exchange:
             if not self._recovery.wants_safe(outage, now):
                 return b""
             outage.wrote_s = now
-            self._actuate(self._safe_counts, now)
+            self._actuate(SAFE_WIRE_ID, self._safe_counts, now)
             return self.safe_frame()
         if self.aside:
             return b""
@@ -327,10 +330,11 @@ class Exchange:
         self._events += self.link.take()
         if not payload:
             return b""
-        self._actuate(self._plan.messages.setpoints.unpack(payload)[1], now)
+        self._actuate(*self._plan.messages.setpoints.unpack(payload), now)
         return self.conversation.frame(SETPOINTS, payload)
 
-    def _actuate(self, counts: tuple[int, ...], now: float) -> None:
+    def _actuate(self, number: int, counts: tuple[int, ...], now: float) -> None:
+        self.stopped.wrote(number, counts)
         pairs = zip(self._plan.slots, counts, strict=True)
         self._supervision.actuated(tuple(slot.resolution * count for slot, count in pairs), now)
 
@@ -346,6 +350,7 @@ class Exchange:
                 self.link.unreadable(now)
 
     def _echo(self, number: int, counts: tuple[int, ...], now: float) -> None:
+        self.stopped.echoed(number, counts)
         if number != SAFE_WIRE_ID or counts != self._safe_counts:
             self.link.echoed(number, counts, now)
         elif self.outage is not None:

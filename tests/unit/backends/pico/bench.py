@@ -18,6 +18,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from pirate_sm.backends.pico.conversation import Wanted
 from pirate_sm.bay.conversation import Conversation, Topic
 from pirate_sm.bay.frames import Frame, Reception, encode
 
@@ -27,6 +28,11 @@ TALKS_EVERY_S = 1 / 25
 ECHO, STATE, ARRAY = "echo", "state", "setpoints"
 TYPE, MD5 = "pirate_msgs/{}", "0123456789abcdef" * 2
 FIRST_PUBLISHER, FIRST_SUBSCRIBER = 125, 100
+WANTED = (
+    Wanted(ARRAY, TYPE.format(ARRAY), MD5, "takes"),
+    Wanted(ECHO, TYPE.format(ECHO), MD5, "publishes"),
+    Wanted(STATE, TYPE.format(STATE), MD5, "publishes"),
+)
 
 
 def topic(number: int, name: str) -> Topic:

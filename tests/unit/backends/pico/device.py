@@ -198,7 +198,10 @@ class VirtualPort:
     def overruled(self) -> bool:
         return False
 
-    def close(self) -> None:
+    def remark(self) -> str:
+        return ""
+
+    def close(self, stopped: bool = False) -> None:
         self.closed = True
         self.wait(self.time_s + 0.1)
 

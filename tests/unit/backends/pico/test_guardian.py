@@ -14,19 +14,23 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.backends.pico.framing import encode
+from pirate_sm.backends.pico.guard_notes import Instructions
 from pirate_sm.backends.pico.guarded_port import GuardedPort
 from pirate_sm.backends.pico.port import PortLostError
 from pirate_sm.errors import BackendError
 
-from .bench import FIRST_SUBSCRIBER, PATIENCE_S, Bench
+from .bench import FIRST_SUBSCRIBER, PATIENCE_S, WANTED, Bench
 
 SAFE = encode(FIRST_SUBSCRIBER, b"safe")
 DRIVE = encode(FIRST_SUBSCRIBER, b"drive")
+INSTRUCTIONS = Instructions(0.3, WANTED, boot_s=0.2)
+PATIENT = INSTRUCTIONS._replace(silence_s=5.0)
 
 RUNNER = """
 import sys, time
+from pirate_sm.backends.pico.guard_notes import Instructions
 from pirate_sm.backends.pico.guarded_port import GuardedPort
-port = GuardedPort(sys.argv[1], 57600, 0.3)
+port = GuardedPort(sys.argv[1], 57600, Instructions.from_json(sys.argv[4]))
 port.open()
 port.beat(bytes.fromhex(sys.argv[2]))
 port.write(bytes.fromhex(sys.argv[3]))
@@ -48,6 +52,7 @@ def bench(tmp_path: Path) -> Iterator[Bench]:
 @pytest.fixture
 def runner(bench: Bench) -> Iterator[subprocess.Popen[str]]:
     arguments = [sys.executable, "-c", RUNNER, bench.name, SAFE.hex(), DRIVE.hex()]
+    arguments += [INSTRUCTIONS.to_json()]
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:
         yield process
         process.kill()
@@ -138,7 +143,7 @@ def test_the_terminals_interrupt_does_not_reach_the_guardian_and_a_termination_e
 
 
 def test_it_relays_and_leaves_quietly(bench: Bench) -> None:
-    port = GuardedPort(bench.name, 57600, 5.0)
+    port = GuardedPort(bench.name, 57600, PATIENT)
     port.open()
     port.beat(SAFE)
     port.write(DRIVE)
@@ -150,7 +155,7 @@ def test_it_relays_and_leaves_quietly(bench: Bench) -> None:
         assert data, heard
         heard += data
     guardian = port.guardian_pid
-    port.close()
+    port.close(stopped=True)
 
     assert guardian is not None
     assert _gone(guardian)
@@ -158,11 +163,11 @@ def test_it_relays_and_leaves_quietly(bench: Bench) -> None:
 
 
 def test_a_port_is_for_one_program_only(bench: Bench) -> None:
-    first = GuardedPort(bench.name, 57600, 5.0)
+    first = GuardedPort(bench.name, 57600, PATIENT)
     first.open()
 
     with pytest.raises(BackendError, match="in use by another program"):
-        GuardedPort(bench.name, 57600, 5.0).open()
+        GuardedPort(bench.name, 57600, PATIENT).open()
     first.close()
 
 
@@ -176,11 +181,11 @@ def test_a_port_is_for_one_program_only(bench: Bench) -> None:
 )
 def test_a_wrong_port_is_told_as_what_it_is(name: str, message: str) -> None:
     with pytest.raises(BackendError, match=message):
-        GuardedPort(name, 57600, 5.0).open()
+        GuardedPort(name, 57600, PATIENT).open()
 
 
 def test_a_port_that_goes_away_is_lost(bench: Bench) -> None:
-    port = GuardedPort(bench.name, 57600, 5.0)
+    port = GuardedPort(bench.name, 57600, PATIENT)
     port.open()
     bench.unplug()
 
@@ -190,7 +195,7 @@ def test_a_port_that_goes_away_is_lost(bench: Bench) -> None:
 
 
 def test_a_guardian_that_dies_is_a_lost_port_and_the_next_one_takes_over(bench: Bench) -> None:
-    port = GuardedPort(bench.name, 57600, 5.0)
+    port = GuardedPort(bench.name, 57600, PATIENT)
     port.open()
     assert port.guardian_pid is not None
     os.kill(port.guardian_pid, signal.SIGKILL)
