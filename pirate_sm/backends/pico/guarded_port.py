@@ -204,15 +204,14 @@ class GuardedPort:
 
     def _answers(self) -> bool:
         """Return whether the guardian acknowledges a beat."""
-        if self._pipe is None or not self._send(Note(Kind.BEAT, self._safe_frame)):
-            return False
-        asked_s = self.now()
-        self._acknowledged.hear(asked_s)
-        heard_s = self._heard_s
         with suppress(PortLostError):
-            while self._heard_s == heard_s and self.now() < asked_s + _HUNG_AFTER_S:
-                self._listen(asked_s + _HUNG_AFTER_S)
-        return self._heard_s != heard_s
+            self._listen(self.now())  # older answers say nothing
+            asked_s = self._heard_s = self.now()
+            if self._send(Note(Kind.BEAT, self._safe_frame)):
+                while self._heard_s == asked_s and self.now() < asked_s + _HUNG_AFTER_S:
+                    self._listen(asked_s + _HUNG_AFTER_S)
+                return self._heard_s != asked_s
+        return False
 
     def _hang_up(self) -> bool:
         """Close the pipe; return whether the guardian has ended."""

@@ -7,6 +7,9 @@ from math import inf
 _OVERSLEPT = 2.0
 """A look that comes so many naps late shows that this process did not run in between."""
 
+_LEAST_S = 1e-3
+"""Sums of times are rounded: without it, the last bit of a wait could be zero for ever."""
+
 
 class Patience:
     """Measures the silence of another process by looks at regular intervals.
@@ -42,4 +45,4 @@ class Patience:
 
     def due_s(self, limit_s: float) -> float:
         """Return when to look next, if a silence of ``limit_s`` is to be noticed in time."""
-        return self._looked_s + min(self._nap_s, max(0.0, limit_s - self._waited_s))
+        return self._looked_s + min(self._nap_s, max(_LEAST_S, limit_s - self._waited_s))

@@ -49,6 +49,11 @@ def bench(tmp_path: Path) -> Iterator[Bench]:
         yield bench
 
 
+@pytest.fixture(autouse=True)
+def _runtime_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+
+
 @pytest.fixture
 def runner(bench: Bench) -> Iterator[subprocess.Popen[str]]:
     arguments = [sys.executable, "-c", RUNNER, bench.name, SAFE.hex(), DRIVE.hex()]
@@ -56,6 +61,38 @@ def runner(bench: Bench) -> Iterator[subprocess.Popen[str]]:
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:
         yield process
         process.kill()
+
+
+def _driven(bench: Bench, runner: subprocess.Popen[str]) -> int:
+    """The guardian's process, once the runner has driven the robot."""
+    assert runner.stdout is not None
+    guardian = int(runner.stdout.readline())
+    bench.hear(b"drive")
+    return guardian
+
+
+def _reopen(port: GuardedPort) -> None:
+    give_up_s = port.now() + PATIENCE_S
+    while not port.reopen():
+        assert port.now() < give_up_s
+        port.wait(port.now() + 0.05)
+
+
+def _beat_on(port: GuardedPort, seconds: float) -> None:
+    end_s = port.now() + seconds
+    while port.now() < end_s:
+        port.beat(SAFE)
+        port.read(port.now() + 0.02)
+
+
+def _await_file() -> Path:
+    """The file of a guardian that is alone, once there is one."""
+    give_up_s = time.monotonic() + PATIENCE_S
+    while True:
+        for path in Path(os.environ["XDG_RUNTIME_DIR"]).glob("*/guardian-*.json"):
+            return path
+        assert time.monotonic() < give_up_s
+        select.select([], [], [], 0.02)
 
 
 def _read_on(port: GuardedPort) -> None:
@@ -150,10 +187,10 @@ def test_it_relays_and_leaves_quietly(bench: Bench) -> None:
     bench.hear(b"drive")
     bench.say(b"hello")
     heard = b""
-    while b"hello" not in heard:
-        data = port.read(port.now() + PATIENCE_S)
-        assert data, heard
-        heard += data
+    give_up_s = port.now() + PATIENCE_S
+    while b"hello" not in heard and port.now() < give_up_s:
+        heard += port.read(give_up_s)
+    assert b"hello" in heard
     guardian = port.guardian_pid
     port.close(stopped=True)
 
@@ -202,7 +239,155 @@ def test_a_guardian_that_dies_is_a_lost_port_and_the_next_one_takes_over(bench: 
     with pytest.raises(PortLostError, match="guardian of the port has died"):
         _read_on(port)
 
-    assert port.reopen()
+    _reopen(port)
     port.write(DRIVE)
     bench.hear(b"drive")
     port.close()
+
+
+def test_a_guardian_that_hangs_is_noticed_killed_and_replaced(bench: Bench) -> None:
+    port = GuardedPort(bench.name, 57600, INSTRUCTIONS)
+    port.open()
+    hung = port.guardian_pid
+    assert hung is not None
+    _beat_on(port, 0.3)
+    os.kill(hung, signal.SIGSTOP)
+
+    with pytest.raises(PortLostError, match="did not answer and was replaced"):
+        _beat_on(port, PATIENCE_S)
+    assert _gone(hung, 0.0)
+    _reopen(port)
+    _beat_on(port, 0.3)
+    assert port.guardian_pid not in (hung, None)
+    port.close(stopped=True)
+
+
+def test_cable_back_after_longer_than_a_guardian_used_to_try(
+    bench: Bench, runner: subprocess.Popen[str]
+) -> None:
+    """It gave up after five seconds, and nobody was left to stop the wheels."""
+    guardian = _driven(bench, runner)
+    bench.hears = False
+    runner.kill()
+    runner.wait()
+    select.select([], [], [], 6.0)
+    bench.hears = True
+
+    bench.hear(b"safe")
+    assert _gone(guardian)
+
+
+def test_a_port_that_returns_after_the_runner_has_died_is_opened_by_the_guardian(
+    bench: Bench, runner: subprocess.Popen[str]
+) -> None:
+    guardian = _driven(bench, runner)
+    bench.unplug()
+    runner.kill()
+    runner.wait()
+    bench.plug(shift=3)  # its topics have other numbers now
+
+    bench.hear(b"safe")
+    assert _gone(guardian)
+    assert bench.asked
+
+
+def test_a_runner_that_gives_up_leaves_the_guardian_and_says_so(bench: Bench) -> None:
+    port = GuardedPort(bench.name, 57600, INSTRUCTIONS)
+    port.open()
+    port.beat(SAFE)
+    port.write(DRIVE)
+    bench.hear(b"drive")
+    bench.unplug()
+    guardian = port.guardian_pid
+    port.close(stopped=False)
+
+    assert guardian is not None
+    assert port.remark() == (
+        "cut the robot's power: it has not confirmed that it stopped. A guardian of the port "
+        f"(process {guardian}) goes on trying for 10 min, and gives the port to a new run; "
+        f"`kill {guardian}` ends it"
+    )
+    assert port.remark() == ""
+    bench.plug()
+    bench.hear(b"safe")
+    assert _gone(guardian)
+
+
+def test_a_guardian_that_hangs_when_the_runner_leaves_is_replaced_by_one_that_stops_the_robot(
+    bench: Bench,
+) -> None:
+    port = GuardedPort(bench.name, 57600, INSTRUCTIONS)
+    port.open()
+    port.beat(SAFE)
+    port.write(DRIVE)
+    bench.hear(b"drive")
+    assert port.guardian_pid is not None
+    os.kill(port.guardian_pid, signal.SIGSTOP)
+    port.close(stopped=False)
+
+    bench.hear(b"safe")
+    assert port.remark() == ""
+
+
+def test_a_new_run_gets_the_port_from_the_guardian_and_the_stop_comes_first(
+    bench: Bench, runner: subprocess.Popen[str]
+) -> None:
+    guardian = _driven(bench, runner)
+    bench.hears = False
+    runner.kill()
+    runner.wait()
+    _await_file()
+    bench.plug()
+    bench.hears = True
+    bench.applied.clear()
+    port = GuardedPort(bench.name, 57600, INSTRUCTIONS)
+    port.open()
+
+    assert _gone(guardian, 0.0)
+    assert [payload for _, payload in bench.applied[:1]] == [b"safe"]
+    assert "without a confirmed stop: it is stopped now" in port.remark()
+    port.write(DRIVE)
+    bench.hear(b"drive")
+    port.close(stopped=True)
+
+
+def test_a_new_run_does_not_begin_while_the_robot_of_the_old_one_confirms_nothing(
+    bench: Bench, runner: subprocess.Popen[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pirate_sm.backends.pico.guarded_port._STOPS_WITHIN_S", 0.5)
+    _driven(bench, runner)
+    bench.echoes = False
+    runner.kill()
+    runner.wait()
+    _await_file()
+    with pytest.raises(BackendError, match=r"confirms none now; cut the robot's power.*`kill"):
+        GuardedPort(bench.name, 57600, INSTRUCTIONS).open()
+
+    bench.echoes = True
+    assert _gone(int(_await_file().stem.partition("-")[2]))
+
+
+def test_a_guardian_that_is_alone_ends_when_an_operator_wants_it_to(
+    bench: Bench, runner: subprocess.Popen[str]
+) -> None:
+    guardian = _driven(bench, runner)
+    bench.echoes = False
+    runner.kill()
+    runner.wait()
+    _await_file()
+    os.kill(guardian, signal.SIGTERM)
+
+    assert _gone(guardian)
+
+
+def test_whoever_reads_the_output_of_a_run_does_not_wait_for_its_guardian(
+    bench: Bench, runner: subprocess.Popen[str]
+) -> None:
+    """The guardian had kept standard error open: `pirate-run … 2>&1 | head` hung with it."""
+    guardian = _driven(bench, runner)
+    streams = [str(Path(f"/proc/{guardian}/fd/{number}").readlink()) for number in (0, 1, 2)]
+
+    assert streams == ["/dev/null"] * 3
+    ours = {str(each.readlink()) for each in Path(f"/proc/{runner.pid}/fd").iterdir()}
+    theirs = {str(each.readlink()) for each in Path(f"/proc/{guardian}/fd").iterdir()}
+    assert not {each for each in ours & theirs if each.startswith("pipe:")}

@@ -28,7 +28,7 @@ ECHOED = encode(FIRST_PUBLISHER, b"safe array")
 HEARD, STOPPED = ToRunner(Note(Kind.HEARD)), ToRunner(Note(Kind.STOPPED))
 OVERRULED = ToRunner(Note(Kind.OVERRULED))
 STOP, ASK = encode(11), encode(0)
-BOOT_S, STAY_S = 2.0, 600.0
+BOOT_S, STAY_S = 2.0, 60.0
 
 
 def beating(now: float = 0.0) -> Guard:
@@ -42,7 +42,7 @@ def beating(now: float = 0.0) -> Guard:
 
 def until(guard: Guard, end_s: float) -> list[tuple[float, Action]]:
     done: list[tuple[float, Action]] = []
-    while guard.due_s <= end_s:
+    while guard.due_s <= end_s and not any(isinstance(each, Finish) for _, each in done[-2:]):
         now = guard.due_s
         done += [(now, action) for action in guard.tick(now)]
     return done
