@@ -184,7 +184,7 @@ class Guardian:
         except BlockingIOError:
             return  # it stands still
         except OSError:
-            self._orphan()
+            self._waiting.clear()  # it has gone; what it said before is still to be read
 
     def _open(self) -> None:
         guard, now = self._guard, self._port.now
