@@ -49,11 +49,11 @@ def connection(
     url: str,
     baud: int | None,
     requests: StopRequests,
-    stay_s: float = STAY_S,
+    stay_s: float | None = None,
 ) -> Listening:
     """A connection to the robot on this port, not open yet; a guardian will own the port."""
     rate = baud or subject.plan.serial.baud
-    port = guarded_port(subject.plan, url, baud, stay_s)
+    port = guarded_port(subject.plan, url, baud, STAY_S if stay_s is None else stay_s)
     return Listening(subject, port, rate, stopper(requests))
 
 
