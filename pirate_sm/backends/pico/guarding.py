@@ -160,7 +160,6 @@ class Guard:
     def opened(self, now: float) -> list[Action]:
         """The port is open; the device may be another one, or have been reset by it."""
         self._plugged, self._opened_s, self._retry_s = True, now, inf
-        self._number = None
         if self.acting:
             self._conversation = self._meet(now)
         return [ToRunner(Note(Kind.OPENED))]

@@ -188,6 +188,17 @@ def test_a_port_that_comes_back_to_no_runner_is_opened_and_asked_for_its_new_num
     assert guard.receive(echo, 11.6) == [ToPort(STOP), Finish()]
 
 
+def test_numbers_that_were_learnt_before_the_port_went_away_again_are_not_used_after() -> None:
+    guard = beating()
+    guard.bereave(0.0)
+    guard.receive(introductions(7) * 2, 0.1)
+    guard.lost("unplugged", 0.2)
+    guard.opened(5.0)
+
+    assert until(guard, 5.0 + BOOT_S - 0.01) == []
+    assert {data for _, data in written(until(guard, 9.0))} == {ASK}
+
+
 def test_a_device_that_was_reset_in_between_is_asked_while_the_old_number_goes_on() -> None:
     guard = beating()
     guard.bereave(0.0)
