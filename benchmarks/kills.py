@@ -149,7 +149,7 @@ def run(case: Case) -> Case:
                 lambda: runner.poll() is not None or driven_now(port.link), case, "it never drove"
             )
             time.sleep(extra_s)
-        if "guardian" in case.kind:
+        if case.kind.startswith(("guardian", "cable", "runner, guardian")):
             _await(lambda: runner.poll() is not None or bool(guardians(port)), case, "none began")
         acted_s = time.monotonic()
         case.at_s = acted_s - began_s
@@ -169,6 +169,7 @@ def run(case: Case) -> Case:
         _judge_words(case, port.out.read_text(), port.err.read_text())
         if kind.alive:
             _judge_truth(case, kind, acted_s)
+        _await(port.link.exists, case, "the port never came back")
         if refused := connect_again(port):
             case.broken.append(f"no second run: {refused}")
     finally:
