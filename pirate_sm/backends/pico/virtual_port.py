@@ -116,9 +116,12 @@ class VirtualPort:
         return ""
 
     def close(self, stopped: bool = False) -> None:
-        """What was written has arrived."""
+        """What was written has arrived; a guardian that stays acts while :meth:`wait` goes on."""
+        if not stopped:
+            self._do(self._guard.bereave(self._now_s))
         self.wait(self._now_s + 0.1)
-        self.device.close(self._now_s)
+        if stopped or self._guard.confirmed or not self._guard.payload:
+            self.device.close(self._now_s)
 
     def die(self, until_s: float) -> None:
         """The runner has been killed; the guardian has had until then to act."""
@@ -127,6 +130,7 @@ class VirtualPort:
 
     def _notice_cable(self) -> None:
         """Tell the guardian that the cable was pulled."""
+        self.now()  # a cable may be pulled at a certain time
         if self._connected and not self.plugged:
             self._connected = False
             self._do(self._guard.lost("the cable is out", self._now_s))

@@ -154,7 +154,7 @@ class VirtualPort:
         self.written: list[tuple[float, bytes]] = []
         self.plugged = True
         self.opened = 0
-        self.closed = False
+        self.closed = self.stopped = False
         self.safe_frame = b""
         self.noise = b""
         self.refuses: str = ""
@@ -202,7 +202,7 @@ class VirtualPort:
         return ""
 
     def close(self, stopped: bool = False) -> None:
-        self.closed = True
+        self.closed, self.stopped = True, stopped
         self.wait(self.time_s + 0.1)
 
     def post(self, whom: str, data: bytes) -> None:
