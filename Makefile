@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills soak defects clean
+.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -20,6 +20,7 @@ help:
 	@echo "make defects every known defect of the robot, in several missions"
 	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
 	@echo "make kills   the bend in real time, and something dies at a random moment of it"
+	@echo "make bends   the bend in real time, and nothing goes wrong"
 	@echo "make golden  the golden traces anew, after a change that is meant"
 	@echo "make schemas the JSON Schemas anew, after a change of models or of a robot"
 	@echo "make format  every Python file in the one style"
@@ -70,6 +71,9 @@ soak: $(VENV)/.ready-soak
 
 kills: $(VENV)/.ready-soak
 	$(BIN)/python -m benchmarks.kills
+
+bends: $(VENV)/.ready-soak
+	$(BIN)/python -m benchmarks.bends
 
 clean:
 	rm -rf $(VENV) build dist .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

@@ -1,10 +1,11 @@
 """The bend over a real pseudo-terminal, and something dies at a random moment of it.
 
-    python -m benchmarks.kills [--moments 48] [--seed 0] [--at-once 3]
+    python -m benchmarks.kills [--rounds 200] [--seed 0] [--at-once 8]
 
 Runner, its guardian and the emulated bay are processes of their own, in real time. At a random
-moment one of them is killed, told to end, stopped for a while, or the cable is out. The bay writes
-down its truth; afterwards the wheels must stand, clamped joints must be where they were, the runner
+moment one of them or two are killed, told to end, stopped for a while or for good, or the cable is
+out, for longer than anybody waits too. The bay writes down its truth; once the line is back the
+wheels must stand, clamped joints must be where they were, the runner
 must have ended with the exit code that is documented and with one sentence, no process may be
 left, and a second program must get the port.
 """
@@ -29,9 +30,9 @@ from statistics import median
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
-from benchmarks.witness import CABLE_OUT_S, SAMPLE_EVERY_S, driven_now, samples_of
+from benchmarks.rounds import Port, connect_again, guardians, start_bay, start_runner, wait_until
+from benchmarks.witness import CABLE_OUT_LONG_S, CABLE_OUT_S, SAMPLE_EVERY_S, driven_now, samples_of
 
-MISSION = "mitre_bend"
 BEGINS_AFTER_S, ENDS_BEFORE_S = 0.1, 33.0
 """Since the runner was started; the mission itself takes 32 s, the start 2.5 s."""
 
@@ -40,7 +41,8 @@ DRIVES_FOR_S = 0.5
 """Wheels are driven for a sixth of the mission: every second moment of a kind is one of these."""
 
 STANDS_STILL_S = 1.0
-PATIENCE_S = 30.0
+DIES_AFTER_S = 0.3
+PATIENCE_S = 60.0
 WATCH_ON_S = 0.6
 
 AT_ONCE_S = 0.5
@@ -48,10 +50,6 @@ AT_ONCE_S = 0.5
 
 STILL_RAD, HELD_RAD = 0.02, 0.05
 """A joint that moved less in a second of the same duty clamped; one that moved less since held."""
-
-_GUARDIAN = b"pirate_sm.backends.pico.guardian"
-RUNNER = "from pirate_sm.cli.entry import run_main; run_main()"
-DOCTOR = "from pirate_sm.cli.entry import main; main()"
 
 
 @dataclass
@@ -80,9 +78,9 @@ class Case:
     broken: list[str] = field(default_factory=list)
 
     @property
-    def link(self) -> Path:
-        """The port."""
-        return self.folder / f"bay{self.seed}"
+    def port(self) -> Port:
+        """Where the bay is."""
+        return Port(self.folder / f"bay{self.seed}")
 
 
 class Kind(NamedTuple):
@@ -94,6 +92,7 @@ class Kind(NamedTuple):
         alive: Whether the device is still there afterwards.
         stops: Whether anybody is left who can stop it.
         words: Whether the runner can still say something.
+        goes_on: Whether the mission is to go on as if nothing had happened.
     """
 
     codes: tuple[int, ...]
@@ -101,6 +100,7 @@ class Kind(NamedTuple):
     alive: bool = True
     stops: bool = True
     words: bool = True
+    goes_on: bool = False
 
 
 def main() -> int:
@@ -108,9 +108,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("--moments", type=int, default=48)
+    parser.add_argument("--rounds", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--at-once", type=int, default=3)
+    parser.add_argument("--at-once", type=int, default=8)
     parser.add_argument("--only", default="", help="kinds that begin like this")
     wishes = parser.parse_args()
     random = Random(wishes.seed)
@@ -118,7 +118,7 @@ def main() -> int:
     with TemporaryDirectory() as folder, ThreadPoolExecutor(wishes.at_once) as pool:
         cases = [
             _case(kind, seed, seed // len(kinds) % 2 == 1, random, Path(folder))
-            for seed, kind in enumerate(islice(cycle(kinds), wishes.moments))
+            for seed, kind in enumerate(islice(cycle(kinds), wishes.rounds))
         ]
         done = []
         for case in pool.map(run, cases):
@@ -137,37 +137,20 @@ def _case(kind: str, seed: int, driving: bool, random: Random, folder: Path) -> 
 
 def run(case: Case) -> Case:
     """The mission has been run until the moment, and what followed has been judged."""
-    kind = KINDS[case.kind]
-    out, err = case.link.with_suffix(".out"), case.link.with_suffix(".err")
-    bay = _start_bay(case)
+    kind, port = KINDS[case.kind], case.port
+    bay = start_bay(port)
     try:
-        arguments = (
-            MISSION,
-            "--backend",
-            "serial",
-            "--port",
-            str(case.link),
-            "--yes",
-            "--json",
-            "--record",
-            str(case.link.with_suffix(".mcap")),
-        )
-        with out.open("wb") as lines, err.open("wb") as errors:
-            runner = subprocess.Popen(
-                [sys.executable, "-c", RUNNER, *arguments],
-                stdin=subprocess.DEVNULL, stdout=lines, stderr=errors, start_new_session=True,
-                preexec_fn=_heed,  # noqa: PLW1509 - no thread of ours holds a lock here
-            )  # fmt: skip
+        runner = start_runner(port)
         began_s = time.monotonic()
         time.sleep(case.at_s)
         if case.driving:
             extra_s = case.at_s % DRIVES_FOR_S
             _await(
-                lambda: runner.poll() is not None or driven_now(case.link), case, "it never drove"
+                lambda: runner.poll() is not None or driven_now(port.link), case, "it never drove"
             )
             time.sleep(extra_s)
-        while case.kind.startswith("guardian") and not _guardians(case):
-            time.sleep(0.01)  # too early: there is none yet
+        if case.kind.startswith(("guardian", "cable", "runner, guardian")):
+            _await(lambda: runner.poll() is not None or bool(guardians(port)), case, "none began")
         acted_s = time.monotonic()
         case.at_s = acted_s - began_s
         if runner.poll() is not None:
@@ -176,53 +159,23 @@ def run(case: Case) -> Case:
             kind.act(case, runner, bay)
         code = _ended(runner, case)
         case.code = 128 - code if code < 0 else code  # as a shell shows it
+        if not kind.alive:
+            bay.wait()
+            bay = start_bay(port)  # a guardian waits for it
         left_s = time.monotonic()
-        _await(lambda: not _guardians(case), case, "a process was left")
+        _await(lambda: not guardians(port), case, "a process was left")
         case.gone_s = time.monotonic() - left_s
         time.sleep(WATCH_ON_S)
-        _judge_words(case, out.read_text(), err.read_text())
+        _judge_words(case, port.out.read_text(), port.err.read_text())
         if kind.alive:
             _judge_truth(case, kind, acted_s)
-        else:
-            bay.wait()
-            bay = _start_bay(case)
-        _again(case)
+        _await(port.link.exists, case, "the port never came back")
+        if refused := connect_again(port):
+            case.broken.append(f"no second run: {refused}")
     finally:
         bay.kill()
         bay.communicate()
     return case
-
-
-def _heed() -> None:
-    """Ctrl-C and hang-ups are heard, also where this program was started in the background."""
-    for number in (signal.SIGINT, signal.SIGHUP):
-        signal.signal(number, signal.SIG_DFL)
-
-
-def _start_bay(case: Case) -> subprocess.Popen[str]:
-    bay = subprocess.Popen(
-        [sys.executable, "-m", "benchmarks.witness", MISSION, str(case.link)],
-        stdout=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    assert bay.stdout is not None
-    bay.stdout.readline()
-    return bay
-
-
-def _guardians(case: Case) -> list[int]:
-    """Guardians of this port that live."""
-    return [
-        int(path.parent.name)
-        for path in Path("/proc").glob("[0-9]*/cmdline")
-        if {_GUARDIAN, bytes(case.link)} <= set(_read(path).split(b"\0"))
-    ]
-
-
-def _read(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError:
-        return b""
 
 
 def _ended(runner: subprocess.Popen[bytes], case: Case) -> int:
@@ -235,12 +188,8 @@ def _ended(runner: subprocess.Popen[bytes], case: Case) -> int:
 
 
 def _await(true: Callable[[], bool], case: Case, else_: str) -> None:
-    give_up_s = time.monotonic() + PATIENCE_S
-    while not true():
-        if time.monotonic() > give_up_s:
-            case.broken.append(else_)
-            return
-        time.sleep(0.01)
+    if not wait_until(true, PATIENCE_S):
+        case.broken.append(else_)
 
 
 def _judge_words(case: Case, out: str, err: str) -> None:
@@ -260,7 +209,7 @@ def _judge_words(case: Case, out: str, err: str) -> None:
 
 def _judge_truth(case: Case, kind: Kind, acted_s: float) -> None:
     """Wheels stand, and joints that clamped are where they were."""
-    samples = list(samples_of(case.link))
+    samples = list(samples_of(case.port.link))
     before = [sample for sample in samples if sample.at_s <= acted_s]
     after = [sample for sample in samples if sample.at_s > acted_s]
     driven = [sample.at_s for sample in after if any(sample.wheels)]
@@ -282,14 +231,6 @@ def _judge_truth(case: Case, kind: Kind, acted_s: float) -> None:
             case.broken.append(f"a clamped joint moved by {case.moved_deg:.0f} deg")
 
 
-def _again(case: Case) -> None:
-    """A second program has connected to the robot."""
-    doctor = [sys.executable, "-c", DOCTOR, "doctor", "--port", str(case.link), "--seconds", "1"]
-    done = subprocess.run(doctor, capture_output=True, text=True, check=False)
-    if done.returncode not in {0, 1}:
-        case.broken.append(f"no second run: {done.stderr.strip()}")
-
-
 # --- what happens -------------------------------------------------------------------------------
 
 
@@ -302,23 +243,52 @@ def _signal(number: signal.Signals) -> Callable[..., None]:
     return act
 
 
-def _pause(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str]) -> None:
-    os.killpg(runner.pid, signal.SIGSTOP)
-    time.sleep(STANDS_STILL_S)
-    os.killpg(runner.pid, signal.SIGCONT)
+def _pause(seconds: float, *, everybody: bool) -> Callable[..., None]:
+    """The runner stands still for so long, or the guardian with it, as when the machine does."""
+
+    def act(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str]) -> None:
+        pids = [runner.pid, *(guardians(case.port) if everybody else [])]
+        for number, then_s in ((signal.SIGSTOP, seconds), (signal.SIGCONT, 0.0)):
+            for pid in pids:
+                os.kill(pid, number)
+            time.sleep(then_s)
+
+    return act
 
 
 def _guardian(number: signal.Signals) -> Callable[..., None]:
     def act(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str]) -> None:
-        for pid in _guardians(case):
+        for pid in guardians(case.port):
             os.kill(pid, number)
+
+    return act
+
+
+def _hung(number: signal.Signals) -> Callable[..., None]:
+    """The guardian hangs, and the runner gets this signal at the same time."""
+
+    def act(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str]) -> None:
+        for pid in guardians(case.port):
+            os.kill(pid, signal.SIGSTOP)
+        runner.send_signal(number)
+
+    return act
+
+
+def _vanishing(number: signal.Signals) -> Callable[..., None]:
+    """The port goes away, and the runner dies before it is back."""
+
+    def act(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str]) -> None:
+        bay.send_signal(number)
+        time.sleep(DIES_AFTER_S)
+        runner.kill()
 
     return act
 
 
 def _both(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str]) -> None:
     runner.send_signal(signal.SIGSTOP)
-    for pid in _guardians(case):
+    for pid in guardians(case.port):
         os.kill(pid, signal.SIGKILL)
     runner.kill()
 
@@ -327,7 +297,7 @@ def _bay(number: signal.Signals) -> Callable[..., None]:
     def act(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str]) -> None:
         bay.send_signal(number)
         if number == signal.SIGKILL:
-            case.link.unlink()  # what it points to may soon be another pseudo-terminal
+            case.port.link.unlink()  # what it points to may soon be another pseudo-terminal
 
     return act
 
@@ -338,11 +308,25 @@ KINDS = {
     "runner: SIGTERM": Kind((143,), _signal(signal.SIGTERM)),
     "runner: SIGINT": Kind((130,), _signal(signal.SIGINT)),
     "runner: SIGHUP": Kind((129,), _signal(signal.SIGHUP)),
-    "runner: stopped 1 s": Kind((3,), _pause),
+    "runner: stopped 0.2 s": Kind((0, 3), _pause(0.2, everybody=False), goes_on=True),
+    "runner: stopped 1 s": Kind((3,), _pause(STANDS_STILL_S, everybody=False)),
+    "runner, guardian: stopped 0.2 s": Kind((0, 3), _pause(0.2, everybody=True), goes_on=True),
+    "runner, guardian: stopped 1 s": Kind(
+        (0, 3), _pause(STANDS_STILL_S, everybody=True), goes_on=True
+    ),
+    "guardian: hangs": Kind((3,), _guardian(signal.SIGSTOP)),
+    "guardian: hangs, runner: SIGTERM": Kind((143,), _hung(signal.SIGTERM)),
     "guardian: kill -9": Kind((3,), _guardian(signal.SIGKILL)),
     "guardian: SIGTERM": Kind((3,), _guardian(signal.SIGTERM)),
     "bay: kill -9": Kind((3,), _bay(signal.SIGKILL), alive=False),
     f"cable out for {CABLE_OUT_S:g} s": Kind((3,), _bay(signal.SIGUSR1)),
+    f"cable out for {CABLE_OUT_LONG_S:g} s": Kind((3,), _bay(signal.SIGUSR2)),
+    f"cable out for {CABLE_OUT_S:g} s, runner: kill -9": Kind(
+        (_BY_SIGNAL,), _vanishing(signal.SIGUSR1), words=False
+    ),
+    f"cable out for {CABLE_OUT_LONG_S:g} s, runner: kill -9": Kind(
+        (_BY_SIGNAL,), _vanishing(signal.SIGUSR2), words=False
+    ),
     "guardian and runner: kill -9": Kind((_BY_SIGNAL,), _both, stops=False, words=False),
 }
 
@@ -355,7 +339,7 @@ def _line(case: Case) -> str:
     moved = "-" if case.moved_deg is None else f"{case.moved_deg:.1f}"
     wrong = f"  WRONG {'; '.join(case.broken)}" if case.broken else ""
     return (
-        f"{case.seed:3} {case.kind:29} {case.at_s:5.1f} s {case.doing:10} exit {case.code:4} "
+        f"{case.seed:3} {case.kind:38} {case.at_s:5.1f} s {case.doing:10} exit {case.code:4} "
         f"wheels {stopped:>5} ms, clamps {moved:>4} deg, port {case.gone_s * 1000:5.0f} ms  "
         f"{case.said}{wrong}"
     )
@@ -363,18 +347,18 @@ def _line(case: Case) -> str:
 
 def _sum_up(cases: list[Case]) -> int:
     """A line for each kind."""
-    print(f"\n{'':29} moments  driving  wheels stopped after, ms  joints moved at most, deg")
+    print(f"\n{'':38} moments  driving  wheels stopped after, ms  joints moved at most, deg")
     for kind in dict.fromkeys(case.kind for case in cases):
         mine = [case for case in cases if case.kind == kind]
         stops = [case.stopped_s * 1000 for case in mine if case.stopped_s is not None]
         moved = [case.moved_deg for case in mine if case.moved_deg is not None]
         spread = f"{median(stops):.0f} (most {max(stops):.0f})" if stops else "-"
-        if not KINDS[kind].stops:
-            spread = "never"
+        if KINDS[kind].goes_on or not KINDS[kind].stops:
+            spread = "goes on" if KINDS[kind].goes_on else "never"
         most = f"{max(moved):.1f}" if moved else "-"
-        print(f"{kind:29} {len(mine):7} {len(stops):8}  {spread:>24} {most:>27}")
+        print(f"{kind:38} {len(mine):7} {len(stops):8}  {spread:>24} {most:>27}")
     bad = sum(bool(case.broken) for case in cases)
-    print(f"{len(cases)} moments, {bad} broke a rule")
+    print(f"{len(cases)} rounds, {bad} broke a rule")
     return 1 if bad else 0
 
 

@@ -2,7 +2,8 @@
 
     python -m benchmarks.witness MISSION LINK
 
-The truth stands in a file beside the link. SIGUSR1 pulls the cable out for a moment.
+The truth stands in a file beside the link. SIGUSR1 pulls the cable out for a moment, SIGUSR2
+for longer than anybody waits.
 """
 
 from __future__ import annotations
@@ -19,6 +20,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 CABLE_OUT_S = 1.0
+CABLE_OUT_LONG_S = 12.0
+"""Longer than a runner waits for the shipped robot: 8 s."""
+
 SAMPLE_EVERY_S = 0.02
 _LAST_BYTES = 4096
 
@@ -64,11 +68,11 @@ def main() -> int:
     assert profile.serial is not None
     bay = VirtualBay(profile, loaded.pipe, message_texts(loaded.loaded_robot.folder, profile))
     began_s = time.monotonic()
-    sampled_s, unplugged = -inf, False
+    sampled_s, out_s = -inf, 0.0
 
     def pull(number: int, frame: object) -> None:
-        nonlocal unplugged
-        unplugged = True
+        nonlocal out_s
+        out_s = CABLE_OUT_S if number == signal.SIGUSR1 else CABLE_OUT_LONG_S
 
     def stopped() -> bool:
         nonlocal sampled_s
@@ -79,9 +83,10 @@ def main() -> int:
             joints = len(truth.bends_rad)
             sample = Sample(now, duties[:joints], duties[joints:], truth.bends_rad, truth.arcs_m)
             out.write(json.dumps(sample) + "\n")
-        return told.stop or unplugged
+        return told.stop or out_s > 0.0
 
     signal.signal(signal.SIGUSR1, pull)
+    signal.signal(signal.SIGUSR2, pull)
     with Told() as told, _truth(link).open("w", buffering=1) as out:
         while not told.stop:
             with Terminal(link, profile.serial.baud) as terminal:
@@ -89,9 +94,8 @@ def main() -> int:
                 moments = chain([began_s], iter(time.monotonic, None))
                 serve(bay, terminal, stopped, clock=lambda: next(moments))  # noqa: B023
             bay.close(time.monotonic() - began_s)
-            if unplugged:
-                time.sleep(CABLE_OUT_S)
-            unplugged = False
+            time.sleep(out_s)
+            out_s = 0.0
     return 0
 
 

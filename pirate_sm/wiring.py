@@ -64,6 +64,8 @@ class Order:
         start_at_m: Where odometry takes the first wheel to begin, in place of the pipe's own.
         port: Where the real robot is, a device or a URL of pyserial; ``baud`` in place of the
             robot's own rate.
+        guard_for_s: How long a guardian goes on without us if the robot does not confirm its stop;
+            None: the usual time.
         calibration: Whether the joint zeros of the real robot are subtracted, where it has any.
         check: Whether a mission with something certainly wrong is refused.
     """
@@ -86,6 +88,7 @@ class Order:
     start_at_m: float | None = None
     port: str | None = None
     baud: int | None = None
+    guard_for_s: float | None = None
     calibration: bool = True
     check: bool = False
 
@@ -101,6 +104,7 @@ class Prepared:
         wheels: The same of its wheels alone, in the plane of the pipe, m, for whoever asks often.
         reckoned: Where a detector takes it to be, where one does; None before it knows.
         link: How the link is, where there is one.
+        parting: What a person must do once the run has ended; empty: nothing.
         confirmation: What a person must agree to before anything moves; empty: nothing.
         follow: Must be given the run before it begins.
         detector: Who says the detector's words; ``operator`` still wants a keyboard.
@@ -117,6 +121,7 @@ class Prepared:
     wheels: Callable[[], tuple[tuple[float, float], ...]] | None = None
     reckoned: Callable[[], Truth | None] | None = None
     link: Callable[[], LinkHealth] | None = None
+    parting: Callable[[], str] = lambda: ""
     confirmation: str = ""
     follow: Callable[[MissionRun], None] = lambda run: None
     detector: Kind = "none"
@@ -270,7 +275,7 @@ def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
         raise UsageError("a real robot has the defects that it has: --defect is for --backend sim")
     if order.firings or order.course:
         raise UsageError("triggers can be fired in a trace only: use --backend trace")
-    from pirate_sm.backends.pico.assembly import read_plan, serial_backend
+    from pirate_sm.backends.pico.assembly import STAY_S, read_plan, serial_backend
     from pirate_sm.backends.pico.starting import check_of
     from pirate_sm.runtime.companions import Holder, Messenger
 
@@ -282,7 +287,8 @@ def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
     start = loaded.program.start_configuration
     plan = read_plan(loaded.loaded_robot.folder, profile, loaded.robot)
     check = check_of(profile, loaded.robot, start, diameter_m)
-    backend = serial_backend(plan, order.port, order.baud, check)
+    stay_s = STAY_S if order.guard_for_s is None else order.guard_for_s
+    backend = serial_backend(plan, order.port, order.baud, check, stay_s)
     engine = Engine(loaded.robot, loaded.program, nominal=False)
     detector = _detecting(order, loaded, usual="odometry")
     holder, messenger = Holder(backend.hold), Messenger(backend.remark)
@@ -292,6 +298,7 @@ def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
         (*notices, *detector.notices),
         detector=detector.kind, confirmation=question, follow=holder.follow,
         reckoned=_reckoned(detector), link=lambda: backend.health,
+        parting=backend.parting,
     )  # fmt: skip
 
 

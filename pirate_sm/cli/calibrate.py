@@ -84,6 +84,8 @@ def run_calibrate(wishes: CalibrateWishes) -> int:
         with CaughtSignals(requests, ends_process=True):
             say(f"connecting to {wishes.port} ...")
             with connection(subject, wishes.port, wishes.baud, requests) as listening:
+                if left := listening.port.remark():
+                    say(left)
                 readings = _measure(listening, joints, wishes)
                 return _conclude(listening, readings, limit_rad, loaded, wishes)
     except StoppedError as stopped:

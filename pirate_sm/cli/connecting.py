@@ -9,6 +9,10 @@ import typer
 _PORT = typer.Option(metavar="PORT", help="/dev/ttyACM0, or a pyserial URL.")
 _ROBOT = typer.Option(metavar="NAME", help="Which robot; the first one shipped.")
 _BAUD = typer.Option(min=1, help="In place of the robot's own rate.")
+GUARD_FOR = (
+    "How long the port is guarded if the robot does not confirm that it has stopped; 10 min."
+)
+_GUARD_FOR = typer.Option(metavar="DURATION", help=GUARD_FOR)
 _DEBUG = typer.Option("--debug", help="Show tracebacks.")
 
 
@@ -23,6 +27,7 @@ def doctor(
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="With --move: the wheels are free to turn.")
     ] = False,
+    guard_for: Annotated[str | None, _GUARD_FOR] = None,
     calibration: Annotated[
         bool,
         typer.Option("--calibration/--no-calibration", help="Whether its joint zeros are used."),
@@ -50,6 +55,7 @@ def doctor(
                 seconds=seconds,
                 move=move,
                 yes=yes,
+                guard_for=guard_for,
                 plain=plain,
                 json=json,
                 calibration=calibration,

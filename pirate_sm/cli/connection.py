@@ -6,8 +6,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from pirate_sm.backends.pico.assembly import read_plan
-from pirate_sm.backends.pico.guarded_port import GuardedPort
+from pirate_sm.backends.pico.assembly import STAY_S, guarded_port, read_plan
 from pirate_sm.diagnosis.facts import Subject
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.engine.robot import RobotSpec
@@ -45,10 +44,16 @@ def subject_of(loaded: LoadedRobot, robot: RobotSpec) -> Subject:
     return Subject(loaded.profile, robot, read_plan(loaded.folder, loaded.profile, robot))
 
 
-def connection(subject: Subject, url: str, baud: int | None, requests: StopRequests) -> Listening:
+def connection(
+    subject: Subject,
+    url: str,
+    baud: int | None,
+    requests: StopRequests,
+    stay_s: float | None = None,
+) -> Listening:
     """A connection to the robot on this port, not open yet; a guardian will own the port."""
     rate = baud or subject.plan.serial.baud
-    port = GuardedPort(url, rate, subject.plan.serial.heartbeat_within)
+    port = guarded_port(subject.plan, url, baud, STAY_S if stay_s is None else stay_s)
     return Listening(subject, port, rate, stopper(requests))
 
 

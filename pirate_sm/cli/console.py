@@ -112,6 +112,8 @@ def _prepared(order: Order) -> Prepared:
 
 def _conclude(app: Console, session: Session, debug: bool) -> int:
     """How it ended has been said in a sentence; the exit code."""
+    if parting := session.prepared.parting():
+        say(parting)
     result, stop = session.result, session.quitting.stop
     how = result.ended.message if result is not None else "nothing has moved"
     if app.failure is not None and not _gone(app.failure, session):

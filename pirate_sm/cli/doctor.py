@@ -16,7 +16,7 @@ from pirate_sm.cli.connection import (
 )
 from pirate_sm.cli.doctor_view import LiveTables, plain_text
 from pirate_sm.cli.guard import say
-from pirate_sm.cli.run import is_terminal
+from pirate_sm.cli.run import is_terminal, read_duration
 from pirate_sm.diagnosis.facts import Facts, Finding, Subject
 from pirate_sm.diagnosis.judgement import judged
 from pirate_sm.diagnosis.listening import Listening
@@ -37,6 +37,7 @@ class DoctorWishes:
     seconds: float
     move: bool
     yes: bool
+    guard_for: str | None
     plain: bool
     json: bool
     calibration: bool
@@ -82,29 +83,41 @@ def run_doctor(wishes: DoctorWishes) -> int:
 def _look(subject: Subject, wishes: DoctorWishes, requests: StopRequests) -> Facts:
     """Everything has been found out and judged; the port is free again."""
     say(f"connecting to {wishes.port} ...")
-    with connection(subject, wishes.port, wishes.baud, requests) as listening:
-        say(f"listening for {wishes.seconds:g} s ...")
-        with _live(wishes) as view:
+    stay_s = read_duration("--guard-for", wishes.guard_for)
+    listening = connection(subject, wishes.port, wishes.baud, requests, stay_s)
+    try:
+        with listening:
+            return _look_around(listening, subject, wishes)
+    finally:
+        if parting := listening.port.remark():
+            say(parting)
 
-            def watch(heard: Listening) -> None:
-                if view is not None:
-                    view.update(judged(heard.facts(), subject), heard.port.now())
 
-            listening.listen(wishes.seconds, watch)
-        facts = judged(listening.facts(), subject)
-        if not wishes.move:
-            return facts
-        if not facts.go:
-            note = Finding("note", "nothing was sent: a robot that is no-go is not moved")
-            others = tuple(each for each in facts.findings if each.level != "note")
-            return replace(facts, findings=(*others, note))
-        move = Moving(listening, say).run()
-        after = listening.facts().link
-        link = replace(
-            facts.link, echoed_ms=after.echoed_ms, repeats=after.repeats, damaged=after.damaged,
-            resets=after.resets,
-        )  # fmt: skip
-        return judged(replace(facts, move=move, link=link), subject)
+def _look_around(listening: Listening, subject: Subject, wishes: DoctorWishes) -> Facts:
+    if left := listening.port.remark():
+        say(left)
+    say(f"listening for {wishes.seconds:g} s ...")
+    with _live(wishes) as view:
+
+        def watch(heard: Listening) -> None:
+            if view is not None:
+                view.update(judged(heard.facts(), subject), heard.port.now())
+
+        listening.listen(wishes.seconds, watch)
+    facts = judged(listening.facts(), subject)
+    if not wishes.move:
+        return facts
+    if not facts.go:
+        note = Finding("note", "nothing was sent: a robot that is no-go is not moved")
+        others = tuple(each for each in facts.findings if each.level != "note")
+        return replace(facts, findings=(*others, note))
+    move = Moving(listening, say).run()
+    after = listening.facts().link
+    link = replace(
+        facts.link, echoed_ms=after.echoed_ms, repeats=after.repeats, damaged=after.damaged,
+        resets=after.resets,
+    )  # fmt: skip
+    return judged(replace(facts, move=move, link=link), subject)
 
 
 def _live(wishes: DoctorWishes) -> AbstractContextManager[LiveTables | None]:

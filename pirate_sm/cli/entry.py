@@ -14,7 +14,7 @@ import typer
 
 from pirate_sm import __version__
 from pirate_sm.cli.checking import check, diff, explain
-from pirate_sm.cli.connecting import calibrate, doctor
+from pirate_sm.cli.connecting import GUARD_FOR, calibrate, doctor
 from pirate_sm.cli.drawing import graph
 from pirate_sm.cli.emulating import bay
 from pirate_sm.cli.encoding import degrade
@@ -143,6 +143,10 @@ def run(
     baud: Annotated[
         int | None, typer.Option(min=1, help="In place of the robot's own rate.")
     ] = None,
+    guard_for: Annotated[
+        str | None,
+        typer.Option(metavar="DURATION", help=GUARD_FOR),
+    ] = None,
     detector: Annotated[
         str | None,
         typer.Option(
@@ -206,6 +210,7 @@ def run(
                 script=script,
                 port=port,
                 baud=baud,
+                guard_for=guard_for,
                 calibration=calibration,
                 check=check,
                 detector=detector,

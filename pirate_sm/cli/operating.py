@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from pirate_sm.cli.connecting import GUARD_FOR
+
 
 class Worlds(str, Enum):  # noqa: UP042 - a StrEnum would show its members in capitals
     """What the robot is in."""
@@ -62,6 +64,10 @@ def console(
     baud: Annotated[
         int | None, typer.Option(min=1, help="In place of the robot's own rate.")
     ] = None,
+    guard_for: Annotated[
+        str | None,
+        typer.Option(metavar="DURATION", help=GUARD_FOR),
+    ] = None,
     detector: Annotated[
         str | None,
         typer.Option(
@@ -96,7 +102,7 @@ def console(
     def work() -> int:
         from pirate_sm.cli.console import open_console
         from pirate_sm.cli.recording import RecordingWishes
-        from pirate_sm.cli.run import read_length, read_pairs, read_speed
+        from pirate_sm.cli.run import read_duration, read_length, read_pairs, read_speed
         from pirate_sm.wiring import Order
 
         order = Order(
@@ -110,6 +116,7 @@ def console(
             defects=tuple(dict.fromkeys(defects or [])),
             port=port,
             baud=baud,
+            guard_for_s=read_duration("--guard-for", guard_for),
             detector=detector,
             start_at_m=read_length("--start-at", start_at),
             calibration=calibration,

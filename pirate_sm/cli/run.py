@@ -27,7 +27,7 @@ from pirate_sm.runtime.observing import Observer, Watcher
 from pirate_sm.runtime.outcome import BUG, Result
 from pirate_sm.runtime.stopping import OUTPUT_LOST, CaughtSignals, StopRequests
 from pirate_sm.showing.visible import visible
-from pirate_sm.units import LENGTH, QuantityError, read_quantity
+from pirate_sm.units import LENGTH, TIME, Dimension, QuantityError, read_quantity
 from pirate_sm.wiring import Order, Prepared, answers, prepare
 
 if TYPE_CHECKING:
@@ -64,6 +64,7 @@ class Wishes:
     script: str | None
     port: str | None
     baud: int | None
+    guard_for: str | None
     calibration: bool
     check: bool
     detector: str | None
@@ -151,6 +152,8 @@ def _show(
             stack.enter_context(output)
         result = run.execute()
     _say_unused(prepared)
+    if parting := prepared.parting():
+        say(parting)
     return _conclude(result, wishes)
 
 
@@ -245,6 +248,7 @@ def read_order(wishes: Wishes) -> Order:
         course=course,
         port=wishes.port,
         baud=wishes.baud,
+        guard_for_s=read_duration("--guard-for", wishes.guard_for),
         calibration=wishes.calibration,
         check=wishes.check,
         detector=wishes.detector,
@@ -275,10 +279,26 @@ def read_length(option: str, text: str | None) -> float | None:
     Raises:
         UsageError: It is none.
     """
+    return _read(option, text, LENGTH)
+
+
+def read_duration(option: str, text: str | None) -> float | None:
+    """Return the duration that an option gives, s.
+
+    Raises:
+        UsageError: It gives none, or none above zero.
+    """
+    duration_s = _read(option, text, TIME)
+    if duration_s is not None and duration_s <= 0.0:
+        raise UsageError(f"{option} {text}: expected a duration above zero, such as '10 min'")
+    return duration_s
+
+
+def _read(option: str, text: str | None, dimension: Dimension) -> float | None:
     if text is None:
         return None
     try:
-        return read_quantity(text, LENGTH)
+        return read_quantity(text, dimension)
     except QuantityError as error:
         raise UsageError(f"{option} {text}: {error}") from None
 

@@ -91,9 +91,11 @@ class Listening:
         trace: TracebackType | None,
     ) -> None:
         """The device has been told to be quiet, the port is free."""
+        stopped = self.exchange.stopped.confirmed
         with suppress(BackendError):
-            self.port.write(self.exchange.conversation.farewell())
-        self.port.close()
+            if stopped:
+                self.port.write(self.exchange.conversation.farewell())
+        self.port.close(stopped)
 
     def _connect(self) -> None:
         opened_s = self.port.now()

@@ -139,15 +139,17 @@ class SerialBackend:
         if self._closed:
             return
         self._closed = True
+        stopped = self.exchange.stopped
         if self._open:
             with suppress(BackendError):
                 self._flush()
             self.confirmed = self.exchange.settled
-            if self.exchange.conversation.frames:  # to a rosserial device only
+            # To a rosserial device only, and to none that is still to confirm something.
+            if self.exchange.conversation.frames and stopped.confirmed:
                 with suppress(BackendError):
                     self._put(self.exchange.conversation.farewell())
         self._open = False
-        self.port.close()
+        self.port.close(stopped.confirmed)
 
     # --- beyond it --------------------------------------------------------------------------
 
@@ -165,8 +167,14 @@ class SerialBackend:
         """How the link is at this moment."""
         return health_of(self.exchange, self.port.now())
 
+    def parting(self) -> str:
+        """Return what a person must do after it was closed; empty: nothing."""
+        return self.port.remark()
+
     def remark(self) -> str:
-        """What a person must know now, once; else empty."""
+        """Return what a person must know now, once; else empty."""
+        if about_the_port := self.port.remark():
+            return about_the_port
         trips = self.exchange.counts.trips
         if trips > self._trips:
             self._trips = trips

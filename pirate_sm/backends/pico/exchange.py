@@ -21,6 +21,7 @@ from pirate_sm.backends.pico.measurements import Measurements
 from pirate_sm.backends.pico.messages import Array, Malformed
 from pirate_sm.backends.pico.plan import ECHO, SETPOINTS, STATE, Plan
 from pirate_sm.backends.pico.recovery import BRIEF, RESET, Outage, Recovery, was_reset
+from pirate_sm.backends.pico.stopped import Stopped
 from pirate_sm.backends.pico.throttle import Throttle
 from pirate_sm.model.events import Event, FaultReport
 
@@ -52,6 +53,7 @@ class Exchange:
     Attributes:
         conversation: What has been said about topics.
         link: What has become of arrays.
+        stopped: Whether the robot is known to be stopped.
         heard: Boards that have reported since the beginning.
         outage: The silence during which the mission is held; None while all is well.
         brief: Whether the last outage was none, only a short silence.
@@ -77,6 +79,7 @@ class Exchange:
             ids=codec.ids,
         )
         self.link.hold = self._kept
+        self.stopped = Stopped(plan.safe_zero)
         self._measurements = Measurements(plan.channels)
         advice = sensors_off(plan.serial.advice.no_sensors)
         self._recovery = Recovery(BRIEF * plan.silent_after_s, plan.away_s, advice)
@@ -312,6 +315,7 @@ class Exchange:
             if not self._recovery.wants_safe(outage, now):
                 return b""
             outage.wrote_s = now
+            self.stopped.wrote(SAFE_WIRE_ID, self._safe_counts)
             return self.safe_frame()
         if self.aside:
             return b""
@@ -319,6 +323,8 @@ class Exchange:
         self._events += self.link.take()
         if not payload:
             return b""
+        array = self._plan.messages.setpoints.unpack(payload)
+        self.stopped.wrote(array.number, array.counts)
         return self.conversation.frame(SETPOINTS, payload)
 
     def _take(self, message: Message, now: float) -> None:
@@ -333,6 +339,7 @@ class Exchange:
                 self.link.unreadable(now)
 
     def _echo(self, array: Array, now: float) -> None:
+        self.stopped.echoed(array.number, array.counts)
         if array.number != SAFE_WIRE_ID or array.counts != self._safe_counts:
             self.link.echoed(array.number, array.counts, now, array.hold)
         elif self.outage is not None:

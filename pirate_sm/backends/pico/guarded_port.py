@@ -8,20 +8,33 @@ import subprocess
 import sys
 import time
 from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
 from math import inf
 
-from pirate_sm.backends.pico.guarding import Kind, Note, NoteReader
+from pirate_sm.backends.pico.guard_notes import Instructions, Kind, Note, NoteReader
+from pirate_sm.backends.pico.guarding import BEATS
+from pirate_sm.backends.pico.left_behind import LeftBehind, take_over
+from pirate_sm.backends.pico.patience import Patience
 from pirate_sm.backends.pico.port import PortLostError
 from pirate_sm.errors import BackendError
 
-_BEATS = 6
-"""In the time within which one must be heard."""
-
 _STARTS_WITHIN_S = 15.0
 _LEAVES_WITHIN_S = 2.0
+_STOPS_WITHIN_S = 6.0
+"""Beyond the boot loader's time; with every second frame lost that is enough."""
+
+_HUNG_AFTER_S = 1.0
+"""A guardian that has not acknowledged a beat for so long hangs. It may wait for half a second
+while the port takes nothing."""
+
 _MOST_BYTES = 65536
 _MODULE = "pirate_sm.backends.pico.guardian"
+_DIED = "the guardian of the port has died"
+_HUNG = "the guardian of the port did not answer and was replaced"
+
+_left: list[subprocess.Popen[bytes]] = []
+"""Guardians that go on without us: Python complains about processes that nobody waits for."""
 
 
 class GuardedPort:
@@ -30,24 +43,29 @@ class GuardedPort:
     Args:
         url: A device such as ``/dev/ttyACM0``, or any URL of pyserial.
         baud: Of the line.
-        silence_s: The guardian acts when it has not heard us for so long.
+        instructions: What the guardian must know.
     """
 
-    def __init__(self, url: str, baud: int, silence_s: float) -> None:
+    def __init__(self, url: str, baud: int, instructions: Instructions) -> None:
         self.name = url
         self.epoch_s = time.time() - time.monotonic()
         self._baud = baud
-        self._silence_s = silence_s
+        self._instructions = instructions
+        self._silence_s = instructions.silence_s
         self._pipe: socket.socket | None = None
         self._process: subprocess.Popen[bytes] | None = None
         self._reader = NoteReader()
         self._data: deque[bytes] = deque()
+        self._acknowledged = Patience(_HUNG_AFTER_S / BEATS)
+        self._heard_s = -inf
         self._beat_s = -inf
         self._safe_frame = b""
         self._lost = ""
         self._opened = False
         self._refused = ""
         self._overruled = False
+        self._stopped = False
+        self._remark = ""
 
     now = staticmethod(time.monotonic)
 
@@ -56,58 +74,166 @@ class GuardedPort:
         """Number of the guardian's process; None when there is none."""
         return self._process.pid if self._process is not None else None
 
-    def open(self) -> None:
-        """A guardian has the port."""
-        self._start()
-        give_up_s = self.now() + _STARTS_WITHIN_S
-        while not self._opened:
-            try:
-                self._listen(give_up_s)
-            except PortLostError:
-                raise BackendError("the guardian of the serial port could not be started") from None
-            if self._refused or self.now() >= give_up_s:
-                refused = self._refused or "the guardian of the serial port does not answer"
-                self._dismiss()
-                raise BackendError(refused)
+    # --- opening and closing ----------------------------------------------------------------
 
-    def _start(self) -> None:
-        self._dismiss()
+    def open(self) -> None:
+        """Start a guardian that has the port.
+
+        What a guardian of an earlier run has not finished is finished first: the robot confirms
+        the array that stops it.
+
+        Raises:
+            BackendError: The port cannot be had, or the robot does not confirm that it stops.
+        """
+        left = self._start()
+        if not self._await(lambda: self._opened or bool(self._refused), _STARTS_WITHIN_S):
+            self._refused = "the guardian of the serial port does not answer"
+        if self._refused:
+            self._leave(dismissed=True)
+            raise BackendError(self._refused)
+        if left is not None:
+            self._await_stop(left)
+
+    def _start(self) -> LeftBehind | None:
+        """Start a guardian; return the one that had been left on the port, if it must go on."""
+        self._forget()
+        left = take_over(self.name)
+        if left is not None and left.md5 != self._instructions.array_md5:
+            left = None  # its array is none for this robot
         ours, theirs = socket.socketpair()
+        if self._safe_frame:
+            ours.sendall(Note(Kind.BEAT, self._safe_frame).to_bytes())  # should we die at once
+        elif left is not None:
+            ours.sendall(Note(Kind.STOP, left.payload).to_bytes())
         with theirs:
-            # A process group of its own: the terminal's Ctrl-C and hang-up are not for it.
+            # In a session of its own, without any stream of ours: the terminal's Ctrl-C and
+            # hang-up are not for it, and nobody who reads our output waits for it.
             self._process = subprocess.Popen(
                 [
                     *(sys.executable, "-m", _MODULE, str(theirs.fileno())),
-                    *(self.name, str(self._baud), str(self._silence_s)),
+                    *(self.name, str(self._baud), self._instructions.to_json()),
                 ],
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
                 start_new_session=True,
             )
         ours.settimeout(self._silence_s)
-        self._pipe, self._reader = ours, NoteReader()
+        self._pipe = ours
+        self._acknowledged.hear(self.now())
+        return left
+
+    def _forget(self) -> None:
+        self._reader = NoteReader()
         self._data.clear()
-        self._opened, self._refused, self._lost, self._overruled = False, "", "", False
-        self._beat_s, self._safe_frame = -inf, b""
+        self._opened, self._refused, self._lost = False, "", ""
+        self._overruled = self._stopped = False
+        self._beat_s = -inf
+
+    def _await(self, true: Callable[[], bool], within_s: float) -> bool:
+        """Return whether it became true.
+
+        Raises:
+            BackendError: The guardian has died.
+        """
+        give_up_s = self.now() + within_s
+        while not true() and self.now() < give_up_s:
+            try:
+                self._listen(give_up_s)
+            except PortLostError:
+                raise BackendError("the guardian of the serial port could not be started") from None
+        return true()
+
+    def _await_stop(self, left: LeftBehind) -> None:
+        within_s = self._instructions.boot_s + _STOPS_WITHIN_S
+        what = f"an earlier run has left the robot on {self.name} without a confirmed stop"
+        if not self._await(lambda: self._stopped, within_s):
+            going_on = self._leave() or f"the guardian of the port (process {left.pid}) has ended"
+            raise BackendError(f"{what}, and it confirms none now; {going_on}")
+        self._say(Note(Kind.HEED))
+        self._remark = f"{what}: it is stopped now, as it has confirmed"
 
     def reopen(self) -> bool:
-        """Whether the guardian has the port again; without a guardian there is a new one."""
+        """Return whether the guardian has the port again; without a guardian start another."""
         if self._pipe is None:
-            with suppress(BackendError):
-                self.open()
-            return self._opened and not self._lost
-        try:
-            self._listen(self.now())
-        except PortLostError:
-            if self._pipe is None:
-                return False
-        if self._opened:
-            self._lost = ""
-            return True
+            self._start()
         with suppress(PortLostError):
-            self._say(Note(Kind.REOPEN))
+            self._listen(self.now())
+        if not self._opened:
+            return False
+        self._lost = ""
+        self._data.clear()
+        return True
+
+    def close(self, stopped: bool = False) -> None:
+        """The guardian has ended, or it stays because the robot has not confirmed its stop."""
+        self._remark = self._leave(dismissed=stopped or not self._safe_frame)
+
+    def remark(self) -> str:
+        """Return what a person must know about who has had or keeps the port, once."""
+        remark, self._remark = self._remark, ""
+        return remark
+
+    def _leave(self, dismissed: bool = False) -> str:
+        """End the connection to the guardian; return what a person must know if it stays.
+
+        Args:
+            dismissed: Whether there is nothing left to guard.
+        """
+        if dismissed:
+            self._send(Note(Kind.LEAVE))
+        elif self._safe_frame and not self._answers():
+            self._kill()
+            self._start()
+        process = self._process
+        if self._hang_up():
+            return ""
+        assert process is not None  # it has just not ended
+        if dismissed:
+            process.kill()
+            process.wait()
+            return ""
+        _left.append(process)
+        stay_s = self._instructions.stay_s
+        return (
+            f"cut the robot's power: it has not confirmed that it stopped. A guardian of the port "
+            f"(process {process.pid}) goes on trying for {stay_s / 60:g} min, and gives the port "
+            f"to a new run; `kill {process.pid}` ends it"
+        )
+
+    def _answers(self) -> bool:
+        """Return whether the guardian acknowledges a beat."""
+        with suppress(PortLostError):
+            self._listen(self.now())  # older answers say nothing
+            asked_s = self._heard_s = self.now()
+            if self._send(Note(Kind.BEAT, self._safe_frame)):
+                while self._heard_s == asked_s and self.now() < asked_s + _HUNG_AFTER_S:
+                    self._listen(asked_s + _HUNG_AFTER_S)
+                return self._heard_s != asked_s
         return False
+
+    def _hang_up(self) -> bool:
+        """Close the pipe; return whether the guardian has ended."""
+        if self._pipe is not None:
+            self._pipe.close()
+            self._pipe = None
+        process, self._process = self._process, None
+        if process is not None:
+            try:
+                process.wait(_LEAVES_WITHIN_S)
+            except subprocess.TimeoutExpired:
+                return False
+        return True
+
+    def _kill(self) -> None:
+        """The guardian is dead, so that the next one can open the port."""
+        process = self._process
+        if process is not None:
+            process.kill()
+        self._hang_up()
+
+    # --- what a port does -------------------------------------------------------------------
 
     def write(self, data: bytes) -> None:
         """The guardian has been given the bytes in one piece."""
@@ -117,6 +243,8 @@ class GuardedPort:
         """What has come, as soon as anything has."""
         if not self._data:
             self._listen(until_s)
+        if self._lost and not self._data:
+            raise PortLostError(self._lost)
         return self._data.popleft() if self._data else b""
 
     def wait(self, until_s: float) -> None:
@@ -124,12 +252,22 @@ class GuardedPort:
         time.sleep(max(0.0, until_s - self.now()))
 
     def beat(self, safe_frame: bytes) -> None:
-        """The guardian knows that we live, and what to send when we do not."""
+        """The guardian knows that we live, and what to send when we do not.
+
+        A guardian that hangs is killed; :meth:`reopen` starts another.
+        """
         now = self.now()
-        if safe_frame != self._safe_frame or now - self._beat_s >= self._silence_s / _BEATS:
-            self._beat_s, self._safe_frame = now, safe_frame
-            if self._pipe is not None:
-                self._say(Note(Kind.BEAT, safe_frame))
+        if safe_frame == self._safe_frame and now - self._beat_s < self._silence_s / BEATS:
+            return
+        self._beat_s, self._safe_frame = now, safe_frame
+        if self._pipe is None:
+            return
+        self._say(Note(Kind.BEAT, safe_frame))
+        # To open a port on a network takes a guardian longer.
+        limit_s = _HUNG_AFTER_S if self._opened else _STARTS_WITHIN_S
+        if self._acknowledged.look(now) >= limit_s:
+            self._kill()
+            raise PortLostError(_HUNG)
 
     def overruled(self) -> bool:
         """Whether the guardian has acted since this was last asked; it obeys again from now on."""
@@ -139,39 +277,28 @@ class GuardedPort:
             self._beat_s = -inf
         return overruled
 
-    def close(self) -> None:
-        """The guardian has let the port go, and ended."""
-        with suppress(PortLostError):
-            self._say(Note(Kind.LEAVE))
-        self._dismiss()
-
-    def _dismiss(self) -> None:
-        if self._pipe is not None:
-            self._pipe.close()
-            self._pipe = None
-        process, self._process = self._process, None
-        if process is not None:
-            try:
-                process.wait(_LEAVES_WITHIN_S)
-            except subprocess.TimeoutExpired:
-                process.terminate()  # it sends the safe frame and ends
-                with suppress(subprocess.TimeoutExpired):
-                    process.wait(_LEAVES_WITHIN_S)
+    # --- the pipe ---------------------------------------------------------------------------
 
     def _say(self, note: Note) -> None:
         if self._pipe is None:
-            raise PortLostError("the guardian of the port has died")
-        try:
-            self._pipe.sendall(note.to_bytes())
-        except OSError:
+            raise PortLostError(_DIED)
+        if not self._send(note):
             self._bury()
         if self._lost:
             raise PortLostError(self._lost)
 
+    def _send(self, note: Note) -> bool:
+        try:
+            if self._pipe is not None:
+                self._pipe.sendall(note.to_bytes())
+        except OSError:
+            return False
+        return self._pipe is not None
+
     def _listen(self, until_s: float) -> None:
         """What the guardian has said by then has been heard, the first of it at once."""
         if self._pipe is None:
-            raise PortLostError("the guardian of the port has died")
+            raise PortLostError(_DIED)
         ready, _, _ = select.select([self._pipe], [], [], max(0.0, until_s - self.now()))
         if not ready:
             return
@@ -183,21 +310,28 @@ class GuardedPort:
             self._bury()
         for note in self._reader.feed(data):
             self._hear(note)
-        if self._lost and not self._data:
-            raise PortLostError(self._lost)
 
     def _bury(self) -> None:
-        self._dismiss()
-        raise PortLostError("the guardian of the port has died")
+        """The guardian has closed the pipe; it may go on until the robot has stopped."""
+        process = self._process
+        if not self._hang_up() and process is not None:
+            _left.append(process)
+        raise PortLostError(_DIED)
 
     def _hear(self, note: Note) -> None:
-        if note.kind == Kind.DATA:
-            self._data.append(note.body)
-        elif note.kind == Kind.OPENED:
-            self._opened, self._lost = True, ""
-        elif note.kind == Kind.REFUSED:
-            self._refused = note.body.decode()
-        elif note.kind == Kind.LOST:
-            self._opened, self._lost = False, note.body.decode()
-        elif note.kind == Kind.OVERRULED:
-            self._overruled = True
+        match note.kind:
+            case Kind.DATA:
+                self._data.append(note.body)
+            case Kind.OPENED:
+                self._opened = True
+            case Kind.REFUSED:
+                self._refused = note.body.decode()
+            case Kind.LOST:
+                self._opened, self._lost = False, note.body.decode()
+            case Kind.OVERRULED:
+                self._overruled = True
+            case Kind.STOPPED:
+                self._stopped = True
+            case Kind.HEARD:
+                self._heard_s = self.now()
+                self._acknowledged.hear(self._heard_s)

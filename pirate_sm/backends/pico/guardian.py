@@ -1,7 +1,11 @@
 """A small process that owns the serial port: ``python -m pirate_sm.backends.pico.guardian``.
 
-It relays between the port and the runner and keeps the runner's safe frame at hand. Whatever
-happens to the runner, the pipe closes or the heartbeat stops, and the safe frame goes out.
+It relays between the port and the runner and keeps the runner's safe array at hand. Whatever
+happens to the runner, the pipe closes or the heartbeat stops, it writes that array until the
+robot has confirmed it, and opens the port again where that went away.
+
+Signals: SIGTERM ends the runner's use of the port; a guardian that is alone ends. SIGUSR1 makes a
+guardian that is alone give the port up to a new run.
 """
 
 from __future__ import annotations
@@ -15,17 +19,9 @@ from contextlib import suppress
 from math import inf
 from types import FrameType
 
-from pirate_sm.backends.pico.guarding import (
-    Action,
-    Finish,
-    Guard,
-    Kind,
-    Note,
-    NoteReader,
-    Reopen,
-    ToPort,
-    ToRunner,
-)
+from pirate_sm.backends.pico.guard_notes import Instructions, Kind, Note, NoteReader
+from pirate_sm.backends.pico.guarding import Action, Finish, Guard, Reopen, ToPort, ToRunner
+from pirate_sm.backends.pico.left_behind import LeftBehind, Registration
 from pirate_sm.backends.pico.port import PortLostError
 from pirate_sm.backends.pico.serial_port import SerialPort
 from pirate_sm.errors import BackendError
@@ -37,6 +33,9 @@ _POLL_S = 0.005
 _MOST_WAITING = 16384
 """Bytes kept for a runner that stands still: some seconds of the line."""
 
+STOPPED, GAVE_UP = 0, 1
+"""Exit codes: the robot has confirmed its stop, or had none to confirm; it has not."""
+
 
 class Guardian:
     """The guard with its hands on a port and a pipe.
@@ -45,42 +44,48 @@ class Guardian:
         port: The serial port.
         pipe: To the runner.
         guard: What decides.
+        md5: Of the definition of an array, for whoever takes the port over.
     """
 
-    def __init__(self, port: SerialPort, pipe: socket.socket, guard: Guard) -> None:
+    def __init__(self, port: SerialPort, pipe: socket.socket, guard: Guard, md5: str = "") -> None:
         self._port = port
         self._pipe: socket.socket | None = pipe
         pipe.setblocking(False)  # whoever waits for a runner guards nothing
         self._waiting = bytearray()
         self._guard = guard
+        self._md5 = md5
         self._reader = NoteReader()
         self._plugged = False
-        self._done = False
-        self._told_to_end, self._teller = os.pipe()
-        os.set_blocking(self._teller, False)
+        self._finish: Finish | None = None
+        self._registration: Registration | None = None
+        self._signalled, self._signal = os.pipe()
+        os.set_blocking(self._signal, False)
 
-    def serve(self) -> None:
-        """There is nothing left to guard, and the port is free."""
+    def serve(self) -> int:
+        """Guard the port until nobody needs that any more; return the exit code."""
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.signal(signal.SIGHUP, signal.SIG_IGN)
-        signal.signal(signal.SIGTERM, self._tell)
+        signal.signal(signal.SIGTERM, self._note_signal)
+        signal.signal(signal.SIGUSR1, self._note_signal)
         try:
             self._open()
-            while not self._done:
+            while self._finish is None:
                 self._turn()
         finally:
             self._port.close()
+            if self._registration is not None:
+                self._registration.remove()
+        return STOPPED if self._finish.stopped else GAVE_UP
 
-    def _tell(self, number: int, frame: FrameType | None) -> None:
+    def _note_signal(self, number: int, frame: FrameType | None) -> None:
         with suppress(OSError):
-            os.write(self._teller, b"!")
+            os.write(self._signal, bytes((number,)))
 
     def _turn(self) -> None:
         guard, now = self._guard, self._port.now
         for source in self._wait():
-            if source == self._told_to_end:
-                os.read(self._told_to_end, 64)
-                self._do(guard.bereave(now()))
+            if source == self._signalled:
+                self._heed(os.read(self._signalled, 64))
             elif self._pipe is not None and source == self._pipe.fileno():
                 self._hear()
         if self._plugged:
@@ -94,8 +99,8 @@ class Guardian:
         self._do(guard.tick(now()))
 
     def _wait(self) -> list[int]:
-        """What there is to be read, besides the port."""
-        sources = [self._told_to_end]
+        """Return what there is to be read, besides the port."""
+        sources = [self._signalled]
         if self._pipe is not None:
             sources.append(self._pipe.fileno())
         wait_s = max(0.0, self._guard.due_s - self._port.now())
@@ -110,6 +115,14 @@ class Guardian:
         if writable:
             self._push()
         return readable
+
+    def _heed(self, numbers: bytes) -> None:
+        """Obey signals."""
+        alone = self._guard.alone
+        if alone:  # an operator or a new run wants the port
+            self._finish = Finish(stopped=False)
+        elif signal.SIGTERM in numbers:
+            self._orphan()
 
     def _hear(self) -> None:
         assert self._pipe is not None  # it has just been readable
@@ -126,22 +139,28 @@ class Guardian:
             self._orphan()
 
     def _orphan(self) -> None:
-        if self._pipe is not None:
-            self._pipe.close()
-            self._pipe = None
-            self._waiting.clear()
-            self._do(self._guard.bereave(self._port.now()))
+        """There is no runner any more."""
+        if self._pipe is None:
+            return
+        self._pipe.close()
+        self._pipe = None
+        self._waiting.clear()
+        self._do(self._guard.bereave(self._port.now()))
+        if self._finish is None:
+            left = LeftBehind.of(self._port.name, self._md5, self._guard.payload)
+            self._registration = Registration(left)
 
     def _do(self, actions: list[Action]) -> None:
         for action in actions:
-            if isinstance(action, ToPort):
-                self._write(action.data)
-            elif isinstance(action, ToRunner):
-                self._say(action.note)
-            elif isinstance(action, Reopen):
-                self._open()
-            elif isinstance(action, Finish):
-                self._done = True
+            match action:
+                case ToPort(data):
+                    self._write(data)
+                case ToRunner(note):
+                    self._say(note)
+                case Reopen():
+                    self._open()
+                case Finish():
+                    self._finish = action
 
     def _write(self, data: bytes) -> None:
         if self._plugged:
@@ -151,7 +170,7 @@ class Guardian:
                 self._lose(error)
 
     def _say(self, note: Note) -> None:
-        """The runner is told as soon as it listens; of the port's bytes it is kept only so many."""
+        """Tell the runner as soon as it listens; of the port's bytes only so many are kept."""
         if self._pipe is None or (note.kind == Kind.DATA and len(self._waiting) > _MOST_WAITING):
             return
         self._waiting += note.to_bytes()
@@ -165,34 +184,37 @@ class Guardian:
         except BlockingIOError:
             return  # it stands still
         except OSError:
-            self._orphan()
+            self._waiting.clear()  # it has gone; what it said before is still to be read
 
     def _open(self) -> None:
+        guard, now = self._guard, self._port.now
+        self._port.let_go()
         try:
-            self._port.close()
             self._port.open()
-            self._plugged = True
-            self._say(Note(Kind.OPENED))
         except BackendError as error:
-            self._say(Note(Kind.REFUSED, str(error).encode()))
+            self._do(guard.refused(str(error), now()))
+        else:
+            self._plugged = True
+            self._do(guard.opened(now()))
 
     def _lose(self, error: PortLostError) -> None:
         self._plugged = False
-        self._say(Note(Kind.LOST, str(error).encode()))
-        if self._pipe is None:
-            self._done = True
+        self._do(self._guard.lost(str(error), self._port.now()))
 
 
-def main(arguments: list[str]) -> None:
-    """The port has been guarded until nobody needed it any more.
+def main(arguments: list[str]) -> int:
+    """Guard a port; return the exit code.
 
     Args:
-        arguments: Descriptor of the pipe, port, baud, seconds within which the runner is heard.
+        arguments: Descriptor of the pipe, port, baud, instructions.
     """
-    descriptor, url, baud, silence_s = arguments
+    descriptor, url, baud, text = arguments
+    instructions = Instructions.from_json(text)
     pipe = socket.socket(fileno=int(descriptor))
-    Guardian(SerialPort(url, int(baud)), pipe, Guard(float(silence_s))).serve()
+    port = SerialPort(url, int(baud))
+    guard = Guard(instructions, port.epoch_s)
+    return Guardian(port, pipe, guard, instructions.array_md5).serve()
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    sys.exit(main(sys.argv[1:]))

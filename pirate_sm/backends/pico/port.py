@@ -73,6 +73,15 @@ class Port(Protocol):
         """Whether a guard has acted in our place since this was last asked."""
         ...
 
-    def close(self) -> None:
-        """Everything written has gone out and the port is free; never raises."""
+    def remark(self) -> str:
+        """Return what a person must know about who has had or keeps the port, once; else empty."""
+        ...
+
+    def close(self, stopped: bool = False) -> None:
+        """Let the port go once everything written has gone out; never raises.
+
+        Args:
+            stopped: Whether the robot is known to be stopped, or was never set in motion. Else
+                whoever guards the port keeps it until the robot has confirmed the safe array.
+        """
         ...

@@ -66,7 +66,7 @@ class SerialPort:
 
     def reopen(self) -> bool:
         """Whether the port is ours again."""
-        self._let_go()
+        self.let_go()
         with suppress(BackendError):
             self.open()
         return self._port is not None
@@ -78,7 +78,7 @@ class SerialPort:
         try:
             self._port.write(data)
         except (serial.SerialException, OSError) as error:
-            self._let_go()  # a device that is plugged in again gets its old name only then
+            self.let_go()  # a device that is plugged in again gets its old name only then
             raise PortLostError(f"{self.name} takes nothing any more: {error}") from None
 
     def read(self, until_s: float) -> bytes:
@@ -90,7 +90,7 @@ class SerialPort:
             return bytes(self._port.read(_MOST_BYTES))
         except (serial.SerialException, OSError, TypeError):
             # pyserial raises a TypeError when its descriptor is taken away meanwhile.
-            self._let_go()
+            self.let_go()
             raise PortLostError(f"{self.name} has gone") from None
 
     @property
@@ -121,14 +121,19 @@ class SerialPort:
         """Never: nobody guards this one."""
         return False
 
-    def close(self) -> None:
+    def remark(self) -> str:
+        """Return nothing: nobody guards this one."""
+        return ""
+
+    def close(self, stopped: bool = False) -> None:
         """Everything written has gone out and the port is free."""
         if self._port is not None:
             with suppress(Exception):  # the port may have gone
                 self._port.flush()
-        self._let_go()
+        self.let_go()
 
-    def _let_go(self) -> None:
+    def let_go(self) -> None:
+        """Close the port without waiting for what was written."""
         if self._port is not None:
             with suppress(Exception):
                 self._port.close()

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from math import inf
 from typing import Protocol
 
-from pirate_sm.backends.pico.guarding import Action, Guard, Kind, Note, ToPort, ToRunner
+from pirate_sm.backends.pico.conversation import Wanted
+from pirate_sm.backends.pico.guard_notes import Instructions, Kind, Note
+from pirate_sm.backends.pico.guarding import Action, Guard, Reopen, ToPort, ToRunner
 from pirate_sm.backends.pico.port import PortLostError
 
 _EPOCH_S = 1.7e9
@@ -43,6 +46,7 @@ class VirtualPort:
     Args:
         device: What is at the other end.
         silence_s: The guardian's patience with the runner; infinite: there is none.
+        wanted: The robot's topics, for which the guardian asks after the cable was out.
 
     Attributes:
         device: As given.
@@ -53,12 +57,15 @@ class VirtualPort:
     name = "virtual"
     epoch_s = _EPOCH_S
 
-    def __init__(self, device: Device, silence_s: float = inf) -> None:
+    def __init__(
+        self, device: Device, silence_s: float = inf, wanted: Sequence[Wanted] = ()
+    ) -> None:
         self.device = device
-        self._guard = Guard(silence_s)
+        self._guard = Guard(Instructions(silence_s, tuple(wanted)), _EPOCH_S)
         self._now_s = 0.0
         self._data: deque[bytes] = deque()
         self._overruled = False
+        self._connected = False
         self.written: list[tuple[float, bytes]] = []
         self.plugged = True
 
@@ -68,11 +75,12 @@ class VirtualPort:
 
     def open(self) -> None:
         """It is ours."""
-        self.device.open(self._now_s)
+        self._do([Reopen()])
 
     def reopen(self) -> bool:
         """Whether the cable is in again."""
-        if self.plugged:
+        self._notice_cable()
+        if self.plugged and not self._connected:
             self.open()
         return self.plugged
 
@@ -103,17 +111,32 @@ class VirtualPort:
             self._do(self._guard.hear(Note(Kind.HEED), self._now_s))
         return overruled
 
-    def close(self) -> None:
-        """What was written has arrived."""
+    def remark(self) -> str:
+        """Return nothing: nobody else has had this one."""
+        return ""
+
+    def close(self, stopped: bool = False) -> None:
+        """What was written has arrived; a guardian that stays acts while :meth:`wait` goes on."""
+        if not stopped:
+            self._do(self._guard.bereave(self._now_s))
         self.wait(self._now_s + 0.1)
-        self.device.close(self._now_s)
+        if stopped or self._guard.confirmed or not self._guard.payload:
+            self.device.close(self._now_s)
 
     def die(self, until_s: float) -> None:
         """The runner has been killed; the guardian has had until then to act."""
         self._do(self._guard.bereave(self._now_s))
         self.wait(until_s)
 
+    def _notice_cable(self) -> None:
+        """Tell the guardian that the cable was pulled."""
+        self.now()  # a cable may be pulled at a certain time
+        if self._connected and not self.plugged:
+            self._connected = False
+            self._do(self._guard.lost("the cable is out", self._now_s))
+
     def _need_cable(self) -> None:
+        self._notice_cable()
         if not self.plugged:
             raise PortLostError("the cable is out")
 
@@ -124,6 +147,7 @@ class VirtualPort:
         while not (stop_at_data and self._data):
             due_s = min(self.device.due_s, self._guard.due_s)
             self._now_s = min(max(due_s, self._now_s), until_s)
+            self._notice_cable()
             data = self.device.advance(self._now_s)
             if data and self.plugged:
                 self._do(self._guard.receive(data, self._now_s))
@@ -139,4 +163,8 @@ class VirtualPort:
             elif isinstance(action, ToRunner) and action.note.kind == Kind.DATA:
                 self._data.append(action.note.body)
             elif isinstance(action, ToRunner):
-                self._overruled = True
+                self._overruled |= action.note.kind == Kind.OVERRULED
+            elif isinstance(action, Reopen) and self.plugged:
+                self.device.open(self._now_s)
+                self._connected = True
+                self._do(self._guard.opened(self._now_s))

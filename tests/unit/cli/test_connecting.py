@@ -12,6 +12,7 @@ import pytest
 from jsonschema import Draft202012Validator
 from typer.testing import Result
 
+from pirate_sm.backends.pico.backend import SerialBackend
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.terminal import Terminal, serve
 from pirate_sm.bay.texts import message_texts
@@ -96,6 +97,21 @@ def test_a_robot_is_looked_at_moved_calibrated_and_run_over_a_real_port(
     schema = json.loads((ROOT / "docs" / "schemas" / "output.schema.json").read_text("utf-8"))
     for line in lines:
         Draft202012Validator(schema).validate(line)
+
+
+def test_a_run_that_leaves_a_guardian_behind_says_what_to_do(
+    pirate_run: Call, port: str, robot: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parting = "cut the robot's power: it has not confirmed that it stopped"
+    monkeypatch.setattr(SerialBackend, "parting", lambda backend: parting)
+    mission = robot.parent / "light.yaml"
+    mission.write_text(LIGHT, "utf-8")
+    ran = pirate_run(
+        *(mission, "--robot", robot, "--backend", "serial", "--port", port, "--yes", "--quiet"),
+        *("--detector", "odometry", "--no-record", "--guard-for", "30 min"),
+    )
+
+    assert ran.stderr.splitlines()[-1] == parting
 
 
 def test_a_port_that_is_not_there_is_exit_code_3(pirate: Call) -> None:

@@ -34,6 +34,8 @@ def refused(result: Any) -> str:
         (("--speed", "0"), "expected max, realtime, or a factor"),
         (("--speed", "-2"), "expected max, realtime, or a factor"),
         (("--speed", "nan"), "expected max, realtime, or a factor"),
+        (("--guard-for", "10"), "expected a duration"),
+        (("--guard-for", "0 s"), "expected a duration above zero"),
         (("--speed", "inf"), "expected max, realtime, or a factor"),
         (("--seed", "one"), "--seed"),
         (("--seed", "-1"), "--seed"),

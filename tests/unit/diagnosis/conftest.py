@@ -73,7 +73,10 @@ class BayPort:
     def overruled(self) -> bool:
         return False
 
-    def close(self) -> None:
+    def remark(self) -> str:
+        return ""
+
+    def close(self, stopped: bool = False) -> None:
         self.is_open = False
         if self.bay is not None:
             self.now_s += 0.1  # what was written goes out

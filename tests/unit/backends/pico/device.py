@@ -154,7 +154,7 @@ class VirtualPort:
         self.written: list[tuple[float, bytes]] = []
         self.plugged = True
         self.opened = 0
-        self.closed = False
+        self.closed = self.stopped = False
         self.safe_frame = b""
         self.noise = b""
         self.refuses: str = ""
@@ -198,8 +198,11 @@ class VirtualPort:
     def overruled(self) -> bool:
         return False
 
-    def close(self) -> None:
-        self.closed = True
+    def remark(self) -> str:
+        return ""
+
+    def close(self, stopped: bool = False) -> None:
+        self.closed, self.stopped = True, stopped
         self.wait(self.time_s + 0.1)
 
     def post(self, whom: str, data: bytes) -> None:

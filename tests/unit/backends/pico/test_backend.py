@@ -582,6 +582,24 @@ def test_the_way_out_waits_for_a_controller_that_starts_again_and_has_it_confirm
     assert device.received[-1][1] == 11
 
 
+@pytest.mark.parametrize("obeys", [True, False])
+def test_only_a_confirmed_stop_dismisses_the_guardian_and_ends_the_conversation(
+    backend: SerialBackend, device: Device, port: VirtualPort, obeys: bool
+) -> None:
+    backend.open()
+    driving = [*STILL]
+    driving[backend.plan.wheels[0]] = 0.5
+    backend.submit(1, tuple(driving))
+    run(backend, 0.5)
+    assert not backend.exchange.stopped.confirmed
+    device.hung_until_s = 0.0 if obeys else 1e9
+    backend.submit(2, STILL)
+    backend.close()
+
+    assert port.stopped is obeys
+    assert (port.written[-1][1] == encode(11)) is obeys
+
+
 def test_the_way_out_does_not_wait_for_ever(
     backend: SerialBackend, device: Device, port: VirtualPort, plan: Plan
 ) -> None:

@@ -15,6 +15,7 @@ import pytest
 
 from pirate_sm.backends.pico.assembly import read_plan
 from pirate_sm.backends.pico.backend import SerialBackend
+from pirate_sm.backends.pico.plan import Plan
 from pirate_sm.backends.pico.virtual_port import VirtualPort
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
@@ -98,8 +99,8 @@ class Watching:
 class ActingPort(VirtualPort):
     """A port whose cable is pulled and put in again at given times."""
 
-    def __init__(self, bay: VirtualBay, silence_s: float, pulled: tuple[float, float]) -> None:
-        super().__init__(bay, silence_s)
+    def __init__(self, bay: VirtualBay, plan: Plan, pulled: tuple[float, float]) -> None:
+        super().__init__(bay, plan.serial.heartbeat_within, plan.wanted)
         self._pulled = pulled
 
     def now(self) -> float:
@@ -145,7 +146,7 @@ def go(tmp_path: Path) -> Go:
         plan = read_plan(robot.folder, robot.profile, loaded.robot)
         if not refreshed:  # a refresh ends what moves by itself before it is a fault
             plan = without_refresh(plan)
-        port = ActingPort(bay, plan.serial.heartbeat_within, pulled)
+        port = ActingPort(bay, plan, pulled)
         watching = Watching(breaks)
         engine = Engine(loaded.robot, loaded.program, nominal=False)
         backend = SerialBackend(plan, port)
@@ -258,6 +259,18 @@ def test_a_robot_that_stays_unplugged_is_a_lost_link(go: Go) -> None:
         "link.lost: the link to the robot is lost: the cable is out, and was not back 8.0 s later "
         "(the safe setpoints were not confirmed)"
     )
+
+
+def test_a_cable_out_for_longer_than_the_runner_waits_leaves_no_wheel_driven_once_it_is_back(
+    go: Go,
+) -> None:
+    """The runner gave up and dismissed the guardian; the cable came back to a robot that drove."""
+    course = go(pulled=(11.0, 60.0), handled="link.interrupted", far="2 m")
+    assert course.message.startswith("link.lost: ")
+    assert not course.is_safe
+    course.port.wait(64.0)
+
+    assert course.is_safe
 
 
 def test_no_echo_within_its_budget(go: Go) -> None:

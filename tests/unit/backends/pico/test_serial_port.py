@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-import pty
 import socket
 from collections.abc import Iterator
 from contextlib import closing
@@ -17,14 +16,14 @@ import serial
 from pirate_sm.backends.pico.serial_port import SerialPort
 from pirate_sm.errors import BackendError
 
+from .bench import Bench
+
 
 @pytest.fixture
-def terminal() -> Iterator[str]:
-    """The name of a pseudo-terminal."""
-    ours, theirs = pty.openpty()
-    yield os.ttyname(theirs)
-    os.close(ours)
-    os.close(theirs)
+def terminal(tmp_path: Path) -> Iterator[str]:
+    """The name of a port with a device that talks."""
+    with Bench(tmp_path / "tty") as bench:
+        yield bench.name
 
 
 def refusal(name: str) -> str:
