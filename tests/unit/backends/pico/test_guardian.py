@@ -366,6 +366,40 @@ def test_a_new_run_does_not_begin_while_the_robot_of_the_old_one_confirms_nothin
     assert _gone(int(_await_file().stem.partition("-")[2]))
 
 
+def test_a_new_run_that_finds_no_port_leaves_a_guardian_as_the_old_one_did(
+    bench: Bench, runner: subprocess.Popen[str]
+) -> None:
+    """A second attempt while the cable is out must not take the last one away who can stop it."""
+    guardian = _driven(bench, runner)
+    bench.unplug()
+    runner.kill()
+    runner.wait()
+    _await_file()
+    with pytest.raises(BackendError, match=r"there is no port .*; cut the robot's power"):
+        GuardedPort(bench.name, 57600, INSTRUCTIONS).open()
+
+    assert _gone(guardian)
+    bench.plug()
+    bench.hear(b"safe")
+
+
+def test_a_run_for_another_robot_does_not_get_the_port(
+    bench: Bench, runner: subprocess.Popen[str]
+) -> None:
+    guardian = _driven(bench, runner)
+    bench.echoes = False
+    runner.kill()
+    runner.wait()
+    _await_file()
+    others = INSTRUCTIONS._replace(wanted=tuple(each._replace(md5="other") for each in WANTED))
+    with pytest.raises(BackendError, match="in use by another program"):
+        GuardedPort(bench.name, 57600, others).open()
+
+    assert not _gone(guardian, 0.0)
+    bench.echoes = True
+    assert _gone(guardian)
+
+
 def test_a_guardian_that_is_alone_ends_when_an_operator_wants_it_to(
     bench: Bench, runner: subprocess.Popen[str]
 ) -> None:
