@@ -23,7 +23,7 @@ from .bench import FIRST_SUBSCRIBER, PATIENCE_S, WANTED, Bench
 
 SAFE = encode(FIRST_SUBSCRIBER, b"safe")
 DRIVE = encode(FIRST_SUBSCRIBER, b"drive")
-INSTRUCTIONS = Instructions(0.3, WANTED, boot_s=0.2)
+INSTRUCTIONS = Instructions(0.3, WANTED, boot_s=0.2, stay_s=60.0)
 PATIENT = INSTRUCTIONS._replace(silence_s=5.0)
 
 RUNNER = """
@@ -303,7 +303,7 @@ def test_a_runner_that_gives_up_leaves_the_guardian_and_says_so(bench: Bench) ->
     assert guardian is not None
     assert port.remark() == (
         "cut the robot's power: it has not confirmed that it stopped. A guardian of the port "
-        f"(process {guardian}) goes on trying for 10 min, and gives the port to a new run; "
+        f"(process {guardian}) goes on trying for 1 min, and gives the port to a new run; "
         f"`kill {guardian}` ends it"
     )
     assert port.remark() == ""
@@ -379,8 +379,10 @@ def test_a_new_run_that_finds_no_port_leaves_a_guardian_as_the_old_one_did(
         GuardedPort(bench.name, 57600, INSTRUCTIONS).open()
 
     assert _gone(guardian)
+    successor = int(_await_file().stem.partition("-")[2])
     bench.plug()
     bench.hear(b"safe")
+    assert _gone(successor)
 
 
 def test_a_run_for_another_robot_does_not_get_the_port(
