@@ -426,3 +426,6 @@ def test_whoever_reads_the_output_of_a_run_does_not_wait_for_its_guardian(
     ours = {str(each.readlink()) for each in Path(f"/proc/{runner.pid}/fd").iterdir()}
     theirs = {str(each.readlink()) for each in Path(f"/proc/{guardian}/fd").iterdir()}
     assert not {each for each in ours & theirs if each.startswith("pipe:")}
+    runner.kill()
+    runner.wait()
+    assert _gone(guardian)
