@@ -143,7 +143,7 @@ class SerialBackend:
         if self._open:
             with suppress(BackendError):
                 self._flush()
-            self.confirmed = self.exchange.settled
+            self.confirmed = self.exchange.settled and stopped.confirmed
             # To a rosserial device only, and to none that is still to confirm something.
             if self.exchange.conversation.frames and stopped.confirmed:
                 with suppress(BackendError):

@@ -88,18 +88,17 @@ class GuardedPort:
         left = self._start()
         if not self._await(lambda: self._opened or bool(self._refused), _STARTS_WITHIN_S):
             self._refused = "the guardian of the serial port does not answer"
-        if self._refused:
-            self._leave(dismissed=True)
-            raise BackendError(self._refused)
-        if left is not None:
-            self._await_stop(left)
+        refused = self._refused
+        if not refused and left is not None:
+            refused = self._await_stop()
+        if refused:
+            going_on = self._leave(dismissed=left is None)
+            raise BackendError("; ".join(filter(None, (refused, going_on))))
 
     def _start(self) -> LeftBehind | None:
         """Start a guardian; return the one that had been left on the port, if it must go on."""
         self._forget()
-        left = take_over(self.name)
-        if left is not None and left.md5 != self._instructions.array_md5:
-            left = None  # its array is none for this robot
+        left = take_over(self.name, self._instructions.array_md5)
         ours, theirs = socket.socketpair()
         if self._safe_frame:
             ours.sendall(Note(Kind.BEAT, self._safe_frame).to_bytes())  # should we die at once
@@ -145,14 +144,15 @@ class GuardedPort:
                 raise BackendError("the guardian of the serial port could not be started") from None
         return true()
 
-    def _await_stop(self, left: LeftBehind) -> None:
+    def _await_stop(self) -> str:
+        """Wait until the robot has confirmed its stop; return what is wrong if it does not."""
         within_s = self._instructions.boot_s + _STOPS_WITHIN_S
         what = f"an earlier run has left the robot on {self.name} without a confirmed stop"
         if not self._await(lambda: self._stopped, within_s):
-            going_on = self._leave() or f"the guardian of the port (process {left.pid}) has ended"
-            raise BackendError(f"{what}, and it confirms none now; {going_on}")
+            return f"{what}, and it confirms none now"
         self._say(Note(Kind.HEED))
         self._remark = f"{what}: it is stopped now, as it has confirmed"
+        return ""
 
     def reopen(self) -> bool:
         """Return whether the guardian has the port again; without a guardian start another."""

@@ -92,7 +92,7 @@ class Guard:
         self._give_up_s = inf
         self._decoder = Decoder()
         self._conversation = self._meet(0.0)
-        self._beat = b""
+        self._beat: bytes | None = None
         self.payload = b""
         self.acting = False
         self.alone = False
@@ -125,7 +125,7 @@ class Guard:
             case Kind.HEED:
                 self.acting = False
             case Kind.STOP:
-                self._beat, self.payload = b"", note.body
+                self._beat, self.payload = None, note.body
                 self._take_over(now)
             case Kind.BEAT:
                 if not self.acting and note.body != self._beat:

@@ -78,14 +78,19 @@ class Registration:
             os.close(self._descriptor)
 
 
-def take_over(url: str) -> LeftBehind | None:
+def take_over(url: str, md5: str) -> LeftBehind | None:
     """Make the guardian that was left on this port give it up; None where there is none.
 
-    A guardian that does not answer is killed.
+    A guardian that does not answer is killed. One whose arrays have another definition is left
+    alone: whoever asks could not go on with what it does.
+
+    Args:
+        url: The port.
+        md5: Of the definition of an array of setpoints.
     """
     for path in sorted(_folder().glob(_PATTERN)):
         left = _read(path)
-        if left is None or not left.holds(url):
+        if left is None or left.md5 != md5 or not left.holds(url):
             continue
         lives = _ask(path, left.pid)
         with suppress(OSError):

@@ -23,7 +23,7 @@ from .bench import FIRST_SUBSCRIBER, PATIENCE_S, WANTED, Bench
 
 SAFE = encode(FIRST_SUBSCRIBER, b"safe")
 DRIVE = encode(FIRST_SUBSCRIBER, b"drive")
-INSTRUCTIONS = Instructions(0.3, WANTED, boot_s=0.2)
+INSTRUCTIONS = Instructions(0.3, WANTED, boot_s=0.2, stay_s=60.0)
 PATIENT = INSTRUCTIONS._replace(silence_s=5.0)
 
 RUNNER = """
@@ -303,7 +303,7 @@ def test_a_runner_that_gives_up_leaves_the_guardian_and_says_so(bench: Bench) ->
     assert guardian is not None
     assert port.remark() == (
         "cut the robot's power: it has not confirmed that it stopped. A guardian of the port "
-        f"(process {guardian}) goes on trying for 10 min, and gives the port to a new run; "
+        f"(process {guardian}) goes on trying for 1 min, and gives the port to a new run; "
         f"`kill {guardian}` ends it"
     )
     assert port.remark() == ""
@@ -366,6 +366,42 @@ def test_a_new_run_does_not_begin_while_the_robot_of_the_old_one_confirms_nothin
     assert _gone(int(_await_file().stem.partition("-")[2]))
 
 
+def test_a_new_run_that_finds_no_port_leaves_a_guardian_as_the_old_one_did(
+    bench: Bench, runner: subprocess.Popen[str]
+) -> None:
+    """A second attempt while the cable is out must not take the last one away who can stop it."""
+    guardian = _driven(bench, runner)
+    bench.unplug()
+    runner.kill()
+    runner.wait()
+    _await_file()
+    with pytest.raises(BackendError, match=r"there is no port .*; cut the robot's power"):
+        GuardedPort(bench.name, 57600, INSTRUCTIONS).open()
+
+    assert _gone(guardian)
+    successor = int(_await_file().stem.partition("-")[2])
+    bench.plug()
+    bench.hear(b"safe")
+    assert _gone(successor)
+
+
+def test_a_run_for_another_robot_does_not_get_the_port(
+    bench: Bench, runner: subprocess.Popen[str]
+) -> None:
+    guardian = _driven(bench, runner)
+    bench.echoes = False
+    runner.kill()
+    runner.wait()
+    _await_file()
+    others = INSTRUCTIONS._replace(wanted=tuple(each._replace(md5="other") for each in WANTED))
+    with pytest.raises(BackendError, match="in use by another program"):
+        GuardedPort(bench.name, 57600, others).open()
+
+    assert not _gone(guardian, 0.0)
+    bench.echoes = True
+    assert _gone(guardian)
+
+
 def test_a_guardian_that_is_alone_ends_when_an_operator_wants_it_to(
     bench: Bench, runner: subprocess.Popen[str]
 ) -> None:
@@ -390,3 +426,6 @@ def test_whoever_reads_the_output_of_a_run_does_not_wait_for_its_guardian(
     ours = {str(each.readlink()) for each in Path(f"/proc/{runner.pid}/fd").iterdir()}
     theirs = {str(each.readlink()) for each in Path(f"/proc/{guardian}/fd").iterdir()}
     assert not {each for each in ours & theirs if each.startswith("pipe:")}
+    runner.kill()
+    runner.wait()
+    assert _gone(guardian)
