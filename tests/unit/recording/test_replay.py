@@ -96,7 +96,12 @@ def changed(tmp_path, file, old, new):
     [
         ("sequences/mitre_bend.yaml", "when: detector == in", "when: detector == past", "prepare"),
         ("sequences/mitre_bend.yaml", "      - DriveForward\n", "", "enter"),
-        ("hardware_profiles/pirate_ii/profile.yaml", "torque: 500 mNm", "torque: 900 mNm", "enter"),
+        (
+            "hardware_profiles/pirate_ii/profile.yaml",
+            "loaded: [gamma_1, gamma_2], torque: 500 mNm",
+            "loaded: [gamma_1, gamma_2], torque: 900 mNm",
+            "enter",
+        ),
     ],
 )
 def test_a_change_shows_the_first_difference(bend, tmp_path, file, old, new, phase):
