@@ -38,7 +38,8 @@ class Driver:
         effects: Everything so far, in order.
         signals: What the sensors would show, SI, by the signal's name.
         doubting: Whether sensors must show what is possible. Where a test makes joints jump and
-            motors draw no current they need not, and boards report as often as it likes.
+            motors draw no current they need not, boards report as often as it likes, and no
+            gap between reports counts as loss.
     """
 
     def __init__(
@@ -51,12 +52,17 @@ class Driver:
             }
             robot = replace(robot, boards=boards, link=replace(robot.link, period_s=1e-9))
         self.robot = robot
+        self.doubting = doubting
         self.engine = Engine(robot, program, nominal=nominal)
         self.now = 0.0
         upright = {"acc_z": 9.81} if "acc_z" in robot.vocabulary.numbers else {}
         self.signals: dict[str, float] = dict(upright)
         self.state, effects = self.engine.start(0.0)
         self.effects: list[fx.Effect] = list(effects)
+        names, values = robot.vocabulary.numbers, self.state.robot.values
+        for slot, value in zip(robot.slots, values, strict=True):
+            if slot.torque >= 0 and value:  # what holds from the start bears a torque
+                self.signals[names[slot.torque]] = value
 
     # --- what happens ---
 
@@ -66,6 +72,9 @@ class Driver:
             assert at >= self.now, "time never goes back"
             self.now = at
         self.state, effects = self.engine.step(self.state, event, self.now)
+        if not self.doubting and self.state.sensing.loss:
+            sensing = self.state.sensing._replace(loss=0.0)
+            self.state = self.state._replace(sensing=sensing)
         self.effects += effects
         return list(effects)
 
