@@ -222,8 +222,8 @@ def test_a_rule_for_each_number_is_told_once(tmp_path: Path) -> None:
 
 
 def test_a_long_condition_is_told_at_its_first_line(tmp_path: Path) -> None:
-    rest = "mm and BendingState in (FrontClampedRearRelaxed, DoubleClamped)"
-    swap = (f"diameter_front > 130 {rest}", f"diameter_front > 140 {rest}")
+    rest = "and BendingState in (FrontClampedRearRelaxed, DoubleClamped)"
+    swap = (f"abs(gamma_1) > $gamma_1_stop - 2 deg {rest}", f"diameter_front > 140 mm {rest}")
 
     found = told(check_robot(changed(PIRATE, tmp_path, "profile.yaml", swap)).findings)
 
