@@ -64,7 +64,8 @@ def test_a_mission_in_the_other_polarity_fits_a_pipe_to_the_other_side(
 @pytest.mark.parametrize("diameter", ["95 mm", "113 mm", "121 mm"])
 def test_missions_fit_other_pipes_of_their_kind(diameter: str, here: Path) -> None:
     for file in (here / "pipes").glob("*.yaml"):
-        put(file, {"diameter: 120 mm": f"diameter: {diameter}"})
+        if "diameter: 120 mm" in file.read_text("utf-8"):
+            put(file, {"diameter: 120 mm": f"diameter: {diameter}"})
 
     assert told("sequences") == []
 

@@ -40,7 +40,7 @@ def rehearsed(pirate: Any, *arguments: Any) -> list[dict[str, Any]]:
 def test_every_shipped_mission_succeeds_in_its_pipe(pirate: Any) -> None:
     found = rehearsed(pirate, ROOT / "sequences")
 
-    assert len(found) == 17
+    assert len(found) == 18
     for each in found:
         (run,) = each["runs"]
         assert (run["outcome"], each["skipped"]) == ("succeeded", "")
@@ -51,7 +51,7 @@ def test_the_closest_calls_of_the_bend(pirate: Any) -> None:
     (found,) = rehearsed(pirate, ROOT / "sequences" / "mitre_bend.yaml")
     texts = [each["text"] for each in found["nearly"]]
 
-    assert texts[0].startswith("clamp.lost: diameter_")
+    assert texts[0].startswith("clamp.lost: abs(gamma_")
     assert any("BendBack (" in text and "of the 10 s that it has" in text for text in texts)
     assert all(0.1 <= each["share"] < 1 for each in found["nearly"])
 

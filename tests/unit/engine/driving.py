@@ -56,7 +56,10 @@ class Driver:
         self.engine = Engine(robot, program, nominal=nominal)
         self.now = 0.0
         upright = {"acc_z": 9.81} if "acc_z" in robot.vocabulary.numbers else {}
-        self.signals: dict[str, float] = dict(upright)
+        # A part that holds alone while the other bends bears a torque, else it slides.
+        wound = {"bend_torque_1": -0.7, "bend_torque_4": 0.7}
+        gripping = {name: nm for name, nm in wound.items() if name in robot.vocabulary.numbers}
+        self.signals: dict[str, float] = upright | gripping
         self.state, effects = self.engine.start(0.0)
         self.effects: list[fx.Effect] = list(effects)
         names, values = robot.vocabulary.numbers, self.state.robot.values
