@@ -25,7 +25,7 @@ def recorded(folder: Path, name: str, *arguments: str) -> Path:
 
 RUNS = {
     "bend": ("mitre_bend",),
-    "dead": ("mitre_bend", "--defect", "wheels_3_4_dead"),
+    "dead": ("mitre_bend", "--defect", "wheels_3_4_dead", "--defect", "gamma_2_stiff"),
     "trace": ("mitre_bend", "--backend", "trace"),
     "patrol": (str(PATROL),),
 }

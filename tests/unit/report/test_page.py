@@ -110,7 +110,7 @@ def test_a_run_of_ten_minutes_stays_small(report: Callable[[str], Report]) -> No
         for chart in found.charts
     )  # fmt: skip
     assert found.scene is not None
-    poses = [found.scene.poses[number % 500] for number in range(6_000)]
+    poses = [found.scene.poses[number % len(found.scene.poses)] for number in range(6_000)]
     scene = replace(found.scene, times_s=[0.1 * n for n in range(6_000)], poses=poses)
 
     assert len(html(replace(found, charts=charts, scene=scene))) < 10e6
