@@ -1,11 +1,13 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from math import nan
 from pathlib import Path
 
 import pytest
 
 from pirate_sm.detectors.odometry import Odometry
+from pirate_sm.detectors.reckoning import Reckoned
 from pirate_sm.errors import UsageError
 from pirate_sm.model.events import DetectorWord
 from pirate_sm.runtime.companions import FirstChoice, Onlooker
@@ -95,3 +97,17 @@ def test_a_word_is_said_once_it_holds_and_again_while_it_does() -> None:
     gaps = [late - early for (early, a), (late, b) in pairwise(said) if a == b]
     assert min(gaps) == pytest.approx(0.5)
     assert {word.valid_for_s for _, word in said} == {1.0}
+
+
+def test_a_place_that_is_lost_is_told_once_and_no_word_is_said_any_more() -> None:
+    prepared = prepare(Order("mitre_bend", backend="trace"))
+    companion = odometry()
+    state, _ = prepared.engine.start()
+    nowhere = (nan,) * 6
+    companion.reckoned = Reckoned(nowhere, ((nan, nan),) * 6, 0.0, 0, {})
+    (warning,) = companion.look(state, 20.0)
+    assert warning.message.startswith("odometry has lost the robot's place while the hold changed")
+    assert "gamma_2" in warning.message
+    assert companion.look(state, 20.1) == ()
+    assert companion.speak(20.1) == ()
+    assert companion.truth() is None
