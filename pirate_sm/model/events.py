@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import inf
 from typing import Literal, NamedTuple, TypeAlias
 
-ALPHABET_VERSION = 3
+ALPHABET_VERSION = 4
 
 SubmitStatus: TypeAlias = Literal["accepted", "superseded", "rejected", "unknown"]
 
