@@ -4,8 +4,9 @@ from collections.abc import Callable
 from math import asin, cos, degrees, isnan, nan, pi, radians, sin
 
 import pytest
-from driving import NEWT, Driver
+from driving import NEWT, PIRATE, Driver
 
+from pirate_sm.loading.robot import load_robot
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 
@@ -107,7 +108,8 @@ def test_parts_that_show_different_diameters_show_none(holding: Callable[..., Dr
 
 
 def test_a_clamp_at_its_end_stop_has_no_wall(holding: Callable[..., Driver]) -> None:
-    driver = holding(FRONT_ONLY, gamma_1=radians(-149), gamma_2=0.0, **felt())
+    stop = load_robot(PIRATE).normal.body.parts[0].end_stop_rad
+    driver = holding(FRONT_ONLY, gamma_1=radians(1) - stop, gamma_2=0.0, **felt())
     assert last(driver).segment == "Out"
     assert driver.state.words[-1] == "Out"
     assert isnan(last(driver).diameter_m)
