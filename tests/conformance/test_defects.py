@@ -78,7 +78,7 @@ class Faults:
 def in_the_simulator(loaded: LoadedMission, defect: str, seed: int) -> Backend:
     assert loaded.pipe is not None
     profile = loaded.loaded_robot.profile
-    return SimulatorBackend(profile, loaded.pipe, seed=seed, defects=(defect,), detects=False)
+    return SimulatorBackend(profile, loaded.pipe, seed=seed, defects=(defect,))
 
 
 def behind_the_bay(loaded: LoadedMission, defect: str, seed: int) -> Backend:
