@@ -109,9 +109,9 @@ class TurningSpec(NamedTuple):
 
 
 class StoppedSpec(NamedTuple):
-    """No wheel that can be measured turns; ``speeds`` are number indexes."""
+    """No wheel that can be heard turns; ``parts`` has the number indexes of each part's speeds."""
 
-    speeds: tuple[int, ...]
+    parts: tuple[tuple[int, ...], ...]
     below: float
     for_s: float
 

@@ -156,7 +156,7 @@ def _criterion(  # noqa: C901 - one case per kind
         case criteria.Turning():
             return TurningSpec(tuple((w.slot, w.speed) for w in wheels), done.above)
         case criteria.Stopped():
-            return StoppedSpec(tuple(w.speed for w in wheels), done.below, done.for_s)
+            return StoppedSpec(_speeds_of_parts(profile, signals), done.below, done.for_s)
         case criteria.Aligned():
             pairs = [
                 _angle_slot(profile, name, signals, (*path, "slots", number), problems)
@@ -178,6 +178,15 @@ def _criterion(  # noqa: C901 - one case per kind
                     )
                     break  # the others are compared with the same limit
             return BelowSpec(numbers, done.limit.value, done.for_s)
+
+
+def _speeds_of_parts(profile: model.Profile, signals: Signals) -> tuple[tuple[int, ...], ...]:
+    """Number indexes of the wheels' speeds, part by part."""
+    wheels = profile.body.wheels
+    return tuple(
+        tuple(spec.speed for spec in signals.wheels if wheels[spec.place].part == part)
+        for part in dict.fromkeys(wheel.part for wheel in wheels)
+    )
 
 
 def _rate(name: str, signals: Signals, path: Path, problems: Problems) -> int:

@@ -401,3 +401,37 @@ def test_after_a_reset_nothing_is_known_and_counters_that_begin_at_zero_are_no_m
     assert driver.faults == [(code, "continue")]
     assert driver.engine.signals(driver.state)["odometry"] == pytest.approx(before_m)
     assert before_m > 0.1
+
+
+def without_board(driver, board: int, until: float) -> None:
+    """Every other board reports, ten times a second."""
+    others = [each for each in driver.robot.boards if each != board]
+    while driver.now < until - 1e-9:
+        driver.now += 0.1
+        for each in others:
+            driver.report(each)
+        if driver.wake_at <= driver.now:
+            driver.tick(driver.now)
+
+
+def test_a_board_that_is_silent_again_is_reported_again(drive):
+    handled = "on_fault: [{fault: sensor.silent, then: continue}]\n"
+    driver = drive(handled + IDLE, states=BOTH_CLAMPED)
+    driver.report_all(0.1)
+    without_board(driver, 22, 2.0)
+    assert driver.faults == [("sensor.silent", "continue")]
+
+    driver.report_all()
+    without_board(driver, 22, driver.now + 2.0)
+
+    assert driver.faults == [("sensor.silent", "continue")] * 2
+
+
+def test_a_fault_rule_still_sees_the_states_that_drive_no_wheel(drive):
+    driver = drive(IDLE, states=BOTH_CLAMPED)
+    driver.give(ev.Pause())
+    driver.signals |= {"gamma_1": math.radians(148), "acc_z": 9.81}
+
+    driver.run(3.0)
+
+    assert driver.faults == [("clamp.lost", "stop")], "the clamp is commanded during a pause too"
