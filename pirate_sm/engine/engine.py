@@ -17,7 +17,7 @@ from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline, s
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import RobotState
+from pirate_sm.engine.robot_state import Finished, RobotState
 from pirate_sm.engine.sensing import forget_stale, nothing_known, observe
 from pirate_sm.engine.state import EngineState, MissionState, Words
 from pirate_sm.engine.watching import watch
@@ -167,8 +167,7 @@ class Engine:
         flight = state.robot.flight
         robot, finished = machine.resolve(self.robot, state.robot, event, now, effects)
         state = self._moved(state, robot)
-        if finished is not None:
-            state = state._replace(mission=state.mission._replace(result=finished))
+        state = self._finished(state, finished)
         if flight is None or event.setpoint_id != flight.setpoint_id:
             return state
         limit = self.robot.link.resend_limit
@@ -262,8 +261,7 @@ class Engine:
         return watch(self._setting, before, state, now, effects)
 
     def _see_done(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
-        before = state.mission.before_pause
-        if state.robot.motion is None or (before and before.suspended):
+        if state.robot.motion is None or state.mission.suspended:
             return state
         return self._watch(state, now, effects)
 
@@ -287,9 +285,13 @@ class Engine:
         )
         if robot is not state.robot:
             state = self._moved(state, robot)
-        if finished is not None:
-            state = state._replace(mission=state.mission._replace(result=finished))
-        return state
+        return self._finished(state, finished)
+
+    def _finished(self, state: EngineState, finished: Finished | None) -> EngineState:
+        """The mission knows how its command ended; during a pause commands are the operator's."""
+        if finished is None or state.mission.paused:
+            return state
+        return state._replace(mission=state.mission._replace(result=finished))
 
     def _moved(self, state: EngineState, robot: RobotState) -> EngineState:
         """The words say the configuration that the robot has now."""
@@ -301,7 +303,8 @@ class Engine:
     def _obeyed_words(self, state: EngineState) -> Words:
         """What rules for faults see: wheels that a pause or a fault has stopped are not stuck."""
         robot = state.robot
-        if state.mission.before_pause is None and all(m.command >= 0 for m in robot.marks):
+        stopped = any(mark.command == robot_state.STOPPED for mark in robot.marks)
+        if state.mission.before_pause is None and not stopped:
             return state.words
         return (*robot_state.obeyed(self.robot, robot), *state.words[-2:])
 
@@ -342,9 +345,8 @@ class Engine:
         """Who drives the engine knows when time alone will change something."""
         if state.mission.ended:
             return state
-        pause = state.mission.before_pause
         body = state.robot
-        if pause is not None and pause.suspended:
+        if state.mission.suspended:
             body = body._replace(motion=None)  # its deadline is frozen
         wake = min(
             robot_state.next_deadline(self.robot, body, self.nominal),

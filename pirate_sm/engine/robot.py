@@ -138,13 +138,21 @@ CriterionSpec: TypeAlias = (
 
 @dataclass(frozen=True)
 class CommandSpec:
-    """A command beyond the chart."""
+    """A command beyond the chart.
+
+    Attributes:
+        asks_for: Condition on the states of the regions; where it holds, the command is unneeded.
+        asks_parts: Parts that are held wherever it holds; where there are any, their clamps decide
+            whether the command is unneeded.
+    """
 
     name: str
     done: CriterionSpec
     timeout_s: float
     nominal_s: float
     lets_go: bool
+    asks_for: Expression | None = None
+    asks_parts: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from pirate_sm.engine.done import Loop
 from pirate_sm.engine.program import HandlerSpec
-from pirate_sm.engine.robot_state import Finished, RobotState
+from pirate_sm.engine.robot_state import Finished, Mark, RobotState
 from pirate_sm.engine.sensing import Sensing
 from pirate_sm.model.effects import Outcome
 
@@ -28,12 +28,19 @@ class Ending(NamedTuple):
 
 
 class BeforePause(NamedTuple):
-    """What was in force when a pause began, to be asserted again."""
+    """What was in force when a pause began, to be asserted again.
+
+    Attributes:
+        values: Setpoints; NaN where nothing is to be asserted.
+        suspended: Whether a command was under way and goes on after the pause.
+        doubts: What is unconfirmed only because the pause has stopped the wheels.
+    """
 
     values: tuple[float, ...]
     loops: tuple[Loop, ...]
     configuration: int
     suspended: bool
+    doubts: frozenset[Mark] = frozenset()
 
 
 class MissionState(NamedTuple):
@@ -84,6 +91,15 @@ class MissionState(NamedTuple):
     def clock(self, now: float) -> float:
         """Mission time: it stands still during a pause."""
         return (self.paused_s if self.paused else now) - self.offset_s
+
+    @property
+    def suspended(self) -> bool:
+        """Whether a command is under way that the pause has suspended."""
+        return self.before_pause is not None and self.before_pause.suspended
+
+    def motion_clock(self, now: float) -> float:
+        """Time as the command under way counts it: it stands still while that is suspended."""
+        return self.paused_s if self.suspended else now
 
     def at(self, pc: int) -> MissionState:
         """The mission before its instruction at ``pc``."""

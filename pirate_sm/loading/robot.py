@@ -175,7 +175,7 @@ def _resolve(
     signals: Signals = resolve_signals(profile, table, polarity, problems)
     slots = resolve_slots(profile, signals, problems)
     parts, held, part_regions = resolve_parts(profile, table, signals, problems)
-    commands, unneeded = resolve_commands(profile, table, signals, problems)
+    commands, unneeded = resolve_commands(profile, table, held, signals, problems)
     faults = resolve_faults(profile, signals, problems)
     zero = tuple(
         slots.index(name, ("safe_state", "zero", number))

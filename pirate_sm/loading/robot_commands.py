@@ -57,20 +57,31 @@ def resolve_parts(
 
 
 def resolve_commands(
-    profile: model.Profile, table: ChartTable, signals: Signals, problems: Problems
+    profile: model.Profile,
+    table: ChartTable,
+    held: tuple[frozenset[int], ...],
+    signals: Signals,
+    problems: Problems,
 ) -> tuple[tuple[CommandSpec, ...], tuple[tuple[bool, ...], ...]]:
     """Each command's criterion and limits; per configuration which commands are unneeded."""
-    specs, asks = [], []
+    specs: list[CommandSpec] = []
+    asks: list[Expression | None] = []
+    unneeded: list[list[bool]] = []
     for name in table.commands:
         command = profile.commands[name]
         path: Path = ("commands", name)
         asks.append(_on_states(command.asks_for, table, signals, (*path, "asks_for"), problems))
         done = _criterion(profile, command.done, signals, (*path, "done"), problems)
-        specs.append(CommandSpec(name, done, command.timeout, command.nominal, command.lets_go))
-    unneeded = tuple(
-        tuple(_is_true(condition, states) for condition in asks) for states in table.configurations
-    )
-    return tuple(specs), unneeded
+        met = [_is_true(asks[-1], states) for states in table.configurations]
+        parts = [parts for parts, is_met in zip(held, met, strict=True) if is_met]
+        every = frozenset.intersection(*parts) if parts else frozenset[int]()
+        unneeded.append(met)
+        specs.append(
+            CommandSpec(
+                name, done, command.timeout, command.nominal, command.lets_go, asks[-1], every
+            )
+        )
+    return tuple(specs), tuple(zip(*unneeded, strict=True))
 
 
 def resolve_faults(
