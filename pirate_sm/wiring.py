@@ -178,7 +178,8 @@ def again(prepared: Prepared, loaded: LoadedMission) -> Prepared:
     if order.backend == "serial" and order.calibration:
         loaded, _ = _calibrated(loaded)
     # The robot stays in the pipe that it is in, whatever the mission was written for.
-    loaded = replace(loaded, pipe=before.pipe, pipe_name=before.pipe_name)
+    program = replace(loaded.program, diameter_m=before.program.diameter_m)
+    loaded = replace(loaded, program=program, pipe=before.pipe, pipe_name=before.pipe_name)
     engine = Engine(loaded.robot, loaded.program, nominal=prepared.engine.nominal)
     return replace(prepared, order=order, loaded=loaded, engine=engine, notices=())
 
@@ -262,18 +263,14 @@ def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
     if order.firings or order.course:
         raise UsageError("triggers can be fired in a trace only: use --backend trace")
     from pirate_sm.backends.pico.assembly import read_plan, serial_backend
-    from pirate_sm.backends.pico.starting import check_of
     from pirate_sm.runtime.companions import Holder, Messenger
 
     notices: tuple[str, ...] = ()
     if order.calibration:
         loaded, notices = _calibrated(loaded)
     profile = loaded.loaded_robot.profile
-    diameter_m = loaded.pipe.diameter if loaded.pipe is not None else None
-    start = loaded.program.start_configuration
     plan = read_plan(loaded.loaded_robot.folder, profile, loaded.robot)
-    check = check_of(profile, loaded.robot, start, diameter_m)
-    backend = serial_backend(plan, order.port, order.baud, check)
+    backend = serial_backend(plan, order.port, order.baud)
     engine = Engine(loaded.robot, loaded.program, nominal=False)
     detector = _detecting(order, loaded, usual="odometry")
     holder, messenger = Holder(backend.hold), Messenger(backend.remark)

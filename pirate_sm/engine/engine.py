@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 from math import inf, isnan
 from typing import Any
 
-from pirate_sm.engine import machine, operating, pausing, robot_state, rules, scripted
+from pirate_sm.engine import machine, operating, pausing, robot_state, rules, scripted, seeing
 from pirate_sm.engine.diverting import divert, meet
 from pirate_sm.engine.faults import ANEW, Found, begin_anew, listen, look, no_faults, unsettle
-from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline, spoken
+from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline, refuse, spoken
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
@@ -65,11 +65,11 @@ class Engine:
             now_s: When.
             seen: What the boards have reported before, or a script has told; an angle that the
                 first array keeps must be reported by then, or it is taken to be 0.
-            body: What the robot has been commanded to by an earlier mission; None: it is at rest
-                in the configuration that the program begins in.
+            body: What the robot has been commanded to by an earlier mission; None: it is said to
+                be at rest in the configuration that the program begins in.
             paused: Whether the operator has the robot first.
         """
-        robot = body or robot_state.at_rest_in(self.robot, self.program.start_configuration)
+        robot = body or self._declared()
         sensing = nothing_known(self.robot, blind=self.nominal)
         sensing = sensing._replace(heard_s=(now_s,) * len(sensing.heard_s), checked_s=now_s)
         for frame in seen:
@@ -78,12 +78,20 @@ class Engine:
         words = (*robot_state.states_of(self.robot, robot), None, None)
         mission = MissionState(self.program.start, offset_s=now_s, pause_wanted=paused)
         following, _ = rules.follow(self.program, self.robot, rules.unseen(self.program), robot, 0)
-        state = EngineState(robot, sensing, mission, no_faults(self.robot), words, rules=following)
+        look = None if self.nominal else seeing.begin(self.robot, robot, now_s)
+        state = EngineState(
+            robot, sensing, mission, no_faults(self.robot), words, rules=following, look=look
+        )
         effects: list[Effect] = [robot_state.state_change(self.robot, robot)]
         for report in seen:
             if isinstance(report, events.SignalReport):
                 state = scripted.told(self, state, report, effects)
         return self._settle(state, state, now_s, effects)
+
+    def _declared(self) -> RobotState:
+        """The robot as the program says it is: on paper that is so, sensors must confirm it."""
+        declared = robot_state.at_rest_in if self.nominal else seeing.declared_in
+        return declared(self.robot, self.program.start_configuration)
 
     def step(
         self, state: EngineState, event: events.Event, now_s: float
@@ -132,7 +140,7 @@ class Engine:
         faults, found = look(self.robot, state.faults, board, sensing, words, now)
         state = EngineState(
             state.robot, sensing, state.mission, faults, state.words,
-            state.word_until_s, state.wake_at_s, state.rules,
+            state.word_until_s, state.wake_at_s, state.rules, state.look,
         )  # fmt: skip
         for fault in found:
             state = meet(self._setting, state, fault, now, effects)
@@ -235,6 +243,8 @@ class Engine:
         if state.mission.ending is not None:
             state = self._finish_ending(state, now, effects)
         elif not state.mission.ended:
+            if state.look is not None:
+                state = self._look(state, state.look, now, effects)
             state = self._see_done(state, now, effects)
             # Whether the next command would break a rule is asked of where the rules are now.
             state = judged = self._judge(before, state, now, effects)
@@ -248,10 +258,35 @@ class Engine:
             state.robot is not before.robot
             or state.mission is not before.mission
             or state.word_until_s != before.word_until_s
+            or state.look is not before.look
         )
         if changed or effects or due:
             state = self._set_wake(state, effects)
         return state, tuple(effects)
+
+    def _look(
+        self, state: EngineState, look: seeing.Look, now: float, effects: list[Effect]
+    ) -> EngineState:
+        """What is declared has been compared with the sensors; a contradiction ends the run."""
+        body, diameter_m = state.robot, self.program.diameter_m
+        seen = seeing.look(self.robot, look, body, state.sensing.numbers, diameter_m, now)
+        state = state._replace(look=seen.look)
+        if seen.confirmed:
+            told = robot_state.state_change(self.robot, body)
+            body = body._replace(marks=body.marks - seen.confirmed)
+            state = state._replace(robot=body)
+            change = robot_state.state_change(self.robot, body)
+            if change != told:
+                effects.append(change)
+        if seen.look is not None:
+            return state
+        if seen.contradictions:
+            return refuse(self._setting, state, seen, now, effects)
+        for part in seeing.parts_left_open(self.robot, body):
+            effects.append(
+                Log("warning", f"the sensors leave it open whether the {part} part holds")
+            )
+        return state
 
     def _judge(
         self, before: EngineState, state: EngineState, now: float, effects: list[Effect]
@@ -266,6 +301,8 @@ class Engine:
         return self._watch(state, now, effects)
 
     def _go_on(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
+        if state.look is not None:  # nothing is commanded before it is over
+            return pausing.begin_if_wanted(self.robot, state, now, effects)
         if state.mission.diverting is not None:
             state = divert(self._setting, state, now, effects)
         if state.mission.pause_wanted:
@@ -353,6 +390,8 @@ class Engine:
             next_deadline(self._setting, state),
             state.word_until_s,
         )
+        if state.look is not None:
+            wake = min(wake, state.look.due_s)
         if not self.nominal:
             wake = min(wake, state.sensing.checked_s + self._listen_every_s)
         if wake == state.wake_at_s or isnan(wake):

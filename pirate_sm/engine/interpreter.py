@@ -9,7 +9,7 @@ from collections.abc import Callable
 from math import inf, isnan, nan
 from typing import Any, NamedTuple
 
-from pirate_sm.engine import machine, robot_state, rules
+from pirate_sm.engine import machine, robot_state, rules, seeing
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import (
     STOP,
@@ -132,6 +132,28 @@ def end(
     robot = machine.stop(setting.robot, doubted, state.sensing, effects)
     ending = Ending(outcome, message, name, now + SAFE_STOP_LIMIT_S)
     return state._replace(robot=robot, mission=state.mission._replace(ending=ending))
+
+
+def refuse(
+    setting: Setting, state: EngineState, seen: seeing.Seen, now: float, effects: list[Effect]
+) -> EngineState:
+    """End the run because the sensors contradict what is declared.
+
+    Nothing has been sent. Only wheels that turn are stopped: the safe array would actuate clamps
+    that may not be there.
+    """
+    message = (
+        f"the sensors contradict what is declared: {'; '.join(seen.contradictions)}. "
+        "Say with --state REGION=STATE where the robot is"
+    )
+    effects.append(Fault(seeing.CODE, message, "stop"))
+    cause = f"{seeing.CODE}: {message}"
+    if not seen.turning:
+        withdraw(setting, state, effects)
+        effects.append(Ended("fault", cause, ""))
+        return state._replace(mission=state.mission._replace(ended=True))
+    robot = state.robot._replace(sent=True)
+    return end(setting, state._replace(robot=robot), "fault", cause, "", now, effects)
 
 
 def fail(

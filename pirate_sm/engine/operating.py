@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pirate_sm.engine import machine, pausing, robot_state
+from pirate_sm.engine import machine, pausing, robot_state, seeing
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import CommandStatus, Effect
@@ -24,6 +24,8 @@ def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
     """
     if state.mission.ended or state.mission.ending is not None:
         return "impossible: the mission is ending"
+    if state.look is not None:
+        return f"impossible: {seeing.LOOKING}"
     if state.robot.motion is not None and not state.mission.suspended:
         return "impossible: another command is under way"
     if state.robot.flight is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import nan
 from typing import TYPE_CHECKING
 
-from pirate_sm.engine import machine, robot_state
+from pirate_sm.engine import machine, robot_state, seeing
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import Finished, RobotState
@@ -119,6 +119,8 @@ def why_not_to(program: Program, state: EngineState, phase: str) -> str:
         return "the mission has no such phase"
     if not state.mission.paused:
         return "pause the mission first"
+    if state.look is not None:
+        return seeing.LOOKING
     if state.robot.flight is not None:
         return "setpoints are in flight"
     if state.robot.motion is not None and not state.mission.suspended:

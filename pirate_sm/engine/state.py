@@ -8,6 +8,7 @@ from typing import NamedTuple
 from pirate_sm.engine.done import Loop
 from pirate_sm.engine.program import HandlerSpec
 from pirate_sm.engine.robot_state import Finished, Mark, RobotState
+from pirate_sm.engine.seeing import Look
 from pirate_sm.engine.sensing import Sensing
 from pirate_sm.model.effects import Outcome
 
@@ -130,6 +131,7 @@ class EngineState(NamedTuple):
         words: State of each region, then the detector's word and the segment; None is unknown.
         word_until_s: Until when the detector's word is valid.
         wake_at_s: When time alone will change something.
+        look: While the sensors are compared with what is declared; nothing is commanded then.
         rules: Where each safety rule of the program is, see :mod:`pirate_sm.engine.rules`.
     """
 
@@ -141,3 +143,4 @@ class EngineState(NamedTuple):
     word_until_s: float = inf
     wake_at_s: float = inf
     rules: tuple[int, ...] = ()
+    look: Look | None = None

@@ -18,6 +18,7 @@ from pirate_sm.loading.robot_actuation import resolve_actuation
 from pirate_sm.loading.robot_body import check_body
 from pirate_sm.loading.robot_commands import resolve_commands, resolve_faults, resolve_parts
 from pirate_sm.loading.robot_rules import resolve_rules
+from pirate_sm.loading.robot_seen import resolve_sight
 from pirate_sm.loading.robot_signals import Signals, resolve_signals
 from pirate_sm.loading.robot_slots import resolve_slots
 from pirate_sm.loading.source import Document, read_document
@@ -181,13 +182,14 @@ def _resolve(
         slots.index(name, ("safe_state", "zero", number))
         for number, name in enumerate(profile.safe_state.zero)
     )
+    actuation = resolve_actuation(profile, table, slots, polarity, problems)
     return RobotSpec(
         name=profile.robot,
         polarity=polarity,
         table=table,
         vocabulary=signals.vocabulary,
         slots=slots.specs,
-        actuation=resolve_actuation(profile, table, slots, polarity, problems),
+        actuation=actuation,
         commands=commands,
         parts=parts,
         held=held,
@@ -201,4 +203,5 @@ def _resolve(
         faults=faults,
         link=signals.link,
         detector_words=tuple(profile.detector.words),
+        sight=resolve_sight(profile, table, slots.specs, actuation, signals, problems),
     )

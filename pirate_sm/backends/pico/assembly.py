@@ -8,7 +8,6 @@ from pirate_sm.backends.pico.backend import SerialBackend
 from pirate_sm.backends.pico.guarded_port import GuardedPort
 from pirate_sm.backends.pico.messages import read_messages
 from pirate_sm.backends.pico.plan import Plan, plan_of, serial_of
-from pirate_sm.backends.pico.starting import Check
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
@@ -30,9 +29,7 @@ def read_plan(folder: Path, profile: Profile, robot: RobotSpec) -> Plan:
     return plan_of(profile, robot, messages)
 
 
-def serial_backend(
-    plan: Plan, url: str, baud: int | None, check: Check = lambda frames: ""
-) -> SerialBackend:
+def serial_backend(plan: Plan, url: str, baud: int | None) -> SerialBackend:
     """The robot on this port, which a guardian will own.
 
     Raises:
@@ -47,4 +44,4 @@ def serial_backend(
         ) from None
     rate = baud or plan.serial.baud
     port = GuardedPort(url, rate, plan.serial.heartbeat_within)
-    return SerialBackend(plan, port, baud=rate, check=check)
+    return SerialBackend(plan, port, baud=rate)

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import states_of, unconfirmed
+from pirate_sm.engine.robot_state import at_rest_in, states_of, unconfirmed
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
@@ -38,13 +38,22 @@ class Driver:
         signals: What the sensors would show, SI, by the signal's name.
     """
 
-    def __init__(self, robot: RobotSpec, program: Program, *, nominal: bool = False) -> None:
+    def __init__(
+        self,
+        robot: RobotSpec,
+        program: Program,
+        *,
+        nominal: bool = False,
+        declared: bool = False,
+    ) -> None:
         self.robot = robot
         self.engine = Engine(robot, program, nominal=nominal)
         self.now = 0.0
         upright = {"acc_z": 9.81} if "acc_z" in robot.vocabulary.numbers else {}
         self.signals: dict[str, float] = dict(upright)
-        self.state, effects = self.engine.start(0.0)
+        # The robot is where it is said to be: what sensors say of that is tested in test_seeing.
+        body = None if declared else at_rest_in(robot, program.start_configuration)
+        self.state, effects = self.engine.start(0.0, body=body)
         self.effects: list[fx.Effect] = list(effects)
 
     # --- what happens ---
@@ -223,9 +232,12 @@ def changed_newt(folder: Path, *swaps: tuple[str, str]) -> Path:
     return robot
 
 
-def driver_of(path: Path, *, nominal: bool = False, **options: Any) -> Driver:
+def driver_of(
+    path: Path, *, nominal: bool = False, declared: bool = False, **options: Any
+) -> Driver:
+    """Start an engine on a mission; with `declared` nothing of where the robot is is confirmed."""
     loaded = load_mission(path, **options)
-    return Driver(loaded.robot, loaded.program, nominal=nominal)
+    return Driver(loaded.robot, loaded.program, nominal=nominal, declared=declared)
 
 
 IDLE = """\
