@@ -10,22 +10,31 @@ from collections.abc import Callable, Sequence
 from math import inf, isnan
 from typing import Any
 
-from pirate_sm.engine import machine, operating, pausing, robot_state, rules, scripted, seeing
+from pirate_sm.engine import (
+    looking,
+    machine,
+    operating,
+    pausing,
+    robot_state,
+    rules,
+    scripted,
+    seeing,
+)
 from pirate_sm.engine.diverting import divert, meet
+from pirate_sm.engine.ending import end, finish
 from pirate_sm.engine.faults import ANEW, Found, begin_anew, listen, look, no_faults, unsettle
-from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline, refuse, spoken
+from pirate_sm.engine.interpreter import advance, next_deadline, spoken
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import Finished, RobotState
 from pirate_sm.engine.sensing import forget_stale, nothing_known, observe
-from pirate_sm.engine.state import EngineState, MissionState, Words
+from pirate_sm.engine.state import EngineState, MissionState, Setting, Words
 from pirate_sm.engine.watching import watch
 from pirate_sm.model import events
 from pirate_sm.model.effects import (
     Detected,
     Effect,
-    Ended,
     Environment,
     Log,
     WakeAt,
@@ -241,10 +250,10 @@ class Engine:
             state = self._housekeep(state, now, effects)
         judged = before
         if state.mission.ending is not None:
-            state = self._finish_ending(state, now, effects)
+            state = finish(state, now, effects)
         elif not state.mission.ended:
             if state.look is not None:
-                state = self._look(state, state.look, now, effects)
+                state = looking.go_on(self._setting, state, state.look, now, effects)
             state = self._see_done(state, now, effects)
             # Whether the next command would break a rule is asked of where the rules are now.
             state = judged = self._judge(before, state, now, effects)
@@ -263,30 +272,6 @@ class Engine:
         if changed or effects or due:
             state = self._set_wake(state, effects)
         return state, tuple(effects)
-
-    def _look(
-        self, state: EngineState, look: seeing.Look, now: float, effects: list[Effect]
-    ) -> EngineState:
-        """What is declared has been compared with the sensors; a contradiction ends the run."""
-        body, diameter_m = state.robot, self.program.diameter_m
-        seen = seeing.look(self.robot, look, body, state.sensing.numbers, diameter_m, now)
-        state = state._replace(look=seen.look)
-        if seen.confirmed:
-            told = robot_state.state_change(self.robot, body)
-            body = body._replace(marks=body.marks - seen.confirmed)
-            state = state._replace(robot=body)
-            change = robot_state.state_change(self.robot, body)
-            if change != told:
-                effects.append(change)
-        if seen.look is not None:
-            return state
-        if seen.contradictions:
-            return refuse(self._setting, state, seen, now, effects)
-        for part in seeing.parts_left_open(self.robot, body):
-            effects.append(
-                Log("warning", f"the sensors leave it open whether the {part} part holds")
-            )
-        return state
 
     def _judge(
         self, before: EngineState, state: EngineState, now: float, effects: list[Effect]
@@ -365,19 +350,6 @@ class Engine:
             state = meet(self._setting, state, fault, now, effects)
         return state
 
-    def _finish_ending(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
-        """The run is over once the safe array's fate is known, or has been awaited long enough."""
-        ending = state.mission.ending
-        if ending is None:
-            return state
-        message = ending.message
-        if state.robot.flight is not None:
-            if not has_come(now, ending.give_up_s):
-                return state
-            message += " (the safe setpoints were not confirmed)"
-        effects.append(Ended(ending.outcome, message, ending.end))
-        return state._replace(mission=state.mission._replace(ended=True))
-
     def _set_wake(self, state: EngineState, effects: list[Effect]) -> EngineState:
         """Who drives the engine knows when time alone will change something."""
         if state.mission.ended:
@@ -390,7 +362,7 @@ class Engine:
             next_deadline(self._setting, state),
             state.word_until_s,
         )
-        if state.look is not None:
+        if state.look is not None and not state.mission.ending:
             wake = min(wake, state.look.due_s)
         if not self.nominal:
             wake = min(wake, state.sensing.checked_s + self._listen_every_s)

@@ -6,13 +6,21 @@ from math import inf, isnan, nan
 from typing import NamedTuple
 
 from pirate_sm.engine.done import Loop
-from pirate_sm.engine.program import HandlerSpec
+from pirate_sm.engine.program import HandlerSpec, Program
+from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import Finished, Mark, RobotState
 from pirate_sm.engine.seeing import Look
 from pirate_sm.engine.sensing import Sensing
 from pirate_sm.model.effects import Outcome
 
 Words = tuple[str | None, ...]
+
+
+class Setting(NamedTuple):
+    """What does not change during a run."""
+
+    robot: RobotSpec
+    program: Program
 
 
 class Ending(NamedTuple):
