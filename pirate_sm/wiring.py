@@ -219,7 +219,7 @@ def _simulator(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
         loaded.loaded_robot.profile,
         loaded.pipe,
         seed=order.seed,
-        start_values=_start_values(loaded),
+        start_values=start_values(loaded),
         jitter=jitter,
         defects=order.defects,
         detects=detector.kind == "sim",
@@ -247,12 +247,23 @@ def _detecting(order: Order, loaded: LoadedMission, *, usual: Kind) -> Detecting
     )
 
 
-def _start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
-    """Setpoints of the configuration that the robot starts in; None where that is its rest."""
-    configuration = loaded.program.start_configuration
-    if configuration == loaded.robot.table.initial:
+def start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
+    """Setpoints that hold a simulated robot where its mission says it is; None at its rest.
+
+    Only joints of held parts are driven. A part that is bending is not in a bend yet: pushed in a
+    straight pipe it would lever the held part off the wall before the first command.
+    """
+    configuration, robot = loaded.program.start_configuration, loaded.robot
+    if configuration == robot.table.initial:
         return None
-    return at_rest_in(loaded.robot, configuration).values
+    profile = loaded.loaded_robot.profile
+    held = {robot.parts[part] for part in robot.held[configuration]}
+    free = {joint.name for joint in profile.body.joints if joint.part not in held}
+    values = at_rest_in(robot, configuration).values
+    return tuple(
+        0.0 if slot.joint in free else value
+        for slot, value in zip(profile.slots, values, strict=True)
+    )
 
 
 def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from math import inf, isnan, nan
 from typing import Any
 
-from pirate_sm.engine import machine, robot_state, rules
+from pirate_sm.engine import machine, robot_state, rules, seeing
 from pirate_sm.engine.ending import end, withdraw
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import (
@@ -210,7 +210,9 @@ def _require(
     setting: Setting, state: EngineState, it: Require, now: float, effects: list[Effect]
 ) -> EngineState:
     names = robot_state.states_of(setting.robot, state.robot)
-    doubtful = robot_state.unconfirmed(setting.robot, state.robot)
+    # What any accepted array confirms is so as soon as the called mission commands something.
+    open_ = state.robot.marks - seeing.awaiting(setting.robot, state.robot)
+    doubtful = robot_state.unconfirmed(setting.robot, state.robot._replace(marks=open_))
     wrong = [
         f"{setting.robot.regions[region]} is {names[region]}"
         + (" unconfirmed" if setting.robot.regions[region] in doubtful else "")

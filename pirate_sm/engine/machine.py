@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from math import inf, isnan, nan
 
+from pirate_sm.engine import seeing
 from pirate_sm.engine.done import Loop, holds, must_hold_s, told
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.robot import AcceptedSpec, RobotSpec, StageSpec
@@ -76,6 +77,9 @@ def resolve(
         return state._replace(flight=waiting), None
     if result.status == "accepted":
         state = state._replace(values=flight.values, seeking=flight.seeking, flight=None)
+        if (confirmed := seeing.accepted(robot, state)) is not state:
+            state = confirmed
+            effects.append(state_change(robot, state))
         if flight.purpose == "gate" and state.motion is not None:
             state = _accept(robot, state, state.motion, now, effects)
         return state, None

@@ -213,7 +213,7 @@ class ImpliedSpec(NamedTuple):
     """Nothing that could be wrong."""
 
 
-SeenSpec: TypeAlias = AnglesSpec | StandingSpec | DrivenSpec | ImpliedSpec
+SeenSpec: TypeAlias = AnglesSpec | StandingSpec | DrivenSpec | ImpliedSpec | AcceptedSpec
 
 
 @dataclass(frozen=True)

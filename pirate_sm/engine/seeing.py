@@ -14,6 +14,7 @@ from typing import NamedTuple
 from pirate_sm.engine.done import still
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.robot import (
+    AcceptedSpec,
     AnglesSpec,
     DrivenSpec,
     HeldSpec,
@@ -36,6 +37,9 @@ from pirate_sm.engine.robot_state import (
 CODE = "start.contradicted"
 
 LOOKING = "the sensors are still being compared with the states that were declared"
+
+
+_NEVER_SHOWN = (AcceptedSpec, type(None))
 
 
 class Verdict(NamedTuple):
@@ -119,12 +123,36 @@ def begin(robot: RobotSpec, body: RobotState, now: float) -> Look | None:
     marks = tuple(
         Watched(mark)
         for mark in sorted(body.marks)
-        if mark.command == DECLARED and _spec(robot, names, mark) is not None
+        if mark.command == DECLARED and not isinstance(_spec(robot, names, mark), _NEVER_SHOWN)
     )
     if not marks:
         return None
     setpoints = at_rest_in(robot, body.configuration).values
     return Look(now + robot.sight.within_s, setpoints, marks)
+
+
+def awaiting(robot: RobotSpec, body: RobotState) -> frozenset[Mark]:
+    """Return the declared states that only the next accepted setpoints can confirm."""
+    names = states_of(robot, body)
+    return frozenset(
+        mark
+        for mark in body.marks
+        if mark.command == DECLARED and isinstance(_spec(robot, names, mark), AcceptedSpec)
+    )
+
+
+def accepted(robot: RobotSpec, body: RobotState) -> RobotState:
+    """Confirm the declared states that the setpoints in force make, where nothing shows more."""
+    names = states_of(robot, body)
+    held = {
+        mark
+        for mark in awaiting(robot, body)
+        if all(
+            write.how != "set" or body.values[write.slot] == write.value
+            for write in robot.actuation[mark.which][names[mark.which]][-1]
+        )
+    }
+    return body._replace(marks=body.marks - held) if held else body
 
 
 def look(
@@ -220,7 +248,7 @@ def _verdict(
             return _driven(robot, spec, numbers)
         case ImpliedSpec():
             return Verdict(True, "")
-        case None:
+        case AcceptedSpec() | None:
             return Verdict(False, "")
 
 

@@ -7,6 +7,7 @@ from math import copysign, inf
 
 from pirate_sm.engine.chart_table import ChartTable
 from pirate_sm.engine.robot import (
+    AcceptedSpec,
     AnglesSpec,
     DrivenSpec,
     HeldSpec,
@@ -161,6 +162,8 @@ class _States:
                 driven = tuple((speed, way) for speed, way in self._wheels(name) if way)
                 self._need(driven, path, f"{name} drives no wheel")
                 return DrivenSpec(driven, how.above, how.for_s)
+            case model.Accepted():
+                return AcceptedSpec()
             case model.Implied():
                 return ImpliedSpec()
             case model.Unknown():

@@ -92,6 +92,18 @@ class TurningWheels(Frozen):
     for_s: Annotated[PositiveDuration, Field(alias="for")]
 
 
+class Accepted(Frozen):
+    """Confirmed as soon as setpoints that hold the state have been accepted; nothing to measure.
+
+    Attributes:
+        kind: How the state shows itself.
+        why: Why there is nothing to measure.
+    """
+
+    kind: Literal["accepted"]
+    why: Annotated[str, Field(min_length=1)]
+
+
 class Implied(Frozen):
     """The state says nothing that could be wrong beyond what its held parts show.
 
@@ -117,7 +129,8 @@ class Unknown(Frozen):
 
 
 SeenState: TypeAlias = Annotated[
-    Angles | StandingWheels | TurningWheels | Implied | Unknown, Field(discriminator="kind")
+    Angles | StandingWheels | TurningWheels | Accepted | Implied | Unknown,
+    Field(discriminator="kind"),
 ]
 
 
