@@ -18,6 +18,7 @@ from pirate_sm.engine.robot import (
     SlotSpec,
     StageSpec,
     StandingSpec,
+    Write,
 )
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_signals import Signals
@@ -113,6 +114,9 @@ def _joint(
     profile: Profile, name: str, signals: Signals, path: Path, problems: Problems
 ) -> LoadedJoint | None:
     joint = next((each for each in profile.body.joints if each.name == name), None)
+    joints = {each.name for each in profile.body.joints}
+    if any(slot.joint is not None and slot.joint not in joints for slot in profile.slots):
+        return None  # a slot that drives no joint has been reported
     slot = next((n for n, each in enumerate(profile.slots) if each.joint == name), -1)
     if joint is None or joint.torque is None or slot < 0:
         names = [each.name for each in profile.body.joints if each.torque is not None]
@@ -152,7 +156,8 @@ class _States:
                     message = "`beyond` must be larger than `within`"
                     self._problems.add("robot.seen", (*path, "beyond"), message)
                 targets = self._targets(name)
-                self._need(targets, path, f"{name} sets no angle")
+                if not self._sets_angle(name):
+                    self._need((), path, f"{name} sets no angle")
                 return AnglesSpec(targets, how.within, beyond, how.for_s)
             case model.StandingWheels():
                 still = tuple(speed for speed, way in self._wheels(name) if way == 0)
@@ -173,15 +178,21 @@ class _States:
         if not found:
             self._problems.add("robot.seen", (*path, "kind"), message)
 
+    def _sets_angle(self, name: str) -> bool:
+        return any(self._is_angle(write) for stage in self._actuation[name] for write in stage)
+
+    def _is_angle(self, write: Write) -> bool:
+        unit = self._slots[write.slot].unit
+        return write.how == "seek" or (write.how == "set" and unit == "angle")
+
     def _targets(self, name: str) -> tuple[tuple[int, float], ...]:
         """Number index and setpoint of each angle; of several stages the first counts."""
         found: dict[int, float] = {}
         for stage in self._actuation[name]:
             for write in stage:
-                slot = self._slots[write.slot]
-                is_angle = write.how == "seek" or (write.how == "set" and slot.unit == "angle")
-                if is_angle and slot.angle >= 0:
-                    found.setdefault(slot.angle, write.value)
+                angle = self._slots[write.slot].angle
+                if self._is_angle(write) and angle >= 0:
+                    found.setdefault(angle, write.value)
         return tuple(found.items())
 
     def _wheels(self, name: str) -> list[tuple[int, float]]:
