@@ -184,7 +184,8 @@ def again(prepared: Prepared, loaded: LoadedMission) -> Prepared:
     if order.backend == "serial" and order.calibration:
         loaded, _ = _calibrated(loaded)
     # The robot stays in the pipe that it is in, whatever the mission was written for.
-    loaded = replace(loaded, pipe=before.pipe, pipe_name=before.pipe_name)
+    program = replace(loaded.program, diameter_m=before.program.diameter_m)
+    loaded = replace(loaded, program=program, pipe=before.pipe, pipe_name=before.pipe_name)
     engine = Engine(loaded.robot, loaded.program, nominal=prepared.engine.nominal)
     return replace(prepared, order=order, loaded=loaded, engine=engine, notices=())
 
@@ -224,7 +225,7 @@ def _simulator(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
         loaded.loaded_robot.profile,
         loaded.pipe,
         seed=order.seed,
-        start_values=_start_values(loaded),
+        start_values=start_values(loaded),
         jitter=jitter,
         defects=order.defects,
     )
@@ -260,12 +261,23 @@ def _detecting(order: Order, loaded: LoadedMission, *, usual: Kind) -> Detecting
     )
 
 
-def _start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
-    """Setpoints of the configuration that the robot starts in; None where that is its rest."""
-    configuration = loaded.program.start_configuration
-    if configuration == loaded.robot.table.initial:
+def start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
+    """Setpoints that hold a simulated robot where its mission says it is; None at its rest.
+
+    Only joints of held parts are driven. A part that is bending is not in a bend yet: pushed in a
+    straight pipe it would lever the held part off the wall before the first command.
+    """
+    configuration, robot = loaded.program.start_configuration, loaded.robot
+    if configuration == robot.table.initial:
         return None
-    return at_rest_in(loaded.robot, configuration).values
+    profile = loaded.loaded_robot.profile
+    held = {robot.parts[part] for part in robot.held[configuration]}
+    free = {joint.name for joint in profile.body.joints if joint.part not in held}
+    values = at_rest_in(robot, configuration).values
+    return tuple(
+        0.0 if slot.joint in free else value
+        for slot, value in zip(profile.slots, values, strict=True)
+    )
 
 
 def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
@@ -276,19 +288,15 @@ def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
     if order.firings or order.course:
         raise UsageError("triggers can be fired in a trace only: use --backend trace")
     from pirate_sm.backends.pico.assembly import STAY_S, read_plan, serial_backend
-    from pirate_sm.backends.pico.starting import check_of
     from pirate_sm.runtime.companions import Holder, Messenger
 
     notices: tuple[str, ...] = ()
     if order.calibration:
         loaded, notices = _calibrated(loaded)
     profile = loaded.loaded_robot.profile
-    diameter_m = loaded.pipe.diameter if loaded.pipe is not None else None
-    start = loaded.program.start_configuration
     plan = read_plan(loaded.loaded_robot.folder, profile, loaded.robot)
-    check = check_of(profile, loaded.robot, start, diameter_m)
     stay_s = STAY_S if order.guard_for_s is None else order.guard_for_s
-    backend = serial_backend(plan, order.port, order.baud, check, stay_s)
+    backend = serial_backend(plan, order.port, order.baud, stay_s)
     engine = Engine(loaded.robot, loaded.program, nominal=False)
     detector = _detecting(order, loaded, usual="odometry")
     holder, messenger = Holder(backend.hold), Messenger(backend.remark)

@@ -16,6 +16,7 @@ from pirate_sm.checking.exploring.ranges import ranges
 from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.robot_limits import check_limits
 from pirate_sm.checking.robot_parts import check_parts
+from pirate_sm.checking.robot_sight import check_sight
 from pirate_sm.checking.robot_view import RobotView
 from pirate_sm.expressions import tree
 from pirate_sm.loading.chart_cache import cached_table
@@ -57,6 +58,7 @@ def robot_findings(loaded: LoadedRobot) -> tuple[Finding, ...]:
     """What is wrong with a robot beside its chart, by place."""
     view = RobotView(loaded)
     found = [*_asked(view), *_faults(view), *check_limits(view), *check_parts(view)]
+    found += check_sight(view)
     return tuple(sorted(found, key=lambda each: each.order))
 
 

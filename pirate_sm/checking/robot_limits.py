@@ -68,8 +68,9 @@ def _unheard(view: RobotView, done: CriterionSpec) -> str:
             needed, every = tuple(angle for _, angle in slots), True
         case TurningSpec(wheels):
             needed, every = tuple(speed for _, speed in wheels), False
-        case StoppedSpec(speeds):
-            needed, every = speeds, False
+        case StoppedSpec(parts):  # the first part that cannot be heard at all, if there is one
+            unheard = (speeds for speeds in parts if not heard & set(speeds))
+            needed, every = next(unheard, ()), False
         case _:
             return ""
     missing = [robot.vocabulary.numbers[index] for index in needed if index not in heard]

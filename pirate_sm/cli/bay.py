@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TextIO
 
 from pirate_sm.cli.guard import say
-from pirate_sm.engine.robot_state import at_rest_in
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
@@ -20,7 +19,7 @@ from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import DIMENSIONLESS, read_quantity
-from pirate_sm.wiring import COMPILING
+from pirate_sm.wiring import COMPILING, start_values
 
 if TYPE_CHECKING:
     from pirate_sm.bay.switches import Switches, Topic
@@ -177,12 +176,8 @@ def _setting_of(name: str, wishes: BayWishes) -> _Setting:
         folder = library.find_robot(wishes.robot)
     else:
         folder = library.find_robot(mission.mission.robot, path.resolve().parent)
-    start = None
-    at_start = mission.program.start_configuration
-    if at_start != mission.robot.table.initial:
-        start = at_rest_in(mission.robot, at_start).values
     pipe = mission.pipe or _pipe(wishes.pipe)
-    return _Setting(mission.loaded_robot.profile, folder, pipe, start)
+    return _Setting(mission.loaded_robot.profile, folder, pipe, start_values(mission))
 
 
 def _pipe(name: str | None) -> Pipe:

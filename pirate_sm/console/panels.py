@@ -148,12 +148,12 @@ def now(snapshot: Snapshot, width: int) -> list[Content]:
 def _moving(snapshot: Snapshot, width: int) -> list[Content]:
     state = snapshot.state
     motion = state.robot.motion if state is not None else None
-    if motion is None:
+    if state is None or motion is None:
         return []
     name = snapshot.scene.robot.commands[motion.command].name
     if isnan(motion.accepted_s):
         return [line(("▶ ", GOOD), f"{name}: sent, not yet accepted")]
-    spent_s = snapshot.now_s - motion.accepted_s
+    spent_s = state.mission.motion_clock(snapshot.now_s) - motion.accepted_s
     limit_s = motion.deadline_s - motion.accepted_s
     return [line(("▶ ", GOOD), f"{name}: until it is done"), bar(spent_s, limit_s, width)]
 

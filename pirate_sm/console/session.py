@@ -229,7 +229,8 @@ class Session:
 
     def _hopeless(self, result: Result, run: MissionRun) -> bool:
         """Whether run after run ends by a fault before anybody has asked for anything."""
-        at_once = result.now_s < self._began_s + _SHORT_S and not self._feed.asked
+        short_s = _SHORT_S + self.prepared.loaded.robot.sight.within_s  # a start may be refused
+        at_once = result.now_s < self._began_s + short_s and not self._feed.asked
         self._short = self._short + 1 if at_once and result.ended.outcome == "fault" else 0
         return self._short >= _MOST_SHORT
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pirate_sm.engine import machine, pausing, robot_state
+from pirate_sm.engine.ending import end, withdraw
 from pirate_sm.engine.faults import Found
-from pirate_sm.engine.interpreter import Setting, end, withdraw
-from pirate_sm.engine.state import EngineState
+from pirate_sm.engine.state import EngineState, Setting
 from pirate_sm.model.effects import Effect, Fault
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import copysign, isnan
 from typing import NamedTuple
 
 from pirate_sm.engine.robot import (
@@ -86,13 +87,12 @@ def holds(
             )
         case TurningSpec():
             return any(
-                setpoints[slot] != 0 and abs(numbers[speed]) > criterion.above
+                setpoints[slot] != 0
+                and numbers[speed] * copysign(1.0, setpoints[slot]) > criterion.above
                 for slot, speed in criterion.wheels
             )
         case StoppedSpec():
-            known = [abs(numbers[speed]) for speed in criterion.speeds]
-            known = [speed for speed in known if speed == speed]  # noqa: PLR0124
-            return bool(known) and max(known) < criterion.below
+            return all(still(speeds, numbers, criterion.below) for speeds in criterion.parts)
         case AlignedSpec():
             return all(
                 abs(setpoints[slot] - numbers[angle]) <= criterion.within
@@ -100,6 +100,12 @@ def holds(
             )
         case BelowSpec():
             return all(abs(numbers[signal]) < criterion.limit for signal in criterion.signals)
+
+
+def still(speeds: tuple[int, ...], numbers: Numbers, below: float) -> bool:
+    """Whether at least one of the wheels can be heard, and all of these turn slower."""
+    heard = [abs(numbers[speed]) for speed in speeds if not isnan(numbers[speed])]
+    return bool(heard) and max(heard) < below
 
 
 def must_hold_s(criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]) -> float:

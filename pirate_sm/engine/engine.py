@@ -10,22 +10,32 @@ from collections.abc import Callable, Sequence
 from math import inf, isnan
 from typing import Any
 
-from pirate_sm.engine import environment, machine, operating, pausing, robot_state, rules, scripted
+from pirate_sm.engine import (
+    environment,
+    looking,
+    machine,
+    operating,
+    pausing,
+    robot_state,
+    rules,
+    scripted,
+    seeing,
+)
 from pirate_sm.engine.diverting import divert, meet
+from pirate_sm.engine.ending import end, finish
 from pirate_sm.engine.faults import ANEW, Found, begin_anew, listen, look, no_faults, unsettle
-from pirate_sm.engine.interpreter import Setting, advance, end, next_deadline, spoken
+from pirate_sm.engine.interpreter import advance, next_deadline, spoken
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import RobotState
+from pirate_sm.engine.robot_state import Finished, RobotState
 from pirate_sm.engine.sensing import forget_stale, nothing_known, observe
-from pirate_sm.engine.state import EngineState, MissionState, Words
+from pirate_sm.engine.state import EngineState, MissionState, Setting, Words
 from pirate_sm.engine.watching import watch
 from pirate_sm.model import events
 from pirate_sm.model.effects import (
     Detected,
     Effect,
-    Ended,
     Log,
     WakeAt,
 )
@@ -64,11 +74,11 @@ class Engine:
             now_s: When.
             seen: What the boards have reported before, or a script has told; an angle that the
                 first array keeps must be reported by then, or it is taken to be 0.
-            body: What the robot has been commanded to by an earlier mission; None: it is at rest
-                in the configuration that the program begins in.
+            body: What the robot has been commanded to by an earlier mission; None: it is said to
+                be at rest in the configuration that the program begins in.
             paused: Whether the operator has the robot first.
         """
-        robot = body or robot_state.at_rest_in(self.robot, self.program.start_configuration)
+        robot = body or self._declared()
         sensing = nothing_known(self.robot, blind=self.nominal)
         sensing = sensing._replace(heard_s=(now_s,) * len(sensing.heard_s), checked_s=now_s)
         for frame in seen:
@@ -79,15 +89,21 @@ class Engine:
         words = (*robot_state.states_of(self.robot, robot), None, None)
         mission = MissionState(self.program.start, offset_s=now_s, pause_wanted=paused)
         following, _ = rules.follow(self.program, self.robot, rules.unseen(self.program), robot, 0)
+        look = None if self.nominal else seeing.begin(self.robot, robot, now_s)
         state = EngineState(
             robot, sensing, mission, no_faults(self.robot), words, rules=following,
-            surveyed=environment.nothing_surveyed(nominal=self.nominal),
+            surveyed=environment.nothing_surveyed(nominal=self.nominal), look=look,
         )  # fmt: skip
         effects: list[Effect] = [robot_state.state_change(self.robot, robot)]
         for report in seen:
             if isinstance(report, events.SignalReport):
                 state = scripted.told(self, state, report, effects)
         return self._settle(state, state, now_s, effects)
+
+    def _declared(self) -> RobotState:
+        """The robot as the program says it is: on paper that is so, sensors must confirm it."""
+        declared = robot_state.at_rest_in if self.nominal else seeing.declared_in
+        return declared(self.robot, self.program.start_configuration)
 
     def step(
         self, state: EngineState, event: events.Event, now_s: float
@@ -143,7 +159,7 @@ class Engine:
         faults, found = look(self.robot, state.faults, board, sensing, words, now)
         state = EngineState(
             state.robot, sensing, state.mission, faults, state.words,
-            state.word_until_s, state.wake_at_s, state.rules, state.surveyed,
+            state.word_until_s, state.wake_at_s, state.rules, state.surveyed, state.look,
         )  # fmt: skip
         for report in reports:
             state = meet(self._setting, state, self._found(report), now, effects)
@@ -177,8 +193,7 @@ class Engine:
         flight = state.robot.flight
         robot, finished = machine.resolve(self.robot, state.robot, event, now, effects)
         state = self._moved(state, robot)
-        if finished is not None:
-            state = state._replace(mission=state.mission._replace(result=finished))
+        state = self._finished(state, finished)
         if flight is None or event.setpoint_id != flight.setpoint_id:
             return state
         limit = self.robot.link.resend_limit
@@ -244,8 +259,10 @@ class Engine:
             state = environment.look_round(self, state, now, effects)
         judged = before
         if state.mission.ending is not None:
-            state = self._finish_ending(state, now, effects)
+            state = finish(state, now, effects)
         elif not state.mission.ended:
+            if state.look is not None:
+                state = looking.go_on(self._setting, state, state.look, now, effects)
             state = self._see_done(state, now, effects)
             # Whether the next command would break a rule is asked of where the rules are now.
             state = judged = self._judge(before, state, now, effects)
@@ -259,6 +276,7 @@ class Engine:
             state.robot is not before.robot
             or state.mission is not before.mission
             or state.word_until_s != before.word_until_s
+            or state.look is not before.look
         )
         if changed or effects or due:
             state = self._set_wake(state, effects)
@@ -272,12 +290,13 @@ class Engine:
         return watch(self._setting, before, state, now, effects)
 
     def _see_done(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
-        before = state.mission.before_pause
-        if state.robot.motion is None or (before and before.suspended):
+        if state.robot.motion is None or state.mission.suspended:
             return state
         return self._watch(state, now, effects)
 
     def _go_on(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
+        if state.look is not None:  # nothing is commanded before it is over
+            return pausing.begin_if_wanted(self.robot, state, now, effects)
         if state.mission.diverting is not None:
             state = divert(self._setting, state, now, effects)
         if state.mission.pause_wanted:
@@ -297,9 +316,13 @@ class Engine:
         )
         if robot is not state.robot:
             state = self._moved(state, robot)
-        if finished is not None:
-            state = state._replace(mission=state.mission._replace(result=finished))
-        return state
+        return self._finished(state, finished)
+
+    def _finished(self, state: EngineState, finished: Finished | None) -> EngineState:
+        """The mission knows how its command ended; during a pause commands are the operator's."""
+        if finished is None or state.mission.paused:
+            return state
+        return state._replace(mission=state.mission._replace(result=finished))
 
     def _moved(self, state: EngineState, robot: RobotState) -> EngineState:
         """The words say the configuration that the robot has now."""
@@ -311,7 +334,8 @@ class Engine:
     def _obeyed_words(self, state: EngineState) -> Words:
         """What rules for faults see: wheels that a pause or a fault has stopped are not stuck."""
         robot = state.robot
-        if state.mission.before_pause is None and all(m.command >= 0 for m in robot.marks):
+        stopped = any(mark.command == robot_state.STOPPED for mark in robot.marks)
+        if state.mission.before_pause is None and not stopped:
             return state.words
         return (*robot_state.obeyed(self.robot, robot), *state.words[-2:])
 
@@ -335,32 +359,20 @@ class Engine:
             state = meet(self._setting, state, fault, now, effects)
         return state
 
-    def _finish_ending(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
-        """The run is over once the safe array's fate is known, or has been awaited long enough."""
-        ending = state.mission.ending
-        if ending is None:
-            return state
-        message = ending.message
-        if state.robot.flight is not None:
-            if not has_come(now, ending.give_up_s):
-                return state
-            message += " (the safe setpoints were not confirmed)"
-        effects.append(Ended(ending.outcome, message, ending.end))
-        return state._replace(mission=state.mission._replace(ended=True))
-
     def _set_wake(self, state: EngineState, effects: list[Effect]) -> EngineState:
         """Who drives the engine knows when time alone will change something."""
         if state.mission.ended:
             return state
-        pause = state.mission.before_pause
         body = state.robot
-        if pause is not None and pause.suspended:
+        if state.mission.suspended:
             body = body._replace(motion=None)  # its deadline is frozen
         wake = min(
             robot_state.next_deadline(self.robot, body, self.nominal),
             next_deadline(self._setting, state),
             state.word_until_s,
         )
+        if state.look is not None and not state.mission.ending:
+            wake = min(wake, state.look.due_s)
         if self.nominal:
             wake = min(wake, state.surveyed.due_s)
         else:

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf, isnan, nan
-from typing import Any, NamedTuple
+from typing import Any
 
-from pirate_sm.engine import machine, robot_state, rules
+from pirate_sm.engine import machine, robot_state, rules, seeing
+from pirate_sm.engine.ending import end, withdraw
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import (
     STOP,
@@ -17,7 +18,6 @@ from pirate_sm.engine.program import (
     Do,
     Enter,
     Finish,
-    Program,
     Question,
     Raise,
     Require,
@@ -25,17 +25,14 @@ from pirate_sm.engine.program import (
     TriggerSpec,
     Wait,
 )
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.state import Ending, EngineState, MissionState, Words
+from pirate_sm.engine.state import EngineState, MissionState, Setting, Words
 from pirate_sm.model.effects import (
     TAKEN,
     Ask,
     CommandStatus,
     Effect,
-    Ended,
     Fault,
     Log,
-    Outcome,
     PhaseChange,
     TriggerFired,
     WaitArmed,
@@ -46,16 +43,6 @@ _MOST_TURNS = 4
 in between, or the handling of a fault is over. One that comes more often comes for ever."""
 
 ROUND_AND_ROUND = "the phases go round without ever waiting"
-
-SAFE_STOP_LIMIT_S = 2.0
-"""How long the fate of the safe array is awaited before the run ends without knowing it."""
-
-
-class Setting(NamedTuple):
-    """What does not change during a run."""
-
-    robot: RobotSpec
-    program: Program
 
 
 def advance(setting: Setting, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
@@ -94,44 +81,6 @@ def spoken(setting: Setting, state: EngineState) -> MissionState:
     doing = mission.begun and isinstance(setting.program.instructions[mission.pc], Do)
     waits = doing and state.robot.flight is not None
     return mission._replace(answer=None, skipped=mission.skipped if waits else None)
-
-
-def withdraw(setting: Setting, state: EngineState, effects: list[Effect]) -> None:
-    """A question that is still open is asked no more."""
-    mission = state.mission
-    if mission.begun and isinstance(setting.program.instructions[mission.pc], Question):
-        effects.append(Ask("", ()))
-
-
-def end(
-    setting: Setting,
-    state: EngineState,
-    outcome: Outcome,
-    message: str,
-    name: str,
-    now: float,
-    effects: list[Effect],
-) -> EngineState:
-    """The safe stop is under way, or the run is over where nothing has ever been sent (rule 11)."""
-    if state.mission.ending or state.mission.ended:
-        return state
-    withdraw(setting, state, effects)
-    robot = state.robot
-    if robot.motion is not None:
-        motion = robot.motion
-        command = setting.robot.commands[motion.command].name
-        effects.append(CommandStatus(command, "failed", "the mission ended", motion.place))
-        robot = machine.doubt_grip(setting.robot, robot)._replace(motion=None)
-    started_at_rest = setting.program.start_configuration == setting.robot.table.initial
-    if not robot.sent and started_at_rest:
-        effects.append(Ended(outcome, message, name))
-        return state._replace(mission=state.mission._replace(ended=True), robot=robot)
-    doubted = machine.doubt(setting.robot, robot)
-    if doubted.marks != state.robot.marks:
-        effects.append(robot_state.state_change(setting.robot, doubted))
-    robot = machine.stop(setting.robot, doubted, state.sensing, effects)
-    ending = Ending(outcome, message, name, now + SAFE_STOP_LIMIT_S)
-    return state._replace(robot=robot, mission=state.mission._replace(ending=ending))
 
 
 def fail(
@@ -261,7 +210,9 @@ def _require(
     setting: Setting, state: EngineState, it: Require, now: float, effects: list[Effect]
 ) -> EngineState:
     names = robot_state.states_of(setting.robot, state.robot)
-    doubtful = robot_state.unconfirmed(setting.robot, state.robot)
+    # What any accepted array confirms is so as soon as the called mission commands something.
+    open_ = state.robot.marks - seeing.awaiting(setting.robot, state.robot)
+    doubtful = robot_state.unconfirmed(setting.robot, state.robot._replace(marks=open_))
     wrong = [
         f"{setting.robot.regions[region]} is {names[region]}"
         + (" unconfirmed" if setting.robot.regions[region] in doubtful else "")

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from math import inf, isnan, nan
 
+from pirate_sm.engine import seeing
 from pirate_sm.engine.done import Loop, must_hold_s, told
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.robot import AcceptedSpec, RobotSpec
 from pirate_sm.engine.robot_state import (
     POSTURE,
+    STOPPED,
     Finished,
     Flight,
     Mark,
@@ -22,7 +24,10 @@ from pirate_sm.engine.robot_state import (
     Purpose,
     RobotState,
     criterion_of,
+    driven_slots,
+    made_by,
     posture_of,
+    retried,
     safe_values,
     state_change,
     states_of,
@@ -61,7 +66,9 @@ def begin(
         blind = unknown_angle(robot, posture.writes, sensing)
         motion = motion._replace(stage=POSTURE, blind=blind)
     state = state._replace(motion=motion)
-    values, loops = stage_array(robot, state, sensing, _touched(robot, state, motion), motion.stage)
+    regions, stage = _touched(robot, state, motion)
+    stage = POSTURE if posture is not None else stage
+    values, loops = stage_array(robot, state, sensing, regions, stage)
     effects.append(CommandStatus(spec.name, "sent", "", place))
     return _send(state._replace(loops=loops), values, "gate", effects)
 
@@ -85,6 +92,9 @@ def resolve(
         return state._replace(flight=waiting), None
     if result.status == "accepted":
         state = state._replace(values=flight.values, seeking=flight.seeking, flight=None)
+        if (confirmed := seeing.accepted(robot, state)) is not state:
+            state = confirmed
+            effects.append(state_change(robot, state))
         if flight.purpose == "gate" and state.motion is not None:
             state = _accept(robot, state, state.motion, now, effects)
         return state, None
@@ -207,21 +217,23 @@ def stop(
 def reassert(
     state: RobotState, values: Numbers, loops: tuple[Loop, ...], effects: list[Effect]
 ) -> RobotState:
-    """An actuation that was in force before a pause has been sent again."""
+    """Send an actuation again that was in force before a pause; NaN keeps the present value."""
     kept = tuple(
         now if isnan(value) else value for value, now in zip(values, state.values, strict=True)
     )
+    if kept == state.values and not loops:
+        return state
     return _send(state._replace(loops=loops), kept, "loop", effects)
 
 
 def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
-    """Regions whose wheels were stopped from outside their states are unconfirmed."""
-    marks = set(state.marks)
-    for region, name in enumerate(states_of(robot, state)):
-        writes = robot.actuation[region][name][-1]
-        if any(w.slot in robot.safe_zero and w.how == "set" and w.value != 0 for w in writes):
-            marks.add(Mark("region", region, -1))
-    return state._replace(marks=frozenset(marks))
+    """Mark the regions whose wheels are stopped from outside their states as unconfirmed."""
+    stopped = {
+        Mark("region", region, STOPPED)
+        for region, name in enumerate(states_of(robot, state))
+        if driven_slots(robot, region, name)
+    }
+    return state._replace(marks=state.marks | stopped)
 
 
 # --- inside ---------------------------------------------------------------------------------
@@ -236,15 +248,20 @@ def _send(
     return state._replace(flight=flight, next_id=state.next_id + 1, sent=True)
 
 
-def _touched(robot: RobotSpec, state: RobotState, motion: Motion) -> tuple[int, ...]:
-    """Regions that the command moves, or that it left unconfirmed and now tries again."""
-    before = states_of(robot, state)
-    after = robot.table.configurations[motion.target]
-    moved = {index for index, name in enumerate(after) if name != before[index]}
-    retried = [mark for mark in state.marks if mark.command == motion.command]
-    for mark in retried:
-        moved |= {mark.which} if mark.kind == "region" else robot.part_regions[mark.which]
-    return tuple(sorted(moved))
+def _touched(robot: RobotSpec, state: RobotState, motion: Motion) -> tuple[tuple[int, ...], int]:
+    """Regions that the command actuates, and the stage that it begins with.
+
+    A command that only confirms a clamp anew asserts what is in force in that state: its last
+    stage.
+    """
+    made = made_by(robot, state, motion.command)
+    clamps = [m for m in retried(robot, state, motion.command) if m.kind == "part"]
+    regions = made.union(*(robot.part_regions[mark.which] for mark in clamps))
+    if made:
+        return tuple(sorted(regions)), 0
+    target = robot.table.configurations[motion.target]
+    stages = (len(robot.actuation[region][target[region]]) for region in regions)
+    return tuple(sorted(regions)), max(stages, default=1) - 1
 
 
 def _accept(
@@ -252,16 +269,16 @@ def _accept(
 ) -> RobotState:
     """The chart has moved; what the command changed is unconfirmed."""
     name = robot.commands[motion.command].name
-    touched = _touched(robot, state, motion)
+    made = made_by(robot, state, motion.command)
     held, was_held = robot.held[motion.target], robot.held[state.configuration]
-    again = {m.which for m in state.marks if m.kind == "part" and m.command == motion.command}
+    again = {m.which for m in retried(robot, state, motion.command) if m.kind == "part"}
     marks = {
         mark
         for mark in state.marks
-        if (mark.kind == "region" and mark.which not in touched)
+        if (mark.kind == "region" and mark.which not in made)
         or (mark.kind == "part" and mark.which in held and mark.which not in again)
     }
-    marks |= {Mark("region", region, motion.command) for region in touched}
+    marks |= {Mark("region", region, motion.command) for region in made}
     marks |= {Mark("part", part, motion.command) for part in (held - was_held) | again & held}
     effects.append(CommandStatus(name, "accepted", "", motion.place))
     state = state._replace(

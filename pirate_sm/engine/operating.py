@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pirate_sm.engine import machine, robot_state
+from pirate_sm.engine import machine, pausing, robot_state, seeing
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import CommandStatus, Effect
@@ -24,15 +24,19 @@ def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
     """
     if state.mission.ended or state.mission.ending is not None:
         return "impossible: the mission is ending"
-    if state.robot.motion is not None or state.robot.flight is not None:
+    if state.look is not None:
+        return f"impossible: {seeing.LOOKING}"
+    if state.robot.motion is not None and not state.mission.suspended:
         return "impossible: another command is under way"
+    if state.robot.flight is not None:
+        return "impossible: setpoints are in flight"
     return robot_state.refusal(robot, state.robot, index)
 
 
 def command(
     engine: Engine, state: EngineState, event: OperatorCommand, now: float, effects: list[Effect]
 ) -> EngineState:
-    """The command has been begun, or refused with the reason."""
+    """Begin the command, or refuse it with the reason; a suspended command is ended by it."""
     index = engine.robot.table.command_index.get(event.command)
     if index is None:
         reason = "impossible: there is no such command"
@@ -41,5 +45,6 @@ def command(
     if reason or index is None:
         effects.append(CommandStatus(event.command, "refused", reason))
         return state
+    state = pausing.take_over(engine.robot, state, effects)
     robot = machine.begin(engine.robot, state.robot, state.sensing, index, None, "", effects)
     return state._replace(robot=robot)

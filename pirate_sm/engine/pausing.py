@@ -5,16 +5,19 @@ from __future__ import annotations
 from math import nan
 from typing import TYPE_CHECKING
 
-from pirate_sm.engine import machine, robot_state
+from pirate_sm.engine import machine, robot_state, seeing
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import RobotState
+from pirate_sm.engine.robot_state import Finished, RobotState
 from pirate_sm.engine.state import BeforePause, EngineState, MissionState
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import GoTo, Pause, Resume, Step
 
 if TYPE_CHECKING:
     from pirate_sm.engine.engine import Engine
+
+
+TAKEN_OVER = "the operator took over"
 
 
 def want(
@@ -36,7 +39,11 @@ def begin_if_wanted(
         return state
     before = BeforePause(body.values, body.loops, body.configuration, body.motion is not None)
     if not robot_state.is_safe(robot, body):
-        body = machine.stop(robot, body, state.sensing, effects)
+        doubted = machine.doubt(robot, body)
+        before = before._replace(doubts=doubted.marks - body.marks)
+        if before.doubts:
+            effects.append(robot_state.state_change(robot, doubted))
+        body = machine.stop(robot, doubted, state.sensing, effects)
     effects.append(Log("info", "paused: wheels stopped, deadlines frozen"))
     paused = mission._replace(pause_wanted=False, paused_s=now, before_pause=before)
     return state._replace(robot=body, mission=paused)
@@ -48,6 +55,24 @@ def forget(mission: MissionState, body: RobotState) -> MissionState:
         return mission
     now = BeforePause(body.values, (), body.configuration, False)
     return mission._replace(before_pause=now)
+
+
+def take_over(robot: RobotSpec, state: EngineState, effects: list[Effect]) -> EngineState:
+    """End the command that the pause has suspended: the operator gives another one.
+
+    A mission that goes on afterwards finds that its step has failed, and everything else as the
+    operator leaves it.
+    """
+    before, body = state.mission.before_pause, state.robot
+    if before is None or not before.suspended:
+        return state
+    body = machine.fail(robot, body, TAKEN_OVER, effects)
+    untouched = (nan,) * len(body.values)
+    mission = state.mission._replace(
+        result=Finished(False, TAKEN_OVER),
+        before_pause=BeforePause(untouched, (), before.configuration, suspended=False),
+    )
+    return state._replace(robot=body, mission=mission)
 
 
 def go_on(
@@ -74,7 +99,7 @@ def go_to(
         return state
     body, mission = state.robot, state.mission
     if body.motion is not None:
-        body = machine.fail(engine.robot, body, "the operator took over", effects)
+        body = machine.fail(engine.robot, body, TAKEN_OVER, effects)
     begin = engine.program.beginning(event.phase)
     assert begin is not None  # why_not_to has looked
     effects.append(Log("info", f"handed back at {event.phase}"))
@@ -92,12 +117,13 @@ def why_not_to(program: Program, state: EngineState, phase: str) -> str:
     """Why nothing can be handed back now, whatever the phase does; empty: it can."""
     if program.beginning(phase) is None:
         return "the mission has no such phase"
-    before = state.mission.before_pause
     if not state.mission.paused:
         return "pause the mission first"
+    if state.look is not None:
+        return seeing.LOOKING
     if state.robot.flight is not None:
         return "setpoints are in flight"
-    if state.robot.motion is not None and not (before and before.suspended):
+    if state.robot.motion is not None and not state.mission.suspended:
         return "a command is under way"
     return ""
 
@@ -140,8 +166,10 @@ def resume(
             since_s=nan,
         )
         body = body._replace(motion=motion)
-    if before.values != body.values or before.loops:
-        body = machine.reassert(body, before.values, before.loops, effects)
+    body = machine.reassert(body, before.values, before.loops, effects)
+    if body.marks & before.doubts:
+        body = body._replace(marks=body.marks - before.doubts)
+        effects.append(robot_state.state_change(robot, body))
     effects.append(Log("info", "resumed"))
     running = mission._replace(
         paused_s=nan, offset_s=mission.offset_s + length, before_pause=None, one_step=one_step

@@ -170,6 +170,7 @@ class Program:
         phases: Names of the phases in the order of the file; inlined ones are ``caller/callee``.
         phase_of: Per instruction the name of its phase.
         time_limit_s: Longest run; infinite without one.
+        diameter_m: Inner diameter of the pipe that the robot is in; None where it is not known.
         rules: The robot's safety rules, without those that the mission is allowed to break.
     """
 
@@ -183,6 +184,7 @@ class Program:
     ends: tuple[str, ...]
     time_limit_s: float
     rules: tuple[RuleSpec, ...] = ()
+    diameter_m: float | None = None
 
     def beginning(self, phase: str) -> int | None:
         """Index of the instruction that enters a phase, None where there is none."""

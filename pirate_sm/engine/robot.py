@@ -34,6 +34,7 @@ BUILT_IN_FAULTS: Mapping[str, bool] = {
     "backend.failed": False,
     "pipe.impassable": True,
     "rule.violated": False,
+    "start.contradicted": False,
 }
 """Faults that any robot can have, and whether a mission may catch them (rule 10)."""
 
@@ -119,9 +120,9 @@ class TurningSpec(NamedTuple):
 
 
 class StoppedSpec(NamedTuple):
-    """No wheel that can be measured turns; ``speeds`` are number indexes."""
+    """No wheel that can be heard turns; ``parts`` has the number indexes of each part's speeds."""
 
-    speeds: tuple[int, ...]
+    parts: tuple[tuple[int, ...], ...]
     below: float
     for_s: float
 
@@ -172,6 +173,9 @@ class CommandSpec:
     Attributes:
         postures: By the configuration that it leads to, the posture that comes first, or None;
             empty for a command that needs none anywhere.
+        asks_for: Condition on the states of the regions; where it holds, the command is unneeded.
+        asks_parts: Parts that are held wherever it holds; where there are any, their clamps decide
+            whether the command is unneeded.
     """
 
     name: str
@@ -180,10 +184,87 @@ class CommandSpec:
     nominal_s: float
     lets_go: bool
     postures: tuple[PostureSpec | None, ...] = ()
+    asks_for: Expression | None = None
+    asks_parts: frozenset[int] = frozenset()
 
     def posture(self, configuration: int) -> PostureSpec | None:
         """The posture that comes first where the command leads to this configuration."""
         return self.postures[configuration] if self.postures else None
+
+
+class LoadedJoint(NamedTuple):
+    """A joint of a held part: its slot, number indexes of its torque and its rate."""
+
+    slot: int
+    torque: int
+    rate: int
+
+
+class HeldSpec(NamedTuple):
+    """How a held part shows itself; limits as in :class:`pirate_sm.model.seen.HeldPart`.
+
+    Attributes:
+        diameter: Number index of the diameter that the part shows; ``apex`` of its apex angle.
+        open_rad: From this angle of the apex on the part has opened to its end stop.
+    """
+
+    joints: tuple[LoadedJoint, ...]
+    torque: float
+    slack: float
+    still: float
+    diameter: int
+    apex: int
+    open_rad: float
+    span: float
+    span_off: float
+    for_s: float
+
+
+class AnglesSpec(NamedTuple):
+    """Angles near their setpoints; ``targets`` are pairs of number index and angle."""
+
+    targets: tuple[tuple[int, float], ...]
+    within: float
+    beyond: float
+    for_s: float
+
+
+class StandingSpec(NamedTuple):
+    """Wheels that stand; ``speeds`` are number indexes."""
+
+    speeds: tuple[int, ...]
+    below: float
+    for_s: float
+
+
+class DrivenSpec(NamedTuple):
+    """Wheels that do not turn against their setpoints; pairs of number index and direction."""
+
+    wheels: tuple[tuple[int, float], ...]
+    above: float
+    for_s: float
+
+
+class ImpliedSpec(NamedTuple):
+    """Nothing that could be wrong."""
+
+
+SeenSpec: TypeAlias = AnglesSpec | StandingSpec | DrivenSpec | ImpliedSpec | AcceptedSpec
+
+
+@dataclass(frozen=True)
+class Sight:
+    """How the robot shows itself to its sensors before anything moves.
+
+    Attributes:
+        within_s: How long that is looked at, at most.
+        parts: Per part, None where nothing shows that it is held.
+        states: Per region and state; what is missing no sensor shows.
+    """
+
+    within_s: float = 0.0
+    parts: tuple[HeldSpec | None, ...] = ()
+    states: tuple[Mapping[str, SeenSpec], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -362,6 +443,7 @@ class RobotSpec:
         part_regions: Per part the regions that its holding depends on.
         unneeded: Per configuration and command, whether what it asks for is so already.
         safe_zero: Slots that are zero in the safe state.
+        sight: How states show themselves before anything moves.
         odometry: Number indexes of odometry and speed; -1 where the robot has none.
         words_behind: Words of the detector that say that the whole robot is beyond the bend.
     """
@@ -388,6 +470,7 @@ class RobotSpec:
     detector_words: tuple[str, ...]
     words_behind: frozenset[str]
     body: BodySpec
+    sight: Sight = Sight()
 
     @property
     def regions(self) -> tuple[str, ...]:

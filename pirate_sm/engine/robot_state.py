@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 
 from pirate_sm.engine.chart_table import Configuration
 from pirate_sm.engine.done import Loop
-from pirate_sm.engine.robot import CriterionSpec, PostureSpec, RobotSpec
+from pirate_sm.engine.robot import CommandSpec, CriterionSpec, PostureSpec, RobotSpec
 from pirate_sm.model.effects import StateChange
 
 Numbers = tuple[float, ...]
@@ -17,8 +17,19 @@ POSTURE = -1
 """The stage of a motion in which the robot takes the command's posture, before all others."""
 
 
+STOPPED = -1
+"""In place of a mark's command: the wheels of the region were stopped from outside its state."""
+
+DECLARED = -2
+"""In place of a mark's command: a person or a file has said so."""
+
+
 class Mark(NamedTuple):
-    """A region's state, or a part's clamp, that ``command`` made and that is not confirmed."""
+    """A region's state, or a part's clamp, that is not confirmed.
+
+    Attributes:
+        command: The command that made it, or ``STOPPED`` or ``DECLARED``.
+    """
 
     kind: Literal["region", "part"]
     which: int
@@ -132,14 +143,19 @@ def obeyed(robot: RobotSpec, state: RobotState) -> tuple[str | None, ...]:
     """The state of each region; None where its wheels have been stopped from outside it."""
     found: list[str | None] = []
     for region, name in enumerate(states_of(robot, state)):
-        driven = [
-            write.slot
-            for write in robot.actuation[region][name][-1]
-            if write.how == "set" and write.value != 0 and write.slot in robot.safe_zero
-        ]
+        driven = driven_slots(robot, region, name)
         stopped = bool(driven) and all(state.values[slot] == 0 for slot in driven)
         found.append(None if stopped else name)
     return tuple(found)
+
+
+def driven_slots(robot: RobotSpec, region: int, name: str) -> tuple[int, ...]:
+    """Slots that the region's state drives and the safe state stops."""
+    return tuple(
+        write.slot
+        for write in robot.actuation[region][name][-1]
+        if write.how == "set" and write.value != 0 and write.slot in robot.safe_zero
+    )
 
 
 def state_change(robot: RobotSpec, state: RobotState) -> StateChange:
@@ -158,13 +174,11 @@ def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
 
     A command is possible when it moves the chart, its posture does not rule it out, and it lets go
     of no part unless a confirmed clamp remains, and drives only with one. One that moves nothing
-    is a retry when it left something unconfirmed.
+    is possible as a retry while what it asks for is not confirmed.
     """
     here = state.configuration
     target = robot.table.follow(here, command)
-    if target == here:
-        if any(mark.command == command for mark in state.marks):
-            return ""
+    if target == here and not retried(robot, state, command):
         if robot.unneeded[here][command]:
             return "unneeded: it is so already"
         return f"impossible: {robot.table.why_not(here, command)}"
@@ -172,7 +186,9 @@ def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
     if posture is not None and posture.refuse:
         return f"impossible: {posture.refuse}"
     confirmed, held = confirmed_parts(robot, state), robot.held[target]
-    if _drives(robot, target) and not _drives(robot, here) and not confirmed & held:
+    states = robot.table.configurations[target]
+    made = made_by(robot, state, command)
+    if any(driven_slots(robot, each, states[each]) for each in made) and not confirmed & held:
         return "impossible: no clamp is confirmed to drive with"
     if robot.held[here] <= held or confirmed & held or robot.commands[command].lets_go:
         return ""
@@ -182,13 +198,53 @@ def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
     return f"impossible: it would let go of the last confirmed clamp ({parts})"
 
 
-def _drives(robot: RobotSpec, configuration: int) -> bool:
-    """Whether slots that the safe state stops are driven there."""
-    return any(
-        write.slot in robot.safe_zero and write.how == "set" and write.value != 0
-        for region, name in enumerate(robot.table.configurations[configuration])
-        for write in robot.actuation[region][name][-1]
-    )
+def made_by(robot: RobotSpec, state: RobotState, command: int) -> frozenset[int]:
+    """Regions whose states the command makes: those that it moves or tries again."""
+    before = states_of(robot, state)
+    after = robot.table.configurations[robot.table.follow(state.configuration, command)]
+    moved = {index for index, name in enumerate(after) if name != before[index]}
+    again = {mark.which for mark in retried(robot, state, command) if mark.kind == "region"}
+    return frozenset(moved | again)
+
+
+def retried(robot: RobotSpec, state: RobotState, command: int) -> frozenset[Mark]:
+    """What the command, given now, would confirm of what is not confirmed.
+
+    That is what it left unconfirmed itself and, where what it asks for is commanded already, the
+    unconfirmed states or clamps that this rests on.
+    """
+    own = {mark for mark in state.marks if mark.command == command}
+    here = state.configuration
+    if not robot.unneeded[here][command] or robot.table.follow(here, command) != here:
+        return frozenset(own)
+    return frozenset(own | _rests_on(robot, state, command))
+
+
+def _rests_on(robot: RobotSpec, state: RobotState, command: int) -> set[Mark]:
+    """Marks without which it would be certain that what the command asks for is so already."""
+    spec = robot.commands[command]
+    if spec.asks_parts:
+        return {
+            mark for mark in state.marks if mark.kind == "part" and mark.which in spec.asks_parts
+        }
+    doubted = {mark.which for mark in state.marks if mark.kind == "region"}
+    if not doubted or _is_so(robot, state, spec, doubted):
+        return set()
+    alone = {
+        region
+        for region in doubted
+        if not _is_so(robot, state, spec, {region})
+        or _is_so(robot, state, spec, doubted - {region})
+    }
+    regions = alone or doubted
+    return {mark for mark in state.marks if mark.kind == "region" and mark.which in regions}
+
+
+def _is_so(robot: RobotSpec, state: RobotState, spec: CommandSpec, unknown: set[int]) -> bool:
+    """Whether what a command asks for is so, whatever the states of these regions are."""
+    names = states_of(robot, state)
+    words = tuple(None if index in unknown else name for index, name in enumerate(names))
+    return spec.asks_for is not None and spec.asks_for.evaluate((), words) is True
 
 
 def safe_values(robot: RobotSpec, state: RobotState, numbers: Numbers) -> Numbers:

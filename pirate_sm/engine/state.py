@@ -7,12 +7,21 @@ from typing import NamedTuple
 
 from pirate_sm.engine.done import Loop
 from pirate_sm.engine.environment import Surveyed
-from pirate_sm.engine.program import HandlerSpec
-from pirate_sm.engine.robot_state import Finished, RobotState
+from pirate_sm.engine.program import HandlerSpec, Program
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot_state import Finished, Mark, RobotState
+from pirate_sm.engine.seeing import Look
 from pirate_sm.engine.sensing import Sensing
 from pirate_sm.model.effects import Outcome
 
 Words = tuple[str | None, ...]
+
+
+class Setting(NamedTuple):
+    """What does not change during a run."""
+
+    robot: RobotSpec
+    program: Program
 
 
 class Ending(NamedTuple):
@@ -29,12 +38,19 @@ class Ending(NamedTuple):
 
 
 class BeforePause(NamedTuple):
-    """What was in force when a pause began, to be asserted again."""
+    """What was in force when a pause began, to be asserted again.
+
+    Attributes:
+        values: Setpoints; NaN where nothing is to be asserted.
+        suspended: Whether a command was under way and goes on after the pause.
+        doubts: What is unconfirmed only because the pause has stopped the wheels.
+    """
 
     values: tuple[float, ...]
     loops: tuple[Loop, ...]
     configuration: int
     suspended: bool
+    doubts: frozenset[Mark] = frozenset()
 
 
 class MissionState(NamedTuple):
@@ -86,6 +102,15 @@ class MissionState(NamedTuple):
         """Mission time: it stands still during a pause."""
         return (self.paused_s if self.paused else now) - self.offset_s
 
+    @property
+    def suspended(self) -> bool:
+        """Whether a command is under way that the pause has suspended."""
+        return self.before_pause is not None and self.before_pause.suspended
+
+    def motion_clock(self, now: float) -> float:
+        """Time as the command under way counts it: it stands still while that is suspended."""
+        return self.paused_s if self.suspended else now
+
     def at(self, pc: int) -> MissionState:
         """The mission before its instruction at ``pc``."""
         return self._replace(
@@ -115,6 +140,7 @@ class EngineState(NamedTuple):
         words: State of each region, then the detector's word and the segment; None is unknown.
         word_until_s: Until when the detector's word is valid.
         wake_at_s: When time alone will change something.
+        look: While the sensors are compared with what is declared; nothing is commanded then.
         rules: Where each safety rule of the program is, see :mod:`pirate_sm.engine.rules`.
         surveyed: The pipe around the robot.
     """
@@ -128,3 +154,4 @@ class EngineState(NamedTuple):
     wake_at_s: float = inf
     rules: tuple[int, ...] = ()
     surveyed: Surveyed = Surveyed()
+    look: Look | None = None

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from pirate_sm.engine import rules
-from pirate_sm.engine.interpreter import Setting, end
-from pirate_sm.engine.state import EngineState
+from pirate_sm.engine.ending import end
+from pirate_sm.engine.state import EngineState, Setting
 from pirate_sm.model.effects import Effect, Fault, Log
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 
@@ -132,6 +132,8 @@ def read_mission(
         source, loaded, values, start_phase, states, problems, tolerated
     )
     problems.raise_errors(tolerated)
+    if chosen is not None:
+        program = replace(program, diameter_m=chosen.diameter)
     documents = (document, *loaded.documents, *called, pipe_document)
     result = LoadedMission(
         mission, loaded, spec, program, chosen, pipe_name, documents,

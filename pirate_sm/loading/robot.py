@@ -21,6 +21,7 @@ from pirate_sm.loading.robot_commands import resolve_commands, resolve_faults, r
 from pirate_sm.loading.robot_plausibility import thresholds
 from pirate_sm.loading.robot_postures import resolve_postures
 from pirate_sm.loading.robot_rules import resolve_rules
+from pirate_sm.loading.robot_seen import resolve_sight
 from pirate_sm.loading.robot_signals import Signals, resolve_signals
 from pirate_sm.loading.robot_slots import resolve_slots
 from pirate_sm.loading.source import Document, read_document
@@ -180,7 +181,7 @@ def _resolve(
     parts, held, part_regions = resolve_parts(profile, table, signals, problems)
     actuation = resolve_actuation(profile, table, signals, slots, polarity, problems)
     postures = resolve_postures(profile, table, signals, slots, polarity, held, actuation, problems)
-    commands, unneeded = resolve_commands(profile, table, signals, postures, problems)
+    commands, unneeded = resolve_commands(profile, table, held, signals, postures, problems)
     faults = resolve_faults(profile, signals, problems)
     zero = tuple(
         slots.index(name, ("safe_state", "zero", number))
@@ -209,4 +210,5 @@ def _resolve(
         detector_words=tuple(profile.detector.words),
         words_behind=words_behind(profile),
         body=resolve_chain(profile, signals),
+        sight=resolve_sight(profile, table, slots.specs, actuation, signals, problems),
     )

@@ -62,17 +62,23 @@ def resolve_parts(
 def resolve_commands(
     profile: model.Profile,
     table: ChartTable,
+    held: tuple[frozenset[int], ...],
     signals: Signals,
     postures: Mapping[str, tuple[PostureSpec | None, ...]],
     problems: Problems,
 ) -> tuple[tuple[CommandSpec, ...], tuple[tuple[bool, ...], ...]]:
-    """Each command's criterion, posture and limits; by configuration which are unneeded."""
-    specs, asks = [], []
+    """Return each command's criterion, posture and limits; by configuration the unneeded ones."""
+    specs: list[CommandSpec] = []
+    unneeded: list[list[bool]] = []
     for name in table.commands:
         command = profile.commands[name]
         path: Path = ("commands", name)
-        asks.append(on_states(command.asks_for, table, signals, (*path, "asks_for"), problems))
+        asks = on_states(command.asks_for, table, signals, (*path, "asks_for"), problems)
         done = resolve_criterion(profile, command.done, signals, (*path, "done"), problems)
+        met = [is_true(asks, states) for states in table.configurations]
+        parts = [parts for parts, is_met in zip(held, met, strict=True) if is_met]
+        every = frozenset.intersection(*parts) if parts else frozenset[int]()
+        unneeded.append(met)
         posture = command.posture
         if posture is not None and posture not in postures:
             problems.add(
@@ -83,13 +89,10 @@ def resolve_commands(
         specs.append(
             CommandSpec(
                 name, done, command.timeout, command.nominal, command.lets_go,
-                postures.get(posture or "", ()),
+                postures.get(posture or "", ()), asks, every,
             )
         )  # fmt: skip
-    unneeded = tuple(
-        tuple(is_true(condition, states) for condition in asks) for states in table.configurations
-    )
-    return tuple(specs), unneeded
+    return tuple(specs), tuple(zip(*unneeded, strict=True))
 
 
 def resolve_faults(
@@ -181,7 +184,7 @@ def resolve_criterion(  # noqa: C901 - one case per kind
         case criteria.Turning():
             return TurningSpec(tuple((w.slot, w.speed) for w in wheels), done.above)
         case criteria.Stopped():
-            return StoppedSpec(tuple(w.speed for w in wheels), done.below, done.for_s)
+            return StoppedSpec(_speeds_of_parts(profile, signals), done.below, done.for_s)
         case criteria.Aligned():
             pairs = [
                 _angle_slot(profile, name, signals, (*path, "slots", number), problems)
@@ -203,6 +206,15 @@ def resolve_criterion(  # noqa: C901 - one case per kind
                     )
                     break  # the others are compared with the same limit
             return BelowSpec(numbers, done.limit.value, done.for_s)
+
+
+def _speeds_of_parts(profile: model.Profile, signals: Signals) -> tuple[tuple[int, ...], ...]:
+    """Number indexes of the wheels' speeds, part by part."""
+    wheels = profile.body.wheels
+    return tuple(
+        tuple(spec.speed for spec in signals.wheels if wheels[spec.place].part == part)
+        for part in dict.fromkeys(wheel.part for wheel in wheels)
+    )
 
 
 def _rate(name: str, signals: Signals, path: Path, problems: Problems) -> int:

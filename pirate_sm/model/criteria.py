@@ -65,7 +65,7 @@ class Reached(Frozen):
 
 
 class Turning(Frozen):
-    """Done when one of the driven wheels turns faster than ``above``.
+    """Done when one of the driven wheels turns the way it is driven, faster than ``above``.
 
     Attributes:
         kind: What shows that a command is done.
@@ -77,7 +77,9 @@ class Turning(Frozen):
 
 
 class Stopped(Frozen):
-    """Done when no wheel that can be measured turns faster than ``below``, ``for`` so long.
+    """Done when the wheels that can be heard turn slower than ``below``, ``for`` so long.
+
+    Of each part at least one wheel must be heard.
 
     Attributes:
         kind: What shows that a command is done.

@@ -3,7 +3,7 @@
 Every input of a run is one of these; nothing else can change its course, so a recording of them
 replays it. Time is not part of an event: it is handed to the engine beside it, in seconds since
 the run began. ``ALPHABET_VERSION`` changes with any change of a field or a class here or in
-:mod:`pirate_sm.model.effects`.
+:mod:`pirate_sm.model.effects`, and where the engine would make something else of the same events.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import inf
 from typing import Literal, NamedTuple, TypeAlias
 
-ALPHABET_VERSION = 4
+ALPHABET_VERSION = 5
 
 SubmitStatus: TypeAlias = Literal["accepted", "superseded", "rejected", "unknown"]
 

@@ -37,6 +37,7 @@ from pirate_sm.model.quantities import (
     Torque,
 )
 from pirate_sm.model.safety import SafetyRule
+from pirate_sm.model.seen import Seen
 from pirate_sm.model.simulation import Simulation
 from pirate_sm.model.wire import Serial
 
@@ -300,6 +301,7 @@ class Profile(Frozen):
         commands: One entry for each event of the chart.
         aliases: Other names of commands: ``{other: command}``.
         not_commands: Names that people may try, each with what to say then.
+        seen: How states show themselves to the sensors before anything moves.
         safe_state: What makes the robot safe.
         faults: Faults that the signals tell.
         rules: Safety rules: missions are checked against them, and watched in every run.
@@ -324,6 +326,7 @@ class Profile(Frozen):
     commands: dict[Name, Command]
     aliases: dict[Name, Name] = {}
     not_commands: dict[Name, str] = {}
+    seen: Seen = Seen()
     safe_state: SafeState
     faults: tuple[FaultRule, ...] = ()
     rules: tuple[SafetyRule, ...] = ()

@@ -11,6 +11,7 @@ from pirate_sm.checking.exploring.ranges import ANYTHING, ranges
 from pirate_sm.engine import robot_state
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.program import Branch, Program, Question, Wait
+from pirate_sm.engine.robot_state import at_rest_in
 from pirate_sm.engine.state import EngineState
 from pirate_sm.expressions import EnumType, Expression, tree
 from pirate_sm.loading.mission import LoadedMission
@@ -169,7 +170,9 @@ class Measured(Run):
     def __post_init__(self) -> None:
         self.engine = Engine(self.loaded.robot, self.loaded.program, nominal=False)
         self.signals: dict[str, float] = {}
-        self.state, effects = self.engine.start(0.0, [*self._frames()])
+        # The check takes it that the sensors confirm what is declared.
+        body = at_rest_in(self.loaded.robot, self.loaded.program.start_configuration)
+        self.state, effects = self.engine.start(0.0, [*self._frames()], body=body)
         self._note(effects)
 
     def _look_round(self) -> None:

@@ -153,6 +153,7 @@ async def operator(
         async with app.run_test(size=size, notifications=True) as pilot:
             someone = Operator(app, pilot, clock, session)
             someone.until(lambda: someone.latest.state is not None)
+            someone.until(lambda: someone.latest.over or someone.latest.state.look is None)
             yield someone
             clock.free()
             session.quit()

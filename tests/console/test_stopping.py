@@ -13,6 +13,7 @@ from pirate_sm.console.app import Console
 from pirate_sm.console.dialogs import Confirm, Pick
 from pirate_sm.console.driver import Lossy, StopDriver
 from pirate_sm.console.session import Session
+from pirate_sm.engine.pausing import why_not_to
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event
 from pirate_sm.runtime.loop import MissionRun
@@ -20,7 +21,7 @@ from pirate_sm.runtime.outcome import Result
 from pirate_sm.runtime.stopping import BY_SIGNAL
 from pirate_sm.wiring import Order, Prepared
 
-from .driving import Operator, by_hand, confirming, operator, played
+from .driving import Operator, by_hand, confirming, operator, played, with_mission
 
 SMALL = (80, 24)
 
@@ -33,6 +34,41 @@ async def drive(me: Operator) -> None:
     for command in ("ClampFront", "ClampRear", "DriveForward"):
         await me.command(command)
     assert not me.wheels_stand()
+
+
+def test_after_the_stop_driving_is_taken_at_once() -> None:
+    async def story() -> None:
+        async with operator(trace(), size=SMALL) as me:
+            await drive(me)
+            await me.press("space")
+            me.wait(0.5)
+            assert me.wheels_stand()
+
+            await me.command("DriveForward")
+
+            assert not me.wheels_stand()
+
+    played(story)
+
+
+def test_a_command_that_a_pause_has_suspended_is_taken_over() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", "trace"), size=SMALL) as me:
+            await me.look()
+            await me.press("R")
+            me.wait(0.5)
+            await me.press("P")
+            me.until(lambda: me.latest.state.mission.suspended, 5)
+
+            await me.command("ClampRear")
+
+            assert me.states[2] == "DoubleClamped"
+            assert any("the operator took over" in each for each in me.told())
+            me.until(lambda: me.latest.state.robot.flight is None)
+            program = me.latest.scene.loaded.program
+            assert why_not_to(program, me.latest.state, "regrip") == ""
+
+    played(story)
 
 
 def test_the_stop_works_over_a_dialog() -> None:

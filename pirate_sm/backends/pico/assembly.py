@@ -9,7 +9,6 @@ from pirate_sm.backends.pico.guard_notes import Instructions
 from pirate_sm.backends.pico.guarded_port import GuardedPort
 from pirate_sm.backends.pico.messages import read_messages
 from pirate_sm.backends.pico.plan import Plan, plan_of, serial_of
-from pirate_sm.backends.pico.starting import Check
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
@@ -58,17 +57,11 @@ def guarded_port(plan: Plan, url: str, baud: int | None, stay_s: float = STAY_S)
     return GuardedPort(url, baud or link.baud, instructions)
 
 
-def serial_backend(
-    plan: Plan,
-    url: str,
-    baud: int | None,
-    check: Check = lambda frames: "",
-    stay_s: float = STAY_S,
-) -> SerialBackend:
-    """The robot on this port, which a guardian will own; arguments as above.
+def serial_backend(plan: Plan, url: str, baud: int | None, stay_s: float = STAY_S) -> SerialBackend:
+    """Return the robot on this port, which a guardian will own; arguments as above.
 
     Raises:
         UsageError: pyserial is missing, which the guardian needs.
     """
     port = guarded_port(plan, url, baud, stay_s)
-    return SerialBackend(plan, port, baud=baud or plan.serial.baud, check=check)
+    return SerialBackend(plan, port, baud=baud or plan.serial.baud)

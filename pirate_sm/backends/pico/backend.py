@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from math import inf
 
@@ -35,8 +35,6 @@ class SerialBackend:
         plan: The robot on its wire.
         port: Where it is.
         baud: Of the line.
-        check: Is given the last frame of each board before anything else happens, and says
-            what does not agree with where the robot is believed to be; empty: nothing.
 
     Attributes:
         exchange: What has been said and done on the link.
@@ -53,12 +51,10 @@ class SerialBackend:
         port: Port,
         *,
         baud: int | None = None,
-        check: Callable[[Sequence[SensorFrame]], str] = lambda frames: "",
     ) -> None:
         self.plan = plan
         self.port = port
         self._baud = baud or plan.serial.baud
-        self._check = check
         self.exchange = Exchange(plan, port.now(), port.epoch_s, self._baud)
         self._zero_s = 0.0
         self._held_s = inf
@@ -301,9 +297,6 @@ class SerialBackend:
             raise BackendError(no_sensors(self.plan.serial.advice.no_sensors))
         if silent:
             told.append(FaultReport(SILENT, mute(self.plan.modules, silent)))
-        problem = self._check(tuple(frames.values()))
-        if problem:
-            raise BackendError(problem)
         return [*frames.values(), *told]
 
     def _put(self, data: bytes) -> None:

@@ -94,7 +94,8 @@ def waiting(
             lines.append(Text(f"{name}: sent, not yet accepted"))
         else:
             lines.append(Text(f"{name}: until it is done"))
-            lines.append(_left(situation.now_s, motion.accepted_s, motion.deadline_s, width))
+            now_s = state.mission.motion_clock(situation.now_s)
+            lines.append(_left(now_s, motion.accepted_s, motion.deadline_s, width))
     return lines
 
 

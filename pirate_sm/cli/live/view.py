@@ -108,6 +108,8 @@ class View:
         lines += below
         lines.append(panels.title("events", width))
         recent = panels.events(memory, told)
+        for line in recent:
+            line.truncate(width, overflow="ellipsis")
         lines += recent + [Text()] * (told - len(recent))
         return lines[:height]
 

@@ -137,7 +137,7 @@ def test_another_robot_bends_by_its_own_states(tmp_path: Path) -> None:
     text = profile.read_text(encoding="utf-8")
     text = text.replace("(NoseHeld, BothHeld)", "(NoseHeld, BothHeld, TailBent)")
     text = text.replace(
-        "    BothHeld:", "    TailBent: {fold_neck: -50 %, fold_hip: 30 deg}\n    BothHeld:"
+        "    BothHeld:", "    TailBent: {fold_neck: -50 %, fold_hip: 30 deg}\n    BothHeld:", 1
     ).replace(
         "  Rest: {asks",
         "  Peek: {asks_for: Grip == TailBent, done: {kind: reached}, timeout: 2 s, nominal: 1 s}\n"

@@ -288,6 +288,48 @@ def test_one_wheel_that_turns_is_enough_for_driving(drive):
     assert driver.statuses[-1] == ("DriveForward", "done")
 
 
+def braking(drive, **silent: float):
+    """Brake has been accepted, and the wheels that can be heard stand still for a second."""
+    driver = drive(
+        f"on_fault: [{{fault: sensor.silent, then: continue}}]\n{IDLE}", states=DRIVING_FORWARD
+    )
+    driver.report_all(0.1)
+    command(driver, "Brake")
+    driver.accept()
+    driver.signals |= silent
+    driver.run(1.1)
+    return driver
+
+
+def test_braking_is_done_although_a_wheel_cannot_be_heard(drive):
+    assert braking(drive, theta_1=math.nan).statuses[-1] == ("Brake", "done")
+
+
+def test_braking_is_not_done_while_no_wheel_of_a_part_can_be_heard(drive):
+    front = {f"theta_{n}": math.nan for n in (1, 2, 3)}
+
+    assert braking(drive, **front).statuses[-1] == ("Brake", "accepted")
+
+
+@pytest.mark.parametrize(("borne", "status"), [(-0.36, "done"), (0.36, "accepted")])
+def test_a_joint_is_stopped_by_a_wall_only_when_it_bears_torque_against_its_push(
+    drive, borne, status
+):
+    driver = drive(IDLE, states=REAR_CLAMPED)
+    driver.report_all(0.1)
+    command(driver, "BendInto")
+    driver.accept()
+    stopped = {"gamma_1": -0.3, "gamma_2": -0.3, "bend_torque_1": borne, "bend_torque_2": borne}
+    driver.signals |= stopped
+
+    while driver.now < 3 and driver.statuses[-1] == ("BendInto", "accepted"):
+        driver.report_all(driver.now + 0.1)
+        if driver.in_flight:
+            driver.accept()
+
+    assert driver.statuses[-1] == ("BendInto", status)
+
+
 def test_a_wheel_that_is_not_driven_shows_no_driving(drive):
     driver = drive(IDLE, states=FRONT_CLAMPED)
     driver.report_all(0.1)

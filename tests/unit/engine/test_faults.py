@@ -104,9 +104,10 @@ def test_a_command_under_way_is_interrupted_and_stays_unconfirmed(drive):
     assert driver.last_status.reason == "interrupted by robot.stuck: it does not move"
     assert driver.phases == ["a"]
     driver.accept()
+    driver.until_done("Brake")  # the clamp that was to fix the rear wheels is not confirmed
 
     assert driver.phases == ["a", "rescue", "after"]
-    assert driver.unconfirmed == {"RearWheelsState", "BendingState"}
+    assert driver.unconfirmed == {"BendingState"}
     messages = [log.message for log in driver.of(fx.Log)]
     assert messages == ["rescued after robot.stuck: it does not move"]
 
@@ -463,3 +464,37 @@ def test_where_all_boards_stop_the_first_of_them_is_not_blamed(drive):
         driver.tick(driver.now + 0.1)
 
     assert driver.faults == [("link.silent", "stop")]
+
+
+def without_board(driver, board: int, until: float) -> None:
+    """Every other board reports, ten times a second."""
+    others = [each for each in driver.robot.boards if each != board]
+    while driver.now < until - 1e-9:
+        driver.now += 0.1
+        for each in others:
+            driver.report(each)
+        if driver.wake_at <= driver.now:
+            driver.tick(driver.now)
+
+
+def test_a_board_that_is_silent_again_is_reported_again(drive):
+    handled = "on_fault: [{fault: sensor.silent, then: continue}]\n"
+    driver = drive(handled + IDLE, states=BOTH_CLAMPED)
+    driver.report_all(0.1)
+    without_board(driver, 22, 2.0)
+    assert driver.faults == [("sensor.silent", "continue")]
+
+    driver.report_all()
+    without_board(driver, 22, driver.now + 2.0)
+
+    assert driver.faults == [("sensor.silent", "continue")] * 2
+
+
+def test_a_fault_rule_still_sees_the_states_that_drive_no_wheel(drive):
+    driver = drive(IDLE, states=BOTH_CLAMPED)
+    driver.give(ev.Pause())
+    driver.signals |= {"gamma_1": math.radians(148), "acc_z": 9.81}
+
+    driver.run(3.0)
+
+    assert driver.faults == [("clamp.lost", "stop")], "the clamp is commanded during a pause too"

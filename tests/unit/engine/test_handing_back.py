@@ -95,3 +95,17 @@ def test_an_engine_can_begin_with_the_operator_and_where_another_left_the_robot(
     assert second.state.robot.configuration == first.state.robot.configuration
     assert second.state.mission.paused
     assert not [each for each in effects if isinstance(each, fx.CommandStatus)]
+
+
+def test_handing_back_does_not_drop_the_operators_command_under_way(drive):
+    driver = paused_while_driving(drive)
+    driver.give(ev.OperatorCommand("Brake"))
+    driver.accept()
+
+    hand_back(driver, "b")
+
+    assert driver.state.mission.paused
+    assert messages(driver)[-1] == "b does not begin: a command is under way"
+    assert driver.state.robot.motion is not None
+    driver.tick(driver.now + 1)
+    assert command(driver, "Brake")[-1].status == "done"

@@ -394,3 +394,131 @@ def test_step_of_a_running_mission_pauses_it(drive):
     driver.give(ev.Step())
 
     assert messages(driver) == ["paused: wheels stopped, deadlines frozen"]
+
+
+# --- what a pause leaves unconfirmed, and taking over a command
+
+
+def bends_paused(drive):
+    """A paused mission whose BendInto has been accepted and is not done."""
+    driver = drive(
+        "start: a\nphases: {a: {do: [BendInto], go: e}}\n"
+        "on_failure: f\nends: {e: {succeed: ok}, f: {fail: '{cause}'}}",
+        states={"BendingState": "RearClampedFrontRelaxed", "RearWheelsState": "Fixed"},
+    )
+    driver.report_all()
+    driver.accept()
+    driver.report_all(0.2)
+    driver.accept() if driver.in_flight else None
+    driver.give(ev.Pause())
+    driver.accept() if driver.in_flight else None
+    return driver
+
+
+def test_a_pause_leaves_the_states_unconfirmed_whose_wheels_it_stops(drive):
+    driver = drive(MISSION)
+    driver.until_waiting("a")
+    assert driver.unconfirmed == set()
+
+    driver.give(ev.Pause())
+    driver.accept()
+
+    assert driver.unconfirmed == {"FrontWheelsState", "RearWheelsState"}
+    assert driver.of(fx.StateChange)[-1].unconfirmed == ("FrontWheelsState", "RearWheelsState")
+
+
+def test_after_a_pause_driving_is_taken_and_confirms_itself(drive):
+    driver = drive(MISSION)
+    driver.until_waiting("a")
+    driver.give(ev.Pause())
+    driver.accept()
+
+    command(driver, "DriveForward")
+
+    assert driver.statuses[-1] == ("DriveForward", "sent")
+    assert driver.nonzero["wheel_1"] == 1
+    driver.until_done("DriveForward", times=2)
+    assert driver.unconfirmed == set()
+
+
+def test_a_resumed_mission_drives_on_and_its_states_are_as_they_were(drive):
+    driver = drive(MISSION)
+    driver.until_waiting("a")
+    driver.give(ev.Pause())
+    driver.accept()
+
+    driver.give(ev.Resume(), driver.now + 1)
+    driver.accept()
+
+    assert driver.nonzero["wheel_1"] == 1
+    assert driver.unconfirmed == set()
+
+
+def test_braking_stays_unneeded_after_a_pause_of_a_standing_robot(drive):
+    driver = drive(IDLE, states=BOTH_CLAMPED)
+    driver.give(ev.Pause())
+
+    command(driver, "Brake")
+
+    assert driver.last_status.reason == "unneeded: it is so already"
+
+
+def test_the_operator_takes_over_a_command_that_the_pause_suspended(drive):
+    driver = drive(MISSION)
+    driver.until_sent("DriveForward")
+    driver.accept()
+    driver.give(ev.Pause())
+    driver.accept()
+
+    command(driver, "Brake")
+
+    assert driver.statuses[-2:] == [("DriveForward", "failed"), ("Brake", "sent")]
+    assert driver.of(fx.CommandStatus)[-2].reason == "the operator took over"
+    driver.until_done("Brake")
+    assert driver.states["FrontWheelsState"] == "Fixed"
+    assert driver.state.mission.paused
+
+
+def test_a_refused_command_takes_nothing_over(drive):
+    driver = bends_paused(drive)
+
+    command(driver, "RelaxRear")
+
+    assert driver.last_status.status == "refused"
+    assert driver.state.robot.motion is not None
+
+
+def test_a_command_that_was_taken_over_has_failed_when_the_mission_goes_on(drive):
+    driver = bends_paused(drive)
+    command(driver, "BendInto")
+    driver.until_done("BendInto")
+    driver.accept()
+    in_force = driver.state.robot.values
+
+    driver.give(ev.Resume(), driver.now + 1)
+    driver.accept() if driver.in_flight else None
+
+    assert "BendInto" in driver.ended.message
+    assert driver.ended.message.endswith("failed: the operator took over")
+    assert driver.state.robot.values == in_force, "no loop of the suspended command goes on"
+
+
+def test_an_operators_command_is_not_the_result_of_the_missions_own(drive):
+    driver = bends_paused(drive)
+    command(driver, "ToggleLighting")
+    driver.until_done("ToggleLighting")
+    command(driver, "ToggleLighting")
+    driver.until_done("ToggleLighting", times=2)
+
+    driver.give(ev.Resume(), driver.now + 1)
+    driver.accept() if driver.in_flight else None
+
+    assert driver.ended.outcome == "failed"
+
+
+def test_the_clock_of_a_suspended_command_stands_still(drive):
+    driver = bends_paused(drive)
+
+    assert driver.state.mission.motion_clock(driver.now + 30) == driver.state.mission.paused_s
+    command(driver, "BendInto")
+    assert driver.state.mission.motion_clock(driver.now + 30) == driver.now + 30

@@ -13,7 +13,7 @@ from driving import (
     command,
 )
 
-from pirate_sm.engine.robot_state import Mark, at_rest_in, refusal
+from pirate_sm.engine.robot_state import DECLARED, STOPPED, Mark, at_rest_in, refusal
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import Skip
 
@@ -242,3 +242,56 @@ def test_nothing_drives_on_a_clamp_that_is_not_confirmed():
 
     assert refusal(robot, held, drive) == ""
     assert refusal(robot, doubtful, drive) == "impossible: no clamp is confirmed to drive with"
+
+
+def marked(robot, states, *marks):
+    """The robot in a configuration of which so much is not confirmed."""
+    return at_rest_in(robot, robot.table.index_of(states))._replace(marks=frozenset(marks))
+
+
+def why_not(robot, body, name):
+    return refusal(robot, body, robot.table.command_index[name])
+
+
+def test_a_doubted_clamp_is_no_reason_for_unneeded():
+    robot = load_robot(PIRATE).normal
+    front, rear = robot.parts.index("front"), robot.parts.index("rear")
+    states = ("Fixed", "Fixed", "DoubleClamped", "Unaligned", "Off")
+
+    body = marked(robot, states, Mark("part", front, DECLARED))
+
+    assert why_not(robot, body, "ClampFront") == ""
+    assert why_not(robot, body, "ClampRear") == "unneeded: it is so already"
+    both = marked(robot, states, Mark("part", front, DECLARED), Mark("part", rear, DECLARED))
+    assert (
+        why_not(robot, both, "RelaxRear") == "impossible: no clamp that would remain is confirmed"
+    )
+    assert why_not(robot, both, "DriveForward") == "impossible: no clamp is confirmed to drive with"
+
+
+def test_stopped_wheels_are_no_reason_for_unneeded():
+    robot = load_robot(PIRATE).normal
+    front, rear = 0, 1
+    driving = ("DrivingForward", "DrivingForward", "DoubleClamped", "Unaligned", "Off")
+    stopped = Mark("region", front, STOPPED), Mark("region", rear, STOPPED)
+
+    assert why_not(robot, marked(robot, driving, *stopped), "DriveForward") == ""
+    one = marked(robot, driving, stopped[0])
+    assert why_not(robot, one, "DriveForward") == "unneeded: it is so already"
+    part = Mark("part", robot.parts.index("front"), DECLARED)
+    other = Mark("part", robot.parts.index("rear"), DECLARED)
+    loose = marked(robot, driving, *stopped, part, other)
+    assert why_not(robot, loose, "DriveForward").startswith("impossible: no clamp is confirmed")
+
+
+def test_a_retry_confirms_only_what_it_rests_on(drive):
+    driver = drive(IDLE, states=BOTH_CLAMPED)
+    front = driver.robot.parts.index("front")
+    lights = driver.robot.regions.index("LightingState")
+    marks = {Mark("part", front, DECLARED), Mark("region", lights, DECLARED)}
+    driver.state = driver.state._replace(robot=driver.state.robot._replace(marks=frozenset(marks)))
+
+    command(driver, "ClampFront")
+    driver.until_done("ClampFront")
+
+    assert driver.unconfirmed == {"LightingState"}

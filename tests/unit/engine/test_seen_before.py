@@ -8,6 +8,7 @@ import pytest
 
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot_state import at_rest_in
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model.effects import Setpoints
@@ -33,9 +34,10 @@ def test_an_angle_to_be_kept_is_the_measured_one_in_the_first_array(
 ) -> None:
     loaded = load_mission(library.find_mission("enter_2d"))
     robot = loaded.robot
+    body = at_rest_in(robot, loaded.program.start_configuration)
     frames = [frame_with(robot, "phi", radians(KEPT_DEG))] if seen else []
 
-    _, effects = Engine(robot, loaded.program, nominal=False).start(0.0, frames)
+    _, effects = Engine(robot, loaded.program, nominal=False).start(0.0, frames, body=body)
 
     first = next(effect for effect in effects if isinstance(effect, Setpoints))
     turned = next(i for i, slot in enumerate(robot.slots) if slot.unit == "angle")

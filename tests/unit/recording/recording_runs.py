@@ -13,7 +13,6 @@ from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.detectors.choice import detecting
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.robot_state import at_rest_in
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.recording.file import DiskFile, RecordingFile
 from pirate_sm.recording.header import header_of
@@ -21,7 +20,7 @@ from pirate_sm.recording.reader import Recording, read_recording
 from pirate_sm.recording.recorder import Recorder
 from pirate_sm.runtime.companions import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.wiring import Order, prepare
+from pirate_sm.wiring import Order, prepare, start_values
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -55,8 +54,7 @@ def record_serial(path: Path, mission: str, switches: Switches, seed: int = 0) -
     assert profile.serial is not None
     assert loaded.pipe is not None
     folder = loaded.loaded_robot.folder
-    at_start = loaded.program.start_configuration
-    start = None if at_start == robot.table.initial else at_rest_in(robot, at_start).values
+    start = start_values(loaded)
     bay = VirtualBay(
         profile,
         loaded.pipe,

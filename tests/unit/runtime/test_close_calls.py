@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.robot_state import at_rest_in
 from pirate_sm.engine.state import Ending
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model import effects as fx
@@ -42,8 +43,9 @@ class Run:
         self.program = loaded.program
         self.robot = loaded.robot
         self.calls = CloseCalls(loaded.robot, loaded.program)
+        body = at_rest_in(loaded.robot, loaded.program.start_configuration)
         self._run: Any = SimpleNamespace(
-            state=Engine(loaded.robot, loaded.program, nominal=False).start()[0]
+            state=Engine(loaded.robot, loaded.program, nominal=False).start(body=body)[0]
         )
         self.calls.follow(self._run)
 

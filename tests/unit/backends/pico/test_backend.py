@@ -188,15 +188,6 @@ def test_a_channel_that_says_nothing_is_passed_on_as_that(
     assert not isnan(last.values[2])
 
 
-def test_a_robot_that_is_not_where_it_is_believed_to_be(plan: Plan, device: Device) -> None:
-    port = VirtualPort(device)
-    backend = SerialBackend(plan, port, check=lambda frames: f"{len(frames)} boards disagree")
-
-    with pytest.raises(BackendError, match="6 boards disagree"):
-        backend.open()
-    assert port.closed
-
-
 # --- arrays ---------------------------------------------------------------------------------
 
 
