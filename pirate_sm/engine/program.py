@@ -29,7 +29,8 @@ class Do(NamedTuple):
         timeout_s: In place of the robot's own; None for that.
         retries: How often the same command is sent again after a failure.
         skip_unneeded: Whether an unneeded command counts as done.
-        failed: Where a failure leads; ``expected``: its step says so itself.
+        failed: Where a failure leads; ``expected``: its step says so itself; ``handled``: its
+            phase or a step around it does.
         place: Where it stands, ``file:line:col``.
     """
 
@@ -41,6 +42,7 @@ class Do(NamedTuple):
     failed: int
     place: str
     expected: bool = False
+    handled: bool = False
 
 
 class Branch(NamedTuple):
@@ -53,13 +55,18 @@ class Branch(NamedTuple):
 
 
 class Require(NamedTuple):
-    """Fails unless the robot is, confirmed, in these states: (region, state name)."""
+    """Fails unless the robot is, confirmed, in these states: (region, state name).
+
+    ``expected`` and ``handled`` are those of :class:`Do`.
+    """
 
     states: tuple[tuple[int, str], ...]
     what: str
     next: int
     failed: int
     place: str
+    expected: bool = False
+    handled: bool = False
 
 
 class TriggerSpec(NamedTuple):

@@ -252,6 +252,7 @@ class _PhaseWriter:
             failed=self._failure(step, path, after),
             place=scope.place(path),
             expected=step.on_failure is not None,
+            handled=scope.handles_failures,
         )
 
     def _failure(self, step: model.Step, path: Path, after: Label) -> Label | int:
@@ -359,7 +360,8 @@ class _PhaseWriter:
         self._emit(
             out.Require, states=required_states(source, scope.robot.table, inside.problems),
             what=f"mission {source.mission.mission}", next=begin, failed=failed,
-            place=scope.place(path),
+            place=scope.place(path), expected=step.on_failure is not None,
+            handled=scope.handles_failures,
         )  # fmt: skip
         for name, end in source.mission.ends.items():
             self.compiler.assembly.mark(inside.targets[name])

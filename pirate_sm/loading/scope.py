@@ -116,6 +116,12 @@ class Scope:
         return self.caller
 
     @property
+    def handles_failures(self) -> bool:
+        """Whether the phase, or a step around, says where failures of steps in here lead."""
+        phase = self.source.mission.phases.get(self.phase)
+        return self.inner is not None or (phase is not None and phase.on_failure is not None)
+
+    @property
     def handlers(self) -> Handlers:
         """The fault handlers in force: the mission's own, then those of its callers."""
         known = self.robot.fault_codes()

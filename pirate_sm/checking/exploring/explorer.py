@@ -39,6 +39,12 @@ _TESTS_A_STEP = 20
 BEGINS = "\0begins "
 """Before the place of a call, in a line of the log that tells that its terms are met."""
 
+MISHAPS = frozenset({"rejected", "failed", "fault"})
+"""Kinds of moves that nobody plans for."""
+
+WITHIN = "within"
+"""The name under which the limit of a wait stands among its triggers."""
+
 START = Move("start", Tick(), 0.0)
 
 _QUIET = (Setpoints, StateChange, WakeAt)
@@ -80,6 +86,16 @@ class Step(NamedTuple):
     moment: Moment
     sure: bool
 
+    @property
+    def in_vain(self) -> bool:
+        """Whether a wait has lasted too long."""
+        return any(isinstance(e, TriggerFired) and e.trigger == WITHIN for e in self.effects)
+
+    @property
+    def went_wrong(self) -> bool:
+        """Whether it is a mishap, or a wait that has lasted too long."""
+        return self.move.kind in MISHAPS or self.in_vain
+
 
 @dataclass
 class Exploration:
@@ -96,6 +112,7 @@ class Exploration:
     steps: list[Step] = field(default_factory=list)
     complete: bool = True
     work: float = 0.0
+    _mishaps: list[int] = field(default_factory=list)
 
     def path(self, step: int) -> list[Step]:
         """The shortest course of events that ends with this step, from the start on."""
@@ -105,6 +122,14 @@ class Exploration:
             source = self.steps[step].source
             step = self.nodes[source].step if source >= 0 else -1
         return found[::-1]
+
+    def mishaps(self, step: int) -> int:
+        """How many things must go wrong, at least, before and in this step."""
+        if not self._mishaps:
+            self._mishaps = _fewest_mishaps(self)
+        here = self.steps[step]
+        before = self._mishaps[here.source] if here.source >= 0 else 0
+        return before + here.went_wrong
 
     def is_playable(self, step: int) -> bool:
         """Whether a course of single events, one after the other, leads there."""
@@ -146,6 +171,26 @@ def explore(
     walk.begin(body)
     walk.go_on()
     return walk.found
+
+
+def _fewest_mishaps(found: Exploration) -> list[int]:
+    """Per node, how many mishaps must have come about before it at least."""
+    after: list[list[tuple[int, int]]] = [[] for _ in found.nodes]
+    fewest = [len(found.steps)] * len(found.nodes)
+    waiting: deque[int] = deque()
+    for step in found.steps:
+        if step.source < 0:
+            fewest[step.target] = 0
+            waiting.append(step.target)
+        else:
+            after[step.source].append((step.target, int(step.went_wrong)))
+    while waiting:
+        node = waiting.popleft()
+        for target, more in after[node]:
+            if fewest[node] + more < fewest[target]:
+                fewest[target] = fewest[node] + more
+                (waiting.append if more else waiting.appendleft)(target)
+    return fewest
 
 
 def _telling(program: Program) -> Program:

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from pirate_sm.cli import check
+from pirate_sm.loading.robot import load_robot
 
 from .conftest import ROOT
 
@@ -53,11 +54,13 @@ def test_all_shipped_files_are_clean_even_of_warnings(
     pirate: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(ROOT)
+    load_robot.cache_clear()  # its files have the names that they had in another folder
     result = pirate("check", "--fail-on", "warning")
 
     assert (result.exit_code, result.stderr) == (0, "")
     assert result.stdout == (
-        "1 robot, 1 chart, 6 pipes, 17 missions checked in hardware_profiles, sequences: no findings\n"
+        "1 robot, 1 chart, 6 pipes, 17 missions checked in hardware_profiles, sequences: "
+        "no findings\n"
     )
 
 
@@ -69,7 +72,7 @@ def test_a_broken_mission_in_a_folder_that_is_no_project_is_no_false_green(
 
     assert result.exit_code == 1
     assert "mission.command" in result.stdout
-    assert result.stdout.endswith("1 mission checked in .: 1 error\n")
+    assert "\n1 mission checked in .: 1 error" in result.stdout
 
 
 @pytest.mark.parametrize("paths", [(), ("empty",)])
@@ -126,7 +129,7 @@ def test_another_robot_and_pipe_are_taken(pirate: Any, warned: Path) -> None:
     ("name", "begin"),
     [
         ("json", '{\n "format": 1'),
-        ("sarif", '{\n "version": "2.1.0"'),
+        ("sarif", '{\n "$schema": "'),
         ("junit", '<?xml version="1.0"'),
         ("github", "::error file=b.yaml,line=6,endLine=6,col=12,endColumn=21,title="),
     ],
