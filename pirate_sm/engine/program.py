@@ -11,6 +11,10 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.expressions import Expression
 
+MOST_PHASES = 1_000
+"""Within one second of mission time [decided]: a bus cycle of 10 ms lets 100 waits end in it. Whoever
+begins more goes round and round, and writes a line about each."""
+
 STOP = -1
 """A failure's target when nothing handles it: the safe stop, mission failed."""
 
@@ -178,6 +182,7 @@ class Program:
         phase_of: Per instruction the name of its phase.
         time_limit_s: Longest run; infinite without one.
         rules: The robot's safety rules, without those that the mission is allowed to break.
+        most_phases: How many phases may begin within one second of mission time.
     """
 
     mission: str
@@ -190,6 +195,7 @@ class Program:
     ends: tuple[str, ...]
     time_limit_s: float
     rules: tuple[RuleSpec, ...] = ()
+    most_phases: float = MOST_PHASES
 
     def beginning(self, phase: str) -> int | None:
         """Index of the instruction that enters a phase, None where there is none."""

@@ -31,6 +31,7 @@ BUILT_IN_FAULTS: Mapping[str, bool] = {
     "backend.failed": False,
     "pipe.impassable": True,
     "rule.violated": False,
+    "mission.runaway": False,
 }
 """Faults that any robot can have, and whether a mission may catch them (rule 10)."""
 

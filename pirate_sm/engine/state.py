@@ -54,6 +54,7 @@ class MissionState(NamedTuple):
         paused_s: When the present pause began, NaN while running.
         pause_wanted: Whether it shall pause as soon as no array is in flight.
         one_step: Whether it shall pause again after this instruction.
+        second_s: Mission time from which on ``entered`` counts phases, for one second.
     """
 
     pc: int
@@ -75,6 +76,8 @@ class MissionState(NamedTuple):
     before_pause: BeforePause | None = None
     ending: Ending | None = None
     ended: bool = False
+    second_s: float = -inf
+    entered: int = 0
 
     @property
     def paused(self) -> bool:

@@ -174,7 +174,7 @@ class _PhaseWriter:
         within, target, name = inf, Label(), ""
         if phase.within is not None:
             at = (*path, "within")
-            within = scope.duration(phase.within.time, (*at, "time"))
+            within = scope.waited(phase.within.time, (*at, "time"))
             target, name = scope.target(phase.within.go, (*at, "go")), phase.within.go
         triggers = tuple(
             self._trigger(trigger, name, (*path, "wait", number))
@@ -193,12 +193,12 @@ class _PhaseWriter:
         place = scope.place(path)
         spec = out.TriggerSpec(name, "", go, trigger.go, place=place)  # type: ignore[arg-type]
         if isinstance(trigger, model.ConditionTrigger):
-            held = scope.duration(trigger.held, (*path, "held"))
+            held = scope.waited(trigger.held, (*path, "held"), zero=True)
             condition = scope.condition(trigger.when, (*path, "when"))
             text = trigger.when + (f" for {held:g} s" if held else "")
             return spec._replace(text=text, condition=condition, held_s=held)
         if isinstance(trigger, model.TimeTrigger):
-            after = scope.duration(trigger.after, (*path, "after"))
+            after = scope.waited(trigger.after, (*path, "after"))
             return spec._replace(text=f"after {after:g} s", after_s=after)
         return spec._replace(text=f"operator: {trigger.operator}", answer=trigger.operator)
 

@@ -187,6 +187,23 @@ class Scope:
             self.problems.add("mission.time", path, f"expected {least}, got {seconds:g} s")
         return seconds
 
+    def waited(self, value: float | Parameter, path: Path, *, zero: bool = False) -> float:
+        """Seconds of a wait: at least one cycle of the bus, in which sensors can say something new.
+
+        Args:
+            value: As the file gives it.
+            path: Where.
+            zero: Whether 0 is allowed too, and means no waiting at all.
+        """
+        seconds, least_s = self.duration(value, path), self.profile.link.cycle
+        if 0 <= seconds < least_s and not (zero and seconds == 0):
+            self.problems.add(
+                "mission.time", path,
+                f"expected at least {1e3 * least_s:g} ms, one cycle of the robot's bus, "
+                f"got {1e3 * seconds:g} ms",
+            )  # fmt: skip
+        return seconds
+
     def limit(self, value: float | Parameter | None, path: Path) -> float | None:
         """Seconds of a limit, which is never 0; None where there is none."""
         return None if value is None else self.duration(value, path, positive=True)

@@ -158,7 +158,7 @@ def explore(
         most_work: What it may take, likewise.
     """
     oracle = Oracle(conditions)
-    program = _telling(replace(program, time_limit_s=inf))
+    program = _telling(replace(program, time_limit_s=inf, most_phases=inf))
     asking = oracle.program(program)
     walk = _Walk(
         Engine(robot, asking, nominal=True),
