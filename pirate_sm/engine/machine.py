@@ -186,12 +186,10 @@ def reassert(
 
 def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
     """Regions whose wheels were stopped from outside their states are unconfirmed."""
-    marks = set(state.marks)
-    for region, name in enumerate(states_of(robot, state)):
-        writes = robot.actuation[region][name][-1]
-        if any(w.slot in robot.safe_zero and w.how == "set" and w.value != 0 for w in writes):
-            marks.add(Mark("region", region, -1))
-    return state._replace(marks=frozenset(marks))
+    driven = robot.driven[state.configuration]
+    if not driven:
+        return state
+    return state._replace(marks=state.marks | {Mark("region", each, -1) for each in driven})
 
 
 # --- inside ---------------------------------------------------------------------------------

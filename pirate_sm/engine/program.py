@@ -12,8 +12,8 @@ from typing import Literal, NamedTuple, TypeAlias
 from pirate_sm.expressions import Expression
 
 MOST_PHASES = 1_000
-"""Within one second of mission time [decided]: a bus cycle of 10 ms lets 100 waits end in it. Whoever
-begins more goes round and round, and writes a line about each."""
+"""Within one second of mission time [decided]: a bus cycle of 10 ms lets 100 waits end in it. A
+mission that begins more goes round and round, and writes a line about each."""
 
 STOP = -1
 """A failure's target when nothing handles it: the safe stop, mission failed."""

@@ -278,6 +278,26 @@ class RobotSpec:
         }
         return tuple(positions.get(wheel.place, -1) for wheel in self.wheels)
 
+    @cached_property
+    def driven(self) -> tuple[Mapping[int, tuple[int, ...]], ...]:
+        """Per configuration the regions that drive wheels, each with the wheels' slots."""
+        return tuple(
+            {
+                region: slots
+                for region, name in enumerate(states)
+                if (slots := self._wheels(region, name))
+            }
+            for states in self.table.configurations
+        )
+
+    def _wheels(self, region: int, state: str) -> tuple[int, ...]:
+        """Slots that the safe state stops and that the state drives."""
+        return tuple(
+            write.slot
+            for write in self.actuation[region][state][-1]
+            if write.how == "set" and write.value != 0 and write.slot in self.safe_zero
+        )
+
     def fault_codes(self) -> dict[str, bool]:
         """Every fault code of this robot and whether a mission may catch it."""
         own = {fault.code: fault.catchable for fault in self.faults}

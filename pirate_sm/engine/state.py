@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from pirate_sm.engine.done import Loop
 from pirate_sm.engine.program import HandlerSpec
+from pirate_sm.engine.records import often_replaced
 from pirate_sm.engine.robot_state import Finished, RobotState
 from pirate_sm.engine.sensing import Sensing
 from pirate_sm.model.effects import Outcome
@@ -36,6 +37,7 @@ class BeforePause(NamedTuple):
     suspended: bool
 
 
+@often_replaced
 class MissionState(NamedTuple):
     """Where the mission is.
 
@@ -110,6 +112,7 @@ class FaultState(NamedTuple):
     blind: frozenset[int] = frozenset()
 
 
+@often_replaced
 class EngineState(NamedTuple):
     """Everything the engine remembers.
 

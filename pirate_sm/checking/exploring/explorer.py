@@ -8,7 +8,7 @@ What is found first is therefore reached by the fewest events.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, isnan
@@ -17,8 +17,15 @@ from typing import Any, NamedTuple
 from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.lasting import lasting
 from pirate_sm.checking.exploring.moves import Move, Moves
-from pirate_sm.checking.exploring.oracle import Moment, Oracle, TooManyQuestionsError
+from pirate_sm.checking.exploring.oracle import (
+    NOWHERE,
+    Moment,
+    Oracle,
+    TooManyQuestionsError,
+    Trigger,
+)
 from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import Program, Require, Say, Wait
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import RobotState
@@ -261,7 +268,7 @@ class _Walk:
             for state, at_s in lasting(it, node.state, self.moves.conditions):
                 move = Move("lasting", Tick(), at_s)
                 for (after, effects), moment in self._every(
-                    partial(self.engine.step, state, move.event, at_s)
+                    partial(self.engine.step, state, move.event, at_s), self._due(state, at_s)
                 ):
                     told = (each for each in effects if isinstance(each, TriggerFired))
                     if any((key, each.trigger) not in fired for each in told):
@@ -275,17 +282,40 @@ class _Walk:
         for move in self.moves.of(node.state, node.now):
             if not self.found.complete:
                 return
-            results = self._every(partial(self.engine.step, node.state, move.event, move.at_s))
+            results = self._every(
+                partial(self.engine.step, node.state, move.event, move.at_s),
+                self._due(node.state, move.at_s),
+            )
             for (state, effects), moment in results:
                 self._arrive(index, move, state, effects, moment)
 
+    def _due(self, state: EngineState, now: float) -> Collection[Trigger]:
+        """Triggers that fire now if their condition is still true."""
+        mission = state.mission
+        it = self.engine.program.instructions[mission.pc]
+        if not (isinstance(it, Wait) and mission.begun):
+            return ()
+        return [
+            (mission.pc, number)
+            for number, (each, since) in enumerate(zip(it.triggers, mission.since, strict=True))
+            if not isnan(since) and has_come(mission.clock(now), since + each.held_s)
+        ]
+
+    def _waits(self, result: tuple[EngineState, tuple[Effect, ...]]) -> int:
+        """Index of the wait that it has come to."""
+        mission = result[0].mission
+        waits = mission.begun and isinstance(self.engine.program.instructions[mission.pc], Wait)
+        return mission.pc if waits else NOWHERE
+
     def _every(
-        self, step: Callable[[], tuple[EngineState, tuple[Effect, ...]]]
+        self,
+        step: Callable[[], tuple[EngineState, tuple[Effect, ...]]],
+        due: Collection[Trigger] = (),
     ) -> Iterator[tuple[tuple[EngineState, tuple[Effect, ...]], Moment]]:
         """The results of the step, as far as they are not too much."""
         conditions, tests = self.moves.conditions, self.moves.conditions.tests
         try:
-            for result, moment in self.oracle.every(step):
+            for result, moment in self.oracle.every(step, self._waits, due):
                 yield result, moment
                 more = (conditions.tests - tests) / _TESTS_A_STEP
                 tests = conditions.tests
@@ -340,13 +370,19 @@ def _key(state: EngineState) -> Any:
     """What of a state decides how it can go on."""
     mission, body = state.mission, state.robot
     flight, motion = body.flight, body.motion
+    if mission.diverting is not None:  # where the fault came up matters no more
+        where = mission.diverting.go, mission.diverting.go_name, mission.stopped, mission.handling
+        return (
+            where, body.configuration, body.marks, body.values, body.seeking,
+            flight and (flight.purpose, flight.values),
+            motion and (motion.command, motion.place, motion.stage, isnan(motion.accepted_s)),
+            state.rules,
+        )  # fmt: skip
     return (
         mission.pc,
         mission.begun,
         mission.tries,
         mission.handling,
-        mission.diverting,
-        mission.stopped,
         mission.result.done if mission.result else None,
         tuple(isnan(since) for since in mission.since),
         mission.ending and (mission.ending.outcome, mission.ending.end),
