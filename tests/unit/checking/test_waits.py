@@ -88,7 +88,8 @@ start: p
 phases:
   p:
     wait: [{when: way > 10 mm, held: 1 s, go: bad}, {when: pace > 1 mm/s, held: 1 s, go: bad},
-           {operator: on, go: q}]
+           {operator: next, go: q}]
+    within: {time: 1 min, go: bad}
   q: {do: [{command: HoldNose, if: way > 10 mm and pace > 1 mm/s}], go: good}
 """
     check = checked(tmp_path, body)
