@@ -60,7 +60,8 @@ def holding_mission(triggers: int) -> str:
         for n, name in enumerate(SIGNALS[:triggers])
     ]
     wait = "start: a\nphases:\n  a:\n    wait:\n" + "\n".join(lines)
-    return f"{HEAD}{wait}\n    within: {{time: 1 min, go: f}}\nends: {{e: {{succeed: ok}}, f: {{fail: bad}}}}\n"
+    ends = "ends: {e: {succeed: ok}, f: {fail: bad}}\n"
+    return f"{HEAD}{wait}\n    within: {{time: 1 min, go: f}}\n{ends}"
 
 
 def shipped() -> None:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from pirate_sm.checking.branches import branch_findings
 from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.explorer import MOST_WORK, explore
 from pirate_sm.checking.exploring.ledger import Ledger, ledger
@@ -14,9 +15,12 @@ from pirate_sm.checking.exploring.ranges import ranges
 from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.flow import flow_findings
 from pirate_sm.checking.geometry import check_geometry
-from pirate_sm.checking.parameters import check_parameters
+from pirate_sm.checking.handlers import handler_findings
+from pirate_sm.checking.parameters import check_limits, check_parameters
 from pirate_sm.checking.places import Places
+from pirate_sm.checking.reach import reach_findings
 from pirate_sm.checking.refusals import refusal_findings
+from pirate_sm.checking.times import time_findings
 from pirate_sm.checking.waits import wait_findings
 from pirate_sm.engine.program import Do, Program, Raise, Require, Say
 from pirate_sm.loading.mission import TOLERABLE, LoadedMission, read_mission
@@ -91,13 +95,18 @@ def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> Missi
         judged = _judged(books, [*books, *beyond], loaded, places) if beyond else judged
     findings = [*told, *judged, *check_geometry(loaded)]
     findings += check_parameters(loaded.mission, loaded.documents[0])
+    findings += check_limits(loaded, conditions_of(loaded))
     unique = {(each.code, each.place, each.message): each for each in findings}
     ordered = sorted(unique.values(), key=lambda each: each.order)
     return MissionCheck(tuple(ordered), loaded.documents, loaded, tuple(books))
 
 
+_DECIDED = frozenset({"condition.constant", "trigger.never", "trigger.shadowed", "trigger.at_once"})
+"""Codes of conditions of which nothing more need be said."""
+
 _NEVER = frozenset(
     {
+        "branch.never", "branch.always", "condition.beyond", "wait.still",
         "phase.unreachable", "end.unreachable", "trigger.never", "trigger.shadowed",
         "trigger.at_once", "step.never_needed", "mission.no_success",
     }
@@ -109,12 +118,17 @@ def _judged(
     books: Sequence[Ledger], seen: Sequence[Ledger], loaded: LoadedMission, places: Places
 ) -> list[Finding]:
     """What is wrong with what can happen."""
-    return [
+    found = [
         *_cut_off(seen, loaded, places),
         *refusal_findings(books, seen, loaded, places),
         *wait_findings(books, seen, loaded, places),
         *flow_findings(books, seen, loaded, places),
+        *handler_findings(loaded),
+        *time_findings(books, loaded, places),
     ]
+    told = {each.place for each in found if each.code in _DECIDED}
+    more = [*branch_findings(seen, loaded, places), *reach_findings(seen, loaded, places)]
+    return [*found, *(each for each in more if each.place not in told)]
 
 
 def conditions_of(loaded: LoadedMission) -> Conditions:

@@ -8,7 +8,7 @@ What is found first is therefore reached by the fewest events.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, isnan
@@ -19,6 +19,7 @@ from pirate_sm.checking.exploring.lasting import lasting
 from pirate_sm.checking.exploring.moves import Move, Moves
 from pirate_sm.checking.exploring.oracle import (
     NOWHERE,
+    Asked,
     Moment,
     Oracle,
     TooManyQuestionsError,
@@ -111,6 +112,7 @@ class Exploration:
     Attributes:
         complete: False when there was too much of it.
         work: How much of ``MOST_WORK`` it took.
+        branches: By the place of each branch what its condition has been.
     """
 
     program: Program
@@ -119,6 +121,7 @@ class Exploration:
     steps: list[Step] = field(default_factory=list)
     complete: bool = True
     work: float = 0.0
+    branches: Mapping[str, set[Asked]] = field(default_factory=dict)
     _mishaps: list[int] = field(default_factory=list)
 
     def path(self, step: int) -> list[Step]:
@@ -164,14 +167,14 @@ def explore(
         body: What the robot has been commanded to before; None: it is where the program begins.
         most_work: What it may take, likewise.
     """
-    oracle = Oracle(conditions)
+    oracle = Oracle(conditions, robot.table.configurations[program.start_configuration])
     program = _telling(replace(program, time_limit_s=inf, most_phases=inf))
     asking = oracle.program(program)
     walk = _Walk(
         Engine(robot, asking, nominal=True),
         oracle,
         Moves(robot, asking, conditions),
-        Exploration(program, robot),
+        Exploration(program, robot, branches=oracle.branches),
         most,
         most_work,
     )

@@ -62,14 +62,31 @@ class _Related(NamedTuple):
     answer: Answer
 
 
+class Asked(NamedTuple):
+    """What a branch has asked.
+
+    Attributes:
+        as_at_the_start: Whether it is about states, and all of them are as at the start.
+    """
+
+    truth: bool
+    as_at_the_start: bool
+
+
 class Oracle:
     """Gives the answers.
 
     Args:
         conditions: Knows what can be true together.
+        start: The states that the robot begins in.
+
+    Attributes:
+        branches: By the place of each branch what its condition has been.
     """
 
-    def __init__(self, conditions: Conditions) -> None:
+    def __init__(self, conditions: Conditions, start: Sequence[str | None] = ()) -> None:
+        self.branches: dict[str, set[Asked]] = {}
+        self._start: Sequence[str | None] = start
         self._conditions = conditions
         self._numbers: dict[tree.Node, int] = {}
         self._nodes: list[tree.Node] = []
@@ -171,7 +188,8 @@ class Oracle:
 
     def _asking(self, index: int, it: Any) -> Any:
         if isinstance(it, Branch):
-            return it._replace(condition=self._expression(it.condition, None))
+            asking = self._expression(it.condition, None)
+            return it._replace(condition=self._noting(asking, it.place))
         triggers = tuple(
             trigger
             if trigger.condition is None
@@ -183,6 +201,20 @@ class Oracle:
             for number, trigger in enumerate(it.triggers)
         )
         return it._replace(triggers=triggers)
+
+    def _noting(self, asking: Expression, place: str) -> Expression:
+        """The condition of a branch, whose answers are known afterwards."""
+        answers = self.branches.setdefault(place, set())
+        ask, regions = asking.evaluate, self._conditions.regions(asking.tree)
+
+        def evaluate(numbers: Sequence[float], words: Sequence[str | None]) -> object:
+            truth = ask(numbers, words)
+            same = all(words[each] == self._start[each] for each in regions)
+            answers.add(Asked(truth is True, bool(regions) and same))
+            return truth
+
+        object.__setattr__(asking, "evaluate", evaluate)
+        return asking
 
     def _expression(self, real: Expression, held: Trigger | None) -> Expression:
         """The condition, asking; ``held`` is the trigger for which it must be held."""
