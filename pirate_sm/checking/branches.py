@@ -18,7 +18,8 @@ def branch_findings(
     """What is decided already wherever it is asked, in the mission's own file.
 
     A called mission is judged by itself: it may be called from elsewhere too. What asks for
-    states that no command has changed yet guards against another beginning, and is no fault.
+    states that no command has changed yet guards against another beginning, and is no fault; nor
+    is what asks again for what a trigger has just seen.
 
     Args:
         seen: What can happen.
@@ -33,7 +34,7 @@ def branch_findings(
         for where, asked in book.found.branches.items():
             for each in asked:
                 truths[where].add(each.truth)
-                if each.as_at_the_start:
+                if not each.moved:
                     guards.add(where)
     conditions = {
         each.place: each.condition.text

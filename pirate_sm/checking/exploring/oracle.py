@@ -66,11 +66,11 @@ class Asked(NamedTuple):
     """What a branch has asked.
 
     Attributes:
-        as_at_the_start: Whether it is about states, and all of them are as at the start.
+        moved: Whether it is about a state that is another one than at the start.
     """
 
     truth: bool
-    as_at_the_start: bool
+    moved: bool
 
 
 class Oracle:
@@ -209,8 +209,8 @@ class Oracle:
 
         def evaluate(numbers: Sequence[float], words: Sequence[str | None]) -> object:
             truth = ask(numbers, words)
-            same = all(words[each] == self._start[each] for each in regions)
-            answers.add(Asked(truth is True, bool(regions) and same))
+            moved = any(words[each] != self._start[each] for each in regions)
+            answers.add(Asked(truth is True, moved))
             return truth
 
         object.__setattr__(asking, "evaluate", evaluate)

@@ -56,7 +56,7 @@ def test_the_effort_for_conditions_to_be_held_does_not_double_with_each(tmp_path
     check = checked(tmp_path, wait(*triggers, within="1 min"))
 
     (book,) = check.explored
-    assert check.findings == ()
+    assert {each.code for each in check.findings} <= {"wait.still"}  # nothing drives
     assert set(book.waits["p"].fired) == {*(f"t{n}" for n in range(12)), "within"}
     assert len(book.found.steps) < 500
 
@@ -79,7 +79,8 @@ def test_conditions_that_bring_others_along_are_seen_together(
         for number, (when, time_s) in enumerate(held)
     ]
 
-    assert [code for code, _ in told(checked(tmp_path, wait(*triggers)))] == expected
+    codes = [code for code, _ in told(checked(tmp_path, wait(*triggers)))]
+    assert [code for code in codes if code != "wait.still"] == expected  # nothing drives
 
 
 def test_what_is_held_may_be_true_together_in_the_next_phase(tmp_path: Path) -> None:
@@ -94,7 +95,7 @@ phases:
 """
     check = checked(tmp_path, body)
 
-    assert told(check) == []
+    assert {code for code, _ in told(check)} <= {"wait.still"}  # nothing drives
     assert any(each.given for each in check.explored[0].visits.values())
 
 
