@@ -13,23 +13,20 @@ from dataclasses import dataclass
 from math import isinf
 from typing import NamedTuple
 
-from pirate_sm.checking.exploring.explorer import Exploration, Step, explore
+from pirate_sm.checking.exploring.explorer import WITHIN, Exploration, Step, explore
 from pirate_sm.checking.exploring.ledger import Ledger, ledger
 from pirate_sm.checking.mission import conditions_of
 from pirate_sm.engine import program as steps
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.effects import CommandStatus, Ended, PhaseChange, TriggerFired
+from pirate_sm.model.effects import CommandStatus, Ended, PhaseChange
 
 STOPPED = "(safe stop)"
 """Stands for the safe stop after what nothing handles; no end can be called so."""
 
 IGNORED = "(go on)"
 """Stands beside the phases that faults lead to, for a fault after which the mission goes on."""
-
-WITHIN = "within"
-"""The name under which the limit of a wait stands among its triggers."""
 
 _PLACE = re.compile(r" \([^()]*:\d+:\d+\)")
 
@@ -214,7 +211,7 @@ class _Reader:
         for step in found.steps:
             for _, end in _ends_of(found, step):
                 over[end or STOPPED].add(step.target)
-            if step.move.kind not in {"failed", "rejected", "fault"} and not _in_vain(step):
+            if not step.went_wrong:
                 before[step.target].append(step.source)
         after: list[set[str]] = [set() for _ in found.nodes]
         for end, nodes in over.items():
@@ -225,11 +222,6 @@ class _Reader:
                     after[node].add(end)
                     pending += before[node]
         return after
-
-
-def _in_vain(step: Step) -> bool:
-    """Whether a wait has lasted too long."""
-    return any(isinstance(each, TriggerFired) and each.trigger == WITHIN for each in step.effects)
 
 
 def _ends_of(found: Exploration, step: Step) -> Iterator[tuple[str, str]]:

@@ -10,12 +10,12 @@ from typing import Literal, TypeAlias, TypeVar
 from pirate_sm.checking.abilities import (
     IGNORED,
     STOPPED,
-    WITHIN,
     Abilities,
     Outcome,
     Success,
     Trigger,
 )
+from pirate_sm.checking.exploring.explorer import WITHIN
 
 K = TypeVar("K")
 V = TypeVar("V")

@@ -6,15 +6,12 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
 
-from pirate_sm.checking.exploring.explorer import Exploration, Node
+from pirate_sm.checking.exploring.explorer import MISHAPS, Exploration, Node
 from pirate_sm.checking.exploring.ledger import Ledger
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import PhaseChange
-
-_MISHAPS = {"rejected", "failed", "fault"}
-"""Moves that nobody plans for."""
 
 
 def flow_findings(
@@ -99,7 +96,7 @@ def _cannot_end(found: Exploration) -> set[int]:
     every: dict[int, list[int]] = defaultdict(list)
     for step in found.steps:
         every[step.target].append(step.source)
-        if step.move.kind not in _MISHAPS:
+        if step.move.kind not in MISHAPS:
             usual[step.target].append(step.source)
     over = {index for index, node in enumerate(found.nodes) if node.over}
     good = {index for index in over if _succeeds(found.nodes[index])}

@@ -106,6 +106,8 @@ class _Geometry:
             for number, each in enumerate(self.pipe.segments)
             if isinstance(each, Mitre)
         ]
+        if not mitres:
+            yield from self._bent_in_vain()
         if not mitres or not self.course.bends or self._turns():
             return
         if abs(remainder(self.pipe.roll, 2 * pi)) >= MOST_ROLL_RAD:
@@ -119,6 +121,18 @@ class _Geometry:
         wrong = [(bend, place) for bend, place in self.course.bends if bend.side not in inner]
         if wrong:
             yield self._wrong_side(wrong[0][0].part, [place for _, place in wrong], mitres[0])
+
+    def _bent_in_vain(self) -> Iterator[Finding]:
+        """Parts that are bent where the pipe goes straight on."""
+        mission = self.loaded.documents[0]
+        for bend, where in self.course.bends:
+            place = self._placed(where)
+            if place.line and place.file == mission.name:
+                name = self.fit.robot.parts[bend.part]
+                yield at(
+                    mission, place, "geometry.no_bend", Severity.ERROR,
+                    f"this bends '{name}', and the pipe has no bend",
+                )  # fmt: skip
 
     def _wrong_side(self, part: int, places: list[str], mitre: tuple[int, float]) -> Finding:
         polarity = self.fit.robot.polarity

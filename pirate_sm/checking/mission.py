@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from pirate_sm.checking.branches import branch_findings
 from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.explorer import MOST_WORK, explore
 from pirate_sm.checking.exploring.ledger import Ledger, ledger
@@ -13,9 +15,12 @@ from pirate_sm.checking.exploring.ranges import ranges
 from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.flow import flow_findings
 from pirate_sm.checking.geometry import check_geometry
-from pirate_sm.checking.parameters import check_parameters
+from pirate_sm.checking.handlers import handler_findings
+from pirate_sm.checking.parameters import check_limits, check_parameters
 from pirate_sm.checking.places import Places
+from pirate_sm.checking.reach import reach_findings
 from pirate_sm.checking.refusals import refusal_findings
+from pirate_sm.checking.times import time_findings
 from pirate_sm.checking.waits import wait_findings
 from pirate_sm.engine.program import Do, Program, Raise, Require, Say
 from pirate_sm.loading.mission import TOLERABLE, LoadedMission, read_mission
@@ -83,17 +88,47 @@ def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> Missi
         told: What loading has found already.
     """
     books = _explored(loaded)
-    seen = [*books, *_beyond(books, loaded)]
     places = Places(loaded)
-    findings = [*told, *_cut_off(seen, places)]
-    findings += refusal_findings(books, seen, loaded, places)
-    findings += wait_findings(books, seen, loaded, places)
-    findings += flow_findings(books, seen, loaded, places)
-    findings += check_geometry(loaded)
+    judged = _judged(books, books, loaded, places)
+    if any(each.code in _NEVER for each in judged):
+        beyond = _beyond(books, loaded)
+        judged = _judged(books, [*books, *beyond], loaded, places) if beyond else judged
+    findings = [*told, *judged, *check_geometry(loaded)]
     findings += check_parameters(loaded.mission, loaded.documents[0])
+    findings += check_limits(loaded, conditions_of(loaded))
     unique = {(each.code, each.place, each.message): each for each in findings}
     ordered = sorted(unique.values(), key=lambda each: each.order)
     return MissionCheck(tuple(ordered), loaded.documents, loaded, tuple(books))
+
+
+_DECIDED = frozenset({"condition.constant", "trigger.never", "trigger.shadowed", "trigger.at_once"})
+"""Codes of conditions of which nothing more need be said."""
+
+_NEVER = frozenset(
+    {
+        "branch.never", "branch.always", "condition.beyond", "wait.still",
+        "phase.unreachable", "end.unreachable", "trigger.never", "trigger.shadowed",
+        "trigger.at_once", "step.never_needed", "mission.no_success",
+    }
+)  # fmt: skip
+"""Codes of what never happens; it may happen once another fault is mended."""
+
+
+def _judged(
+    books: Sequence[Ledger], seen: Sequence[Ledger], loaded: LoadedMission, places: Places
+) -> list[Finding]:
+    """What is wrong with what can happen."""
+    found = [
+        *_cut_off(seen, loaded, places),
+        *refusal_findings(books, seen, loaded, places),
+        *wait_findings(books, seen, loaded, places),
+        *flow_findings(books, seen, loaded, places),
+        *handler_findings(loaded),
+        *time_findings(books, loaded, places),
+    ]
+    told = {each.place for each in found if each.code in _DECIDED}
+    more = [*branch_findings(seen, loaded, places), *reach_findings(seen, loaded, places)]
+    return [*found, *(each for each in more if each.place not in told)]
 
 
 def conditions_of(loaded: LoadedMission) -> Conditions:
@@ -176,11 +211,18 @@ def _beyond(books: Sequence[Ledger], loaded: LoadedMission) -> list[Ledger]:
     return [ledger(explore(loaded.robot, mended, conditions_of(loaded), most_work=left))]
 
 
-def _cut_off(books: Sequence[Ledger], places: Places) -> list[Finding]:
-    if all(book.found.complete for book in books):
+def _cut_off(books: Sequence[Ledger], loaded: LoadedMission, places: Places) -> list[Finding]:
+    found = next((book.found for book in books if not book.found.complete), None)
+    if found is None:
         return []
-    most = len(books[-1].found.nodes)
+    most = len(found.nodes)
     message = f"more than {most} situations can come about: what is beyond was not looked at"
-    if len(books) > 1:
+    if found.program is not loaded.program and len(books) > 1:
         message += " (once the steps that cannot run have been mended)"
-    return [places.finding(places.mission(), "check.too_large", Severity.WARNING, message)]
+    at = Counter(found.program.phase_of[node.state.mission.pc] for node in found.nodes)
+    phase, number = at.most_common(1)[0]
+    mend = (
+        f"{number} of them are in the phase '{phase}': give it fewer conditions that depend on "
+        "each other, or split the mission and check its parts"
+    )
+    return [places.finding(places.mission(), "check.too_large", Severity.ERROR, message, mend=mend)]

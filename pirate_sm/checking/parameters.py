@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
 
 from pydantic import BaseModel
 
+from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.findings import Finding, Severity, at
+from pirate_sm.expressions import ExpressionError, compile_condition
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.parameters import Value, Values, defaults, read_value
+from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.source import Document
 from pirate_sm.model.mission import AskStep, End, LogStep, Mission
 from pirate_sm.model.quantities import Parameter
+from pirate_sm.units import QuantityError
 
 _USE = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
 _FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
@@ -47,6 +54,69 @@ def check_settings(
                 at(document, place, "mission.parameter", Severity.WARNING, message, mend=mend)
             )
     return tuple(found)
+
+
+def check_limits(loaded: LoadedMission, conditions: Conditions) -> tuple[Finding, ...]:
+    """A warning for each limit of a parameter with which a condition can never be true.
+
+    Args:
+        loaded: The mission.
+        conditions: What can be true on its robot.
+    """
+    mission, document = loaded.mission, loaded.documents[0]
+    problems = Problems(document)
+    values = defaults(mission.parameters, problems)
+    texts = [text for text in _conditions(mission) if "$" in text]
+    found = []
+    for name, definition in mission.parameters.items():
+        for key in ("min", "max"):
+            limit = getattr(definition, key)
+            with suppress(QuantityError):
+                if limit is None:
+                    continue
+                at_limit = {**values, name: Value(read_value(definition, limit), str(limit))}
+                text = next((t for t in texts if _never(t, name, at_limit, loaded, conditions)), "")
+                if text:
+                    message = f"with {name} at its {key} of {limit}, '{text}' can never be true"
+                    place = document.place_of(("parameters", name, key))
+                    found.append(at(document, place, "parameter.limit", Severity.WARNING, message))
+    return tuple(found)
+
+
+def _never(
+    text: str, name: str, values: Values, loaded: LoadedMission, conditions: Conditions
+) -> bool:
+    """Whether the condition is impossible with these values; not where others are missing."""
+    if name not in _USE.findall(text) or not set(_USE.findall(text)) <= values.keys():
+        return False
+    constants = {each: value.quantity for each, value in values.items()}
+    try:
+        condition = compile_condition(text, loaded.robot.vocabulary, constants)
+    except ExpressionError:
+        return False  # which has been said
+    regions = conditions.regions(condition.tree)
+    every = {
+        tuple(state if n in regions else None for n, state in enumerate(states))
+        for states in loaded.robot.table.configurations
+    }
+    return not any(conditions.ask([(condition.tree, True)], each).possible for each in every)
+
+
+def _conditions(value: object) -> Iterator[str]:
+    """The conditions in a part of a mission."""
+    if isinstance(value, Mapping):
+        for each in value.values():
+            yield from _conditions(each)
+    elif isinstance(value, tuple | list):
+        for each in value:
+            yield from _conditions(each)
+    elif isinstance(value, BaseModel):
+        for name in type(value).model_fields:
+            inner = getattr(value, name)
+            if name in {"when", "condition"} and isinstance(inner, str):
+                yield inner
+            else:
+                yield from _conditions(inner)
 
 
 def _used(value: object) -> Iterator[str]:

@@ -47,12 +47,16 @@ class Report:
     Attributes:
         findings: By place, each once; allowed ones too.
         files: What was looked at.
+        where: The files and folders that were searched.
+        nothing: Whether there was no file at all to look at.
         rehearsals: What came of running missions, where that was wanted.
     """
 
     findings: tuple[Finding, ...]
     files: tuple[CheckedFile, ...]
     rehearsals: tuple[Rehearsal, ...] = ()
+    where: tuple[str, ...] = ()
+    nothing: bool = False
 
     @property
     def open(self) -> tuple[Finding, ...]:
@@ -100,7 +104,7 @@ def check_paths(
     """What is wrong with these files, folders and what lies in them.
 
     Args:
-        paths: Files, folders or names of what is shipped; none means the whole project.
+        paths: Files, folders or names of what is shipped; none means the working directory.
         wishes: What missions are checked with.
         progress: Is told about each file before it is looked at.
 
@@ -114,7 +118,8 @@ def check_paths(
         if progress is not None:
             progress(number, len(found.targets), shown(target.path))
         check.take(target)
-    return check.report()
+    report = check.report()
+    return replace(report, where=found.where, nothing=not found.targets)
 
 
 class _Check:

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from pirate_sm.checking.exploring.ledger import Ledger, Visits
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
+from pirate_sm.checking.way import way
 from pirate_sm.engine.program import STOP, Do, Program, Require
 from pirate_sm.loading.mission import LoadedMission
 
@@ -41,7 +42,8 @@ def refusal_findings(
             if _needed(place, seen) and not visits.refused:
                 continue
             name = places.written(place, visits.name)
-            found = _judge(book, visits, name, step, phases[place] & handlers)
+            handling = bool(phases[place] & handlers)
+            found = _judge(book, visits, name, step, loaded, handling=handling)
             if found is None:
                 continue
             code, severity, message, step_number, mend = found
@@ -82,7 +84,13 @@ def _needed(place: str, seen: Sequence[Ledger]) -> bool:
 
 
 def _judge(
-    book: Ledger, visits: Visits, name: str, step: Do | Require, handling: set[str]
+    book: Ledger,
+    visits: Visits,
+    name: str,
+    step: Do | Require,
+    loaded: LoadedMission,
+    *,
+    handling: bool,
 ) -> tuple[str, Severity, str, int, str] | None:
     """Code, severity, message, step to be told, and how to mend it; None where all is well."""
     complete = book.found.complete
@@ -92,26 +100,48 @@ def _judge(
     if not visits.refused:
         return None
     always = visits.never_fine and complete
-    if isinstance(step, Do) and step.expected and not always:
-        return None  # the step itself says where its refusal leads
-    first = _first(book, visits)
-    severity = Severity.ERROR if book.sure(first) else Severity.POSSIBLE
+    refused = visits.refused if always else _unexpected(visits, step)
+    if not refused:
+        return None
+    first = _first(book, refused)
+    severity = _severity(book, refused, first, handling=handling)
     reason = visits.reasons[first]
-    code = _code(visits, step, first, handling, "" if always else "maybe_")
+    code = _code(visits, step, first, "" if always else "maybe_", handling=handling)
     word = "is refused" if always else "can be refused"
     message = f"{name} {word} as {reason}"
     if always and len({visits.reasons[each] for each in visits.refused}) > 1:
         message += ", or for another reason, on every path"
-    return code, severity, message, first, _mend(visits, step, first, always=always)
+    if isinstance(step, Require):
+        return code, severity, message, first, _way_to(step, book, first, loaded, always=always)
+    return code, severity, message, first, _mend(visits, first, always=always)
 
 
-def _first(book: Ledger, visits: Visits) -> int:
+def _unexpected(visits: Visits, step: Do | Require) -> list[int]:
+    """Refusals that nobody has thought of, of a step that is not always refused.
+
+    Where a step itself says where its failures lead, its refusals are thought of. Its phase does
+    so for what is impossible; an unneeded step would keep the next ones from being done.
+    """
+    if step.expected:
+        return []
+    return visits.unneeded if step.handled else visits.refused
+
+
+def _first(book: Ledger, refused: Sequence[int]) -> int:
     """The refusal to be told: a sure one if there is, and of these the first."""
-    sure = [each for each in visits.refused if book.sure(each)]
-    return min(sure or visits.refused)
+    sure = [each for each in refused if book.sure(each)]
+    return min(sure or refused)
 
 
-def _code(visits: Visits, step: Do | Require, first: int, handling: set[str], maybe: str) -> str:
+def _severity(book: Ledger, refused: Sequence[int], first: int, *, handling: bool) -> Severity:
+    """A handler that fails only once a second thing has gone wrong is not certainly wrong."""
+    if not book.sure(first):
+        return Severity.POSSIBLE
+    again = handling and min(book.found.mishaps(each) for each in refused) > 1
+    return Severity.WARNING if again else Severity.ERROR
+
+
+def _code(visits: Visits, step: Do | Require, first: int, maybe: str, *, handling: bool) -> str:
     if isinstance(step, Require):
         return f"call.{maybe}starts_in"
     if handling:
@@ -120,9 +150,23 @@ def _code(visits: Visits, step: Do | Require, first: int, handling: set[str], ma
     return f"step.{maybe}{kind}"
 
 
-def _mend(visits: Visits, step: Do | Require, first: int, *, always: bool) -> str:
-    if isinstance(step, Require):
-        return "bring the robot into the states that the called mission starts in"
+def _way_to(step: Require, book: Ledger, first: int, loaded: LoadedMission, *, always: bool) -> str:
+    """How the terms of a call can be met where they are not."""
+    source = book.found.steps[first].source
+    body = book.found.nodes[max(source, 0)].state.robot
+    commands = way(loaded.robot, body, step.states)
+    if commands is None:
+        return "no commands lead there from where the robot is: let another phase come before it"
+    if not commands:
+        return "put a command before it that confirms these states"
+    given = ", ".join(commands)
+    before = f"put {given} before the call"
+    if always:
+        return before
+    return f"{before}, each with `unneeded: skip`, or say `on_failure` at the call"
+
+
+def _mend(visits: Visits, first: int, *, always: bool) -> str:
     if first in visits.unneeded:
         if always:
             return "leave the step out, or say `unneeded: skip`"

@@ -60,12 +60,14 @@ class Rehearsal:
         file: As messages name it.
         nearly: The closest calls of all runs, the closest first.
         skipped: Why there are no runs; empty where there are.
+        at_once: Places of triggers whose condition was true as their wait began, with the text.
     """
 
     file: str
     runs: tuple[RehearsedRun, ...] = ()
     nearly: tuple[Nearly, ...] = ()
     skipped: str = ""
+    at_once: tuple[tuple[str, str], ...] = ()
 
 
 Rehearse: TypeAlias = Callable[[LoadedMission, Path], Rehearsal]
@@ -88,13 +90,21 @@ def rehearsed(
     if check.loaded is None or wrong:
         return Rehearsal(shown(path), skipped="something is certainly wrong with it"), ()
     done = rehearse(check.loaded, path)
+    places = Places(check.loaded)
+    found = [
+        places.finding(
+            places.read(place), "rehearsal.at_once", Severity.WARNING,
+            f"in the simulator '{text}' was true already as its wait began",
+        )
+        for place, text in done.at_once
+    ]  # fmt: skip
     failed = [run for run in done.runs if not run.succeeded]
     if not failed:
-        return done, ()
+        return done, tuple(found)
     first = failed[0]
     message = f"in the simulator it does not succeed: {first.message} (after {first.time_s:.1f} s)"
     if len(done.runs) > 1:
         seeds = ", ".join(str(run.seed) for run in failed)
         message += f"; {len(failed)} of {len(done.runs)} runs, with the seeds {seeds}"
-    places = Places(check.loaded)
-    return done, (places.finding(places.mission(), "rehearsal.failed", Severity.WARNING, message),)
+    found.append(places.finding(places.mission(), "rehearsal.failed", Severity.ERROR, message))
+    return done, tuple(found)

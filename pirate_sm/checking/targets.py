@@ -39,17 +39,22 @@ class Target:
 
 @dataclass(frozen=True)
 class Found:
-    """The files of a check, and what is wrong with the folders that were searched."""
+    """The files of a check, and what is wrong with the folders that were searched.
+
+    Attributes:
+        where: The files and folders that were searched, as messages name them.
+    """
 
     targets: tuple[Target, ...]
     findings: tuple[Finding, ...]
+    where: tuple[str, ...] = ()
 
 
 def find_targets(paths: Iterable[str]) -> Found:
     """The files to check, each once, robots first because missions build on them.
 
     Args:
-        paths: Files, folders, or names of what is shipped; none means the whole project.
+        paths: Files, folders, or names of what is shipped; none means the working directory.
 
     Raises:
         UsageError: A path leads nowhere.
@@ -57,21 +62,27 @@ def find_targets(paths: Iterable[str]) -> Found:
     given = list(paths)
     found: dict[Path, Target] = {}
     findings: list[Finding] = []
-    for path in [_existing(each) for each in given] if given else _project():
+    searched = [_existing(each) for each in given] if given else _project(findings)
+    for path in searched:
         for target in _targets(path, findings, named=bool(given)):
             found.setdefault(_real(target.path), target)
+    if not (given or found or findings):
+        findings.append(_nothing(Path()))
     order = list(Kind)
     targets = sorted(found.values(), key=lambda each: (order.index(each.kind), each.path))
-    return Found(tuple(targets), tuple(findings))
+    return Found(tuple(targets), tuple(findings), tuple(map(shown, searched)))
 
 
-def _project() -> list[Path]:
-    """The folders of the project in the working directory, else what is shipped."""
+def _project(findings: list[Finding]) -> list[Path]:
+    """What of the working directory is the project.
+
+    Where it has the folders of a project: those, and what lies beside them. Else all of it.
+    """
     own = [Path(folder) for folder in FOLDERS if Path(folder).is_dir()]
-    if own:
-        return own
-    robots = [robot / PROFILE_FILE for robot in library.robots()]
-    return [*robots, *library.missions(), *library.pipes()]
+    if not own:
+        return [Path()]
+    beside, _ = _listing(Path(), findings)
+    return [*own, *(file for file in beside if kind_of(file) is not Kind.OTHER)]
 
 
 def _existing(name: str) -> Path:
@@ -110,8 +121,7 @@ def _targets(path: Path, findings: list[Finding], *, named: bool) -> Iterator[Ta
             yield Target(kind, file, named=False)
             empty = False
     if empty and named and len(findings) == before:
-        message = "there is no robot, mission or pipe in this folder"
-        findings.append(_finding("check.nothing", path, message))
+        findings.append(_nothing(path))
 
 
 def _files(folder: Path, findings: list[Finding]) -> Iterator[Path]:
@@ -163,6 +173,10 @@ def _real(path: Path) -> Path:
         return path.resolve()
     except (OSError, RuntimeError):
         return path.absolute()
+
+
+def _nothing(folder: Path) -> Finding:
+    return _finding("check.nothing", folder, "there is no robot, mission or pipe in this folder")
 
 
 def _finding(code: str, path: Path, message: str) -> Finding:

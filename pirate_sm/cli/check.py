@@ -16,7 +16,7 @@ from pirate_sm.checking.reports.text import explained, listed, text_report
 from pirate_sm.errors import UsageError
 from pirate_sm.showing.visible import visible
 
-CLEAN, FOUND = 0, 1
+CLEAN, FOUND, NOTHING = 0, 1, 2
 
 _SGR = {
     "error": "1;31", "warning": "1;33", "possible": "1;36", "mark": "1;31", "place": "1",
@@ -67,6 +67,8 @@ def run_check(wishes: CheckWishes) -> int:
         if progress is not None:
             progress.end()
     _say(_FORMATS[wishes.format](report, fail_on))
+    if report.nothing:
+        return NOTHING
     return FOUND if report.fails(fail_on) else CLEAN
 
 

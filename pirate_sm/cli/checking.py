@@ -34,7 +34,8 @@ def check(
         typer.Argument(
             metavar="[PATH]...",
             help="Files and folders; robots, missions and pipes are known by their content. "
-            "Without any: the folders sequences and hardware_profiles, else all that is shipped.",
+            "Without any: the folders sequences and hardware_profiles and the files beside them; "
+            "where there are none, all that the working directory holds.",
         ),
     ] = None,
     format_: Annotated[
@@ -70,7 +71,8 @@ def check(
     `pirate explain CODE` tells more about a finding. On its line a finding is allowed by a
     comment with a reason: `# pirate: allow CODE: reason`.
 
-    Exit codes: 0 clean, 1 findings of the severity of --fail-on or worse, 2 usage.
+    Exit codes: 0 clean, 1 findings of the severity of --fail-on or worse, 2 usage, or there was
+    nothing to check.
     """
     from pirate_sm.cli.guard import guarded
 

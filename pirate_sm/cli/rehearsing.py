@@ -9,10 +9,12 @@ from pathlib import Path
 
 from pirate_sm.checking.rehearsal import Nearly, Rehearsal, Rehearse, RehearsedRun
 from pirate_sm.cli.guard import say
+from pirate_sm.engine.moments import ROUNDING_S
+from pirate_sm.engine.program import Wait
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.folders import shown
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.effects import Effect
+from pirate_sm.model.effects import Effect, TriggerFired, WaitArmed
 from pirate_sm.model.events import Event
 from pirate_sm.runtime.close_calls import CloseCall, CloseCalls
 from pirate_sm.runtime.companions import FirstChoice
@@ -57,9 +59,10 @@ def _rehearsed(loaded: LoadedMission, path: Path, seeds: int) -> Rehearsal:
     if loaded.pipe is None:
         return Rehearsal(shown(path), skipped="it names no pipe; --pipe gives one")
     runs, calls = [], dict[str, tuple[CloseCall, int]]()
+    early = _Early(loaded)
     for seed in range(seeds):
         try:
-            run, nearest = _run(loaded, path, seed)
+            run, nearest = _run(loaded, path, seed, early)
         except UsageError as error:
             return Rehearsal(shown(path), skipped=str(error))
         runs.append(run)
@@ -72,15 +75,17 @@ def _rehearsed(loaded: LoadedMission, path: Path, seeds: int) -> Rehearsal:
         for call, seed in near[:MOST_CALLS]
         if call.share >= LEAST_SHARE
     )
-    return Rehearsal(shown(path), tuple(runs), nearly)
+    return Rehearsal(shown(path), tuple(runs), nearly, at_once=tuple(early.found.items()))
 
 
-def _run(loaded: LoadedMission, path: Path, seed: int) -> tuple[RehearsedRun, list[CloseCall]]:
+def _run(
+    loaded: LoadedMission, path: Path, seed: int, early: _Early
+) -> tuple[RehearsedRun, list[CloseCall]]:
     prepared = prepare(Order(str(path), seed=seed), loaded, say)
     calls = CloseCalls(loaded.robot, loaded.program)
     requests = StopRequests()
     run = MissionRun(
-        prepared.engine, prepared.backend, requests=requests, tap=calls,
+        prepared.engine, prepared.backend, observers=[early], requests=requests, tap=calls,
         companions=(*prepared.companions, FirstChoice(), _Patience(requests)),
     )  # fmt: skip
     calls.follow(run)
@@ -89,6 +94,36 @@ def _run(loaded: LoadedMission, path: Path, seed: int) -> tuple[RehearsedRun, li
         raise result.error
     ended = result.ended
     return RehearsedRun(seed, ended.outcome, ended.message, result.now_s), calls.nearest()
+
+
+class _Early:
+    """Notices triggers whose condition has been true since their wait began.
+
+    Attributes:
+        found: Texts of their conditions, by their places.
+    """
+
+    def __init__(self, loaded: LoadedMission) -> None:
+        self.found: dict[str, str] = {}
+        self._armed_s: dict[str, float] = {}
+        self._triggers = {
+            (wait.phase, trigger.name): trigger
+            for wait in loaded.program.instructions
+            if isinstance(wait, Wait)
+            for trigger in wait.triggers
+        }
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        """A trigger that fires as soon as it can has been true all the time."""
+        for effect in effects:
+            if isinstance(effect, WaitArmed):
+                self._armed_s[effect.phase] = now_s
+            elif isinstance(effect, TriggerFired):
+                trigger = self._triggers.get((effect.phase, effect.trigger))
+                if trigger is None or trigger.condition is None:
+                    continue
+                if now_s <= self._armed_s[effect.phase] + trigger.held_s + ROUNDING_S:
+                    self.found[trigger.place] = trigger.condition.text
 
 
 class _Patience:

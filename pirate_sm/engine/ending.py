@@ -57,9 +57,7 @@ def _may_stay(setting: Setting, state: EngineState) -> bool:
     """
     if setting.program.start_configuration == setting.robot.table.initial:
         return True
-    names = robot_state.states_of(setting.robot, state.robot)
-    drives = any(robot_state.driven_slots(setting.robot, *each) for each in enumerate(names))
-    return state.look is not None and not drives
+    return state.look is not None and not setting.robot.driven[state.robot.configuration]
 
 
 def finish(state: EngineState, now: float, effects: list[Effect]) -> EngineState:

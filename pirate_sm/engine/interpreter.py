@@ -45,6 +45,10 @@ in between, or the handling of a fault is over. One that comes more often comes 
 ROUND_AND_ROUND = "the phases go round without ever waiting"
 
 
+RUNAWAY = "mission.runaway"
+"""The fault of a mission whose phases follow each other faster than sensors can speak."""
+
+
 def advance(setting: Setting, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
     """The mission has gone on as far as it can at this moment.
 
@@ -148,7 +152,18 @@ def _enter(
     handling = mission.handling
     if handling and it.phase != handling and not it.phase.startswith(f"{handling}/"):
         mission = mission._replace(handling="")
-    return state._replace(mission=mission.at(it.next))
+    clock = mission.clock(now)
+    anew = clock >= mission.second_s + 1.0
+    entered = 1 if anew else mission.entered + 1
+    second_s = clock if anew else mission.second_s
+    mission = mission.at(it.next)._replace(second_s=second_s, entered=entered)
+    state = state._replace(mission=mission)
+    most = max(setting.program.most_phases, _MOST_TURNS * len(setting.program.instructions))
+    if entered <= most:
+        return state
+    message = f"more than {most:g} phases have begun within a second"
+    effects.append(Fault(RUNAWAY, message, "stop"))
+    return end(setting, state, "fault", f"{RUNAWAY}: {message}", "", now, effects)
 
 
 def _do(

@@ -24,13 +24,11 @@ from pirate_sm.engine.robot_state import (
     Purpose,
     RobotState,
     criterion_of,
-    driven_slots,
     made_by,
     posture_of,
     retried,
     safe_values,
     state_change,
-    states_of,
 )
 from pirate_sm.engine.sensing import Sensing
 from pirate_sm.engine.stages import (
@@ -228,11 +226,10 @@ def reassert(
 
 def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
     """Mark the regions whose wheels are stopped from outside their states as unconfirmed."""
-    stopped = {
-        Mark("region", region, STOPPED)
-        for region, name in enumerate(states_of(robot, state))
-        if driven_slots(robot, region, name)
-    }
+    driven = robot.driven[state.configuration]
+    if not driven:
+        return state
+    stopped = {Mark("region", region, STOPPED) for region in driven}
     return state._replace(marks=state.marks | stopped)
 
 

@@ -11,6 +11,10 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.expressions import Expression
 
+MOST_PHASES = 1_000
+"""Within one second of mission time [decided]: a bus cycle of 10 ms lets 100 waits end in it. A
+mission that begins more goes round and round, and writes a line about each."""
+
 STOP = -1
 """A failure's target when nothing handles it: the safe stop, mission failed."""
 
@@ -29,7 +33,8 @@ class Do(NamedTuple):
         timeout_s: In place of the robot's own; None for that.
         retries: How often the same command is sent again after a failure.
         skip_unneeded: Whether an unneeded command counts as done.
-        failed: Where a failure leads; ``expected``: its step says so itself.
+        failed: Where a failure leads; ``expected``: its step says so itself; ``handled``: its
+            phase or a step around it does.
         place: Where it stands, ``file:line:col``.
     """
 
@@ -41,6 +46,7 @@ class Do(NamedTuple):
     failed: int
     place: str
     expected: bool = False
+    handled: bool = False
 
 
 class Branch(NamedTuple):
@@ -53,13 +59,18 @@ class Branch(NamedTuple):
 
 
 class Require(NamedTuple):
-    """Fails unless the robot is, confirmed, in these states: (region, state name)."""
+    """Fails unless the robot is, confirmed, in these states: (region, state name).
+
+    ``expected`` and ``handled`` are those of :class:`Do`.
+    """
 
     states: tuple[tuple[int, str], ...]
     what: str
     next: int
     failed: int
     place: str
+    expected: bool = False
+    handled: bool = False
 
 
 class TriggerSpec(NamedTuple):
@@ -172,6 +183,7 @@ class Program:
         time_limit_s: Longest run; infinite without one.
         diameter_m: Inner diameter of the pipe that the robot is in; None where it is not known.
         rules: The robot's safety rules, without those that the mission is allowed to break.
+        most_phases: How many phases may begin within one second of mission time.
     """
 
     mission: str
@@ -185,6 +197,7 @@ class Program:
     time_limit_s: float
     rules: tuple[RuleSpec, ...] = ()
     diameter_m: float | None = None
+    most_phases: float = MOST_PHASES
 
     def beginning(self, phase: str) -> int | None:
         """Index of the instruction that enters a phase, None where there is none."""

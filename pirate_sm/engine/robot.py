@@ -35,6 +35,7 @@ BUILT_IN_FAULTS: Mapping[str, bool] = {
     "pipe.impassable": True,
     "rule.violated": False,
     "start.contradicted": False,
+    "mission.runaway": False,
 }
 """Faults that any robot can have, and whether a mission may catch them (rule 10)."""
 
@@ -500,6 +501,26 @@ class RobotSpec:
             if values[wheel.slot]
         }
         return ways.pop() if len(ways) == 1 else 0
+
+    @cached_property
+    def driven(self) -> tuple[Mapping[int, tuple[int, ...]], ...]:
+        """Per configuration the regions that drive wheels, each with the wheels' slots."""
+        return tuple(
+            {
+                region: slots
+                for region, name in enumerate(states)
+                if (slots := self._wheels(region, name))
+            }
+            for states in self.table.configurations
+        )
+
+    def _wheels(self, region: int, state: str) -> tuple[int, ...]:
+        """Slots that the safe state stops and that the state drives."""
+        return tuple(
+            write.slot
+            for write in self.actuation[region][state][-1]
+            if write.how == "set" and write.value != 0 and write.slot in self.safe_zero
+        )
 
     def fault_codes(self) -> dict[str, bool]:
         """Every fault code of this robot and whether a mission may catch it."""

@@ -7,6 +7,7 @@ from typing import Literal, NamedTuple
 
 from pirate_sm.engine.chart_table import Configuration
 from pirate_sm.engine.done import Loop
+from pirate_sm.engine.records import often_replaced
 from pirate_sm.engine.robot import CommandSpec, CriterionSpec, PostureSpec, RobotSpec
 from pirate_sm.model.effects import StateChange
 
@@ -54,6 +55,7 @@ class Flight(NamedTuple):
     seeking: frozenset[int] = frozenset()
 
 
+@often_replaced
 class Motion(NamedTuple):
     """A command under way.
 
@@ -85,6 +87,7 @@ class Finished(NamedTuple):
     reason: str
 
 
+@often_replaced
 class RobotState(NamedTuple):
     """The robot as far as it has been commanded.
 
@@ -127,6 +130,8 @@ def at_rest_in(robot: RobotSpec, configuration: int) -> RobotState:
 
 def unconfirmed(robot: RobotSpec, state: RobotState) -> tuple[str, ...]:
     """Names of the regions whose state is not confirmed, in the order of the chart."""
+    if not state.marks:
+        return ()
     regions = {mark.which for mark in state.marks if mark.kind == "region"}
     for mark in state.marks:
         if mark.kind == "part":
@@ -141,21 +146,14 @@ def states_of(robot: RobotSpec, state: RobotState) -> Configuration:
 
 def obeyed(robot: RobotSpec, state: RobotState) -> tuple[str | None, ...]:
     """The state of each region; None where its wheels have been stopped from outside it."""
-    found: list[str | None] = []
-    for region, name in enumerate(states_of(robot, state)):
-        driven = driven_slots(robot, region, name)
-        stopped = bool(driven) and all(state.values[slot] == 0 for slot in driven)
-        found.append(None if stopped else name)
-    return tuple(found)
-
-
-def driven_slots(robot: RobotSpec, region: int, name: str) -> tuple[int, ...]:
-    """Slots that the region's state drives and the safe state stops."""
-    return tuple(
-        write.slot
-        for write in robot.actuation[region][name][-1]
-        if write.how == "set" and write.value != 0 and write.slot in robot.safe_zero
-    )
+    names = states_of(robot, state)
+    driven = robot.driven[state.configuration]
+    if not driven:
+        return names
+    stopped = {
+        region for region, slots in driven.items() if all(state.values[slot] == 0 for slot in slots)
+    }
+    return tuple(None if region in stopped else name for region, name in enumerate(names))
 
 
 def state_change(robot: RobotSpec, state: RobotState) -> StateChange:
@@ -165,8 +163,10 @@ def state_change(robot: RobotSpec, state: RobotState) -> StateChange:
 
 def confirmed_parts(robot: RobotSpec, state: RobotState) -> frozenset[int]:
     """Parts whose clamp has been seen to hold."""
-    marked = {mark.which for mark in state.marks if mark.kind == "part"}
-    return robot.held[state.configuration] - marked
+    held = robot.held[state.configuration]
+    if not state.marks:
+        return held
+    return held - {mark.which for mark in state.marks if mark.kind == "part"}
 
 
 def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
@@ -186,9 +186,8 @@ def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
     if posture is not None and posture.refuse:
         return f"impossible: {posture.refuse}"
     confirmed, held = confirmed_parts(robot, state), robot.held[target]
-    states = robot.table.configurations[target]
     made = made_by(robot, state, command)
-    if any(driven_slots(robot, each, states[each]) for each in made) and not confirmed & held:
+    if made & robot.driven[target].keys() and not confirmed & held:
         return "impossible: no clamp is confirmed to drive with"
     if robot.held[here] <= held or confirmed & held or robot.commands[command].lets_go:
         return ""
@@ -295,7 +294,7 @@ def criterion_of(robot: RobotSpec, motion: Motion) -> CriterionSpec:
 
 def known_values(values: Numbers, numbers: Numbers, robot: RobotSpec) -> Numbers:
     """Values without the unknown: an angle to be kept is the measured one, or 0 [decided]."""
-    if not any(isnan(value) for value in values):
+    if not isnan(sum(values)):  # one unknown makes the sum unknown
         return values
     filled = list(values)
     for index, value in enumerate(values):

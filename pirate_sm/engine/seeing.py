@@ -30,7 +30,6 @@ from pirate_sm.engine.robot_state import (
     Numbers,
     RobotState,
     at_rest_in,
-    driven_slots,
     states_of,
 )
 
@@ -110,10 +109,8 @@ def declared_in(robot: RobotSpec, configuration: int) -> RobotState:
     for slot in robot.safe_zero:
         values[slot] = 0.0
     marks = {Mark("part", part, DECLARED) for part in robot.held[configuration]}
-    for region, name in enumerate(states_of(robot, rest)):
-        marks.add(Mark("region", region, DECLARED))
-        if driven_slots(robot, region, name):
-            marks.add(Mark("region", region, STOPPED))
+    marks |= {Mark("region", region, DECLARED) for region in range(len(robot.regions))}
+    marks |= {Mark("region", region, STOPPED) for region in robot.driven[configuration]}
     return rest._replace(values=tuple(values), marks=frozenset(marks))
 
 

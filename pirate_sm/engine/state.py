@@ -8,6 +8,7 @@ from typing import NamedTuple
 from pirate_sm.engine.done import Loop
 from pirate_sm.engine.environment import Surveyed
 from pirate_sm.engine.program import HandlerSpec, Program
+from pirate_sm.engine.records import often_replaced
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import Finished, Mark, RobotState
 from pirate_sm.engine.seeing import Look
@@ -53,6 +54,7 @@ class BeforePause(NamedTuple):
     doubts: frozenset[Mark] = frozenset()
 
 
+@often_replaced
 class MissionState(NamedTuple):
     """Where the mission is.
 
@@ -71,6 +73,7 @@ class MissionState(NamedTuple):
         paused_s: When the present pause began, NaN while running.
         pause_wanted: Whether it shall pause as soon as no array is in flight.
         one_step: Whether it shall pause again after this instruction.
+        second_s: Mission time from which on ``entered`` counts phases, for one second.
     """
 
     pc: int
@@ -92,6 +95,8 @@ class MissionState(NamedTuple):
     before_pause: BeforePause | None = None
     ending: Ending | None = None
     ended: bool = False
+    second_s: float = -inf
+    entered: int = 0
 
     @property
     def paused(self) -> bool:
@@ -133,6 +138,7 @@ class FaultState(NamedTuple):
     blind: frozenset[int] = frozenset()
 
 
+@often_replaced
 class EngineState(NamedTuple):
     """Everything the engine remembers.
 

@@ -5,25 +5,20 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
-from pathlib import Path as FilePath
 
 from pirate_sm.engine import program as out
 from pirate_sm.engine.program import Program
-from pirate_sm.errors import PirateError
-from pirate_sm.loading import library, parameters
+from pirate_sm.loading import parameters
 from pirate_sm.loading.assembly import MOST_INSTRUCTIONS, Assembly, Label, TooLongError
+from pirate_sm.loading.calls import Calls, robot_of
 from pirate_sm.loading.configuration import required_states, start_configuration
-from pirate_sm.loading.folders import shown
 from pirate_sm.loading.parameters import Values
-from pirate_sm.loading.problems import LoadError, Path, Problems
+from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.loading.robot_rules import rules_for
 from pirate_sm.loading.scope import Scope, Source
-from pirate_sm.loading.source import Document, read_document
-from pirate_sm.loading.validate import validate
+from pirate_sm.loading.source import Document
 from pirate_sm.model import mission as model
-
-DEEPEST_CALL = 16
 
 
 def build_program(
@@ -54,6 +49,8 @@ def build_program(
     start = scope.target(start_phase or mission.start, ("start",))
     limit = scope.limit(mission.time_limit, ("time_limit",))
     try:
+        if compiler.calls.least_length(source) > MOST_INSTRUCTIONS:
+            raise TooLongError
         compiler.ends(scope)
         compiler.phases(scope)
     except TooLongError as error:
@@ -69,7 +66,7 @@ def build_program(
         phase_of, tuple(mission.ends), inf if limit is None else limit,
         rules_for(mission, robot.rules),
     )  # fmt: skip
-    return program, tuple(compiler.files.values())
+    return program, tuple(compiler.calls.files.values())
 
 
 def _labels(mission: model.Mission) -> dict[str, Label]:
@@ -83,8 +80,7 @@ class _Compiler:
     robot: LoadedRobot
     assembly: Assembly
     names: list[str] = field(default_factory=list)
-    files: dict[FilePath, Document] = field(default_factory=dict)
-    called: dict[FilePath, Source] = field(default_factory=dict)
+    calls: Calls = field(default_factory=Calls)
 
     def ends(self, scope: Scope) -> None:
         """The ends of a mission that nobody calls finish it."""
@@ -105,38 +101,6 @@ class _Compiler:
             if inside.full_phase not in self.names:  # a repeated call has its phases once
                 self.names.append(inside.full_phase)
             _PhaseWriter(self, inside, handlers).write(phase, ("phases", name))
-
-    def source(self, name: str, scope: Scope, path: Path) -> Source | None:
-        """The called mission, read once; None after saying why it cannot be used."""
-        try:
-            file = library.find_mission(name, scope.source.path.resolve().parent).resolve()
-            if file not in self.called:
-                document = read_document(file, shown(file))
-                self.files[file] = document
-                self.called[file] = Source(validate(document, model.Mission), document, file)
-        except LoadError as error:
-            for problem in error.problems:
-                scope.problems.put(problem)
-            return None
-        except PirateError as error:
-            scope.problems.add("mission.call", path, str(error))
-            return None
-        if file in scope.calls:
-            chain = " → ".join(each.stem for each in (*scope.calls, file))
-            scope.problems.add("mission.recursion", path, f"a mission cannot call itself: {chain}")
-            return None
-        if len(scope.calls) >= DEEPEST_CALL:
-            scope.problems.add("mission.depth", path, f"calls are nested more than {DEEPEST_CALL}")
-            return None
-        return self.called[file]
-
-
-def _robot_of(source: Source) -> FilePath | str:
-    """The folder of a mission's robot; different paths may lead to one."""
-    try:
-        return library.find_robot(source.mission.robot, source.path.resolve().parent)
-    except PirateError:
-        return source.mission.robot
 
 
 def _said(end: model.End) -> str:
@@ -174,7 +138,7 @@ class _PhaseWriter:
         within, target, name = inf, Label(), ""
         if phase.within is not None:
             at = (*path, "within")
-            within = scope.duration(phase.within.time, (*at, "time"))
+            within = scope.waited(phase.within.time, (*at, "time"))
             target, name = scope.target(phase.within.go, (*at, "go")), phase.within.go
         triggers = tuple(
             self._trigger(trigger, name, (*path, "wait", number))
@@ -193,12 +157,12 @@ class _PhaseWriter:
         place = scope.place(path)
         spec = out.TriggerSpec(name, "", go, trigger.go, place=place)  # type: ignore[arg-type]
         if isinstance(trigger, model.ConditionTrigger):
-            held = scope.duration(trigger.held, (*path, "held"))
+            held = scope.waited(trigger.held, (*path, "held"), zero=True)
             condition = scope.condition(trigger.when, (*path, "when"))
             text = trigger.when + (f" for {held:g} s" if held else "")
             return spec._replace(text=text, condition=condition, held_s=held)
         if isinstance(trigger, model.TimeTrigger):
-            after = scope.duration(trigger.after, (*path, "after"))
+            after = scope.waited(trigger.after, (*path, "after"))
             return spec._replace(text=f"after {after:g} s", after_s=after)
         return spec._replace(text=f"operator: {trigger.operator}", answer=trigger.operator)
 
@@ -252,6 +216,7 @@ class _PhaseWriter:
             failed=self._failure(step, path, after),
             place=scope.place(path),
             expected=step.on_failure is not None,
+            handled=scope.handles_failures,
         )
 
     def _failure(self, step: model.Step, path: Path, after: Label) -> Label | int:
@@ -342,7 +307,7 @@ class _PhaseWriter:
 
     def _call(self, step: model.CallStep, path: Path, after: Label) -> None:
         scope = self.scope
-        source = self.compiler.source(step.call, scope, (*path, "call"))
+        source = self.compiler.calls.source(step.call, scope, (*path, "call"))
         if source is None:
             return
         if not self._check_call(source, (*path, "call")):
@@ -359,7 +324,8 @@ class _PhaseWriter:
         self._emit(
             out.Require, states=required_states(source, scope.robot.table, inside.problems),
             what=f"mission {source.mission.mission}", next=begin, failed=failed,
-            place=scope.place(path),
+            place=scope.place(path), expected=step.on_failure is not None,
+            handled=scope.handles_failures,
         )  # fmt: skip
         for name, end in source.mission.ends.items():
             self.compiler.assembly.mark(inside.targets[name])
@@ -392,7 +358,7 @@ class _PhaseWriter:
                 "mission.polarity", path,
                 f"'{mission.mission}' is {mission.polarity}, this mission is {polarity}",
             )  # fmt: skip
-        if _robot_of(source) != _robot_of(own):
+        if robot_of(source) != robot_of(own):
             message = f"'{mission.mission}' is for the robot '{mission.robot}'"
             self.scope.problems.add("mission.robot", path, message)
             return False

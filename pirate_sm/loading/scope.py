@@ -116,6 +116,12 @@ class Scope:
         return self.caller
 
     @property
+    def handles_failures(self) -> bool:
+        """Whether the phase, or a step around, says where failures of steps in here lead."""
+        phase = self.source.mission.phases.get(self.phase)
+        return self.inner is not None or (phase is not None and phase.on_failure is not None)
+
+    @property
     def handlers(self) -> Handlers:
         """The fault handlers in force: the mission's own, then those of its callers."""
         known = self.robot.fault_codes()
@@ -179,6 +185,23 @@ class Scope:
         if seconds < 0 or (positive and seconds == 0):
             least = "more than 0 s" if positive else "at least 0 s"
             self.problems.add("mission.time", path, f"expected {least}, got {seconds:g} s")
+        return seconds
+
+    def waited(self, value: float | Parameter, path: Path, *, zero: bool = False) -> float:
+        """Seconds of a wait: at least one cycle of the bus, in which sensors can say something new.
+
+        Args:
+            value: As the file gives it.
+            path: Where.
+            zero: Whether 0 is allowed too, and means no waiting at all.
+        """
+        seconds, least_s = self.duration(value, path), self.profile.link.cycle
+        if 0 <= seconds < least_s and not (zero and seconds == 0):
+            self.problems.add(
+                "mission.time", path,
+                f"expected at least {1e3 * least_s:g} ms, one cycle of the robot's bus, "
+                f"got {1e3 * seconds:g} ms",
+            )  # fmt: skip
         return seconds
 
     def limit(self, value: float | Parameter | None, path: Path) -> float | None:

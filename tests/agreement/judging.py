@@ -33,11 +33,9 @@ class Judge:
         self.complete = "check.too_large" not in self.codes
         self.clean = all(each.severity is Severity.WARNING for each in check.findings)
         self._explored = {situation(node.state) for node in check.explored[0].found.nodes}
-        self._expected = {
-            each.place
-            for each in self.program.instructions
-            if isinstance(each, Do) and each.expected
-        }
+        steps = [each for each in self.program.instructions if isinstance(each, Do | Require)]
+        self._expected = {each.place for each in steps if each.expected}
+        self._handled = {each.place for each in steps if each.handled}
         self._refused_calls = {
             self.program.phase_of[each.next]
             for each in self.program.instructions
@@ -78,7 +76,9 @@ class Judge:
             if not isinstance(effect, fx.CommandStatus):
                 continue
             if effect.status == "refused" and self.complete:
-                assert effect.place in told | self._expected, f"not told: {effect}"
+                impossible = effect.reason.startswith("impossible")
+                thought_of = self._expected | (self._handled if impossible else set())
+                assert effect.place in told | thought_of, f"not told: {effect}"
             if effect.status in {"sent", "skipped"}:
                 assert effect.place not in certain, f"was to be refused: {effect}"
             if effect.status == "sent":

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from agreement.robots import Words, configurations, words_of
 
 ENDS = ("good", "bad")
-TIMES = ("0 s", "100 ms", "1 s", "3 s", "20 s")
+TIMES = ("20 ms", "100 ms", "1 s", "3 s", "20 s")
 
 
 class Invented(NamedTuple):

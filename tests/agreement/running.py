@@ -226,4 +226,6 @@ class Measured(Run):
 def situation(state: EngineState) -> tuple[object, ...]:
     """Where mission and robot are, without times."""
     mission, body = state.mission, state.robot
+    if mission.diverting is not None:  # where the fault came up matters no more
+        return mission.diverting.go, mission.stopped, body.configuration, body.marks
     return mission.pc, mission.begun, mission.handling, body.configuration, body.marks

@@ -23,6 +23,7 @@ NOT_SEEDED = {
     "script.list": "the check takes only lists for trace scripts; `--script` tells of others",
     "more": "stands beside the faults that are too many to be shown: see below",
     "rehearsal.failed": "comes of a run in the simulator, not of a file",
+    "rehearsal.at_once": "comes of a run in the simulator, not of a file",
 }
 """Codes that no single fault of a file brings about, and why."""
 

@@ -13,10 +13,11 @@ import yaml
 from pirate_sm.checking.project import Wishes, check_paths
 from pirate_sm.loading import library
 
+from .odd import Odd, odd_missions
 from .seeding import HERE, ROOT, copied, put
 
 SHIPPED = {path.stem: path for path in library.missions()}
-HARMLESS = ("{log: Here}", "{command: ToggleLighting, if: LightingState == Off}")
+HARMLESS = ("{log: Here}", "{command: ToggleLighting, if: detector == close}")
 TURNS = re.compile(r"^  - \{mitre: (-?)", re.MULTILINE)
 
 
@@ -76,7 +77,9 @@ def test_parameters_may_have_any_value_within_their_limits(name: str, limit: str
     parameters = yaml.safe_load(SHIPPED[name].read_text("utf-8")).get("parameters", {})
     settings = {key: str(each[limit]) for key, each in parameters.items() if limit in each}
 
-    assert told(str(SHIPPED[name]), Wishes(settings=settings)) == []
+    found = told(str(SHIPPED[name]), Wishes(settings=settings))
+    beyond = [each for each in found if "the pipe is" in each and limit == "max"]
+    assert found == beyond  # a way may be longer than the pipe that the mission names
 
 
 @pytest.mark.parametrize("step", HARMLESS)
@@ -95,6 +98,20 @@ def _with(step: str, line: str) -> str:
     if block:
         return f"{line}{block[1]}  - {step}\n"
     return re.sub(r"\bdo: \[(?!\])", f"do: [{step}, ", line)
+
+
+@pytest.mark.parametrize("odd", list(odd_missions()), ids=lambda odd: odd.name)
+def test_nothing_is_said_of_odd_missions_that_are_right(odd: Odd, here: Path) -> None:
+    (here.parent / "newt").mkdir()
+    copied("newt", here.parent / "newt")
+    for name, text in {"odd.yaml": odd.text, **odd.beside}.items():
+        (here / name).write_text(text, encoding="utf-8")
+
+    assert told("sequences/odd.yaml") == []
+
+
+def test_there_are_sixty_odd_missions_of_different_names() -> None:
+    assert len({odd.name for odd in odd_missions()}) >= 60
 
 
 def test_bases_of_the_corpus_are_clean_in_one_project(here: Path) -> None:

@@ -8,7 +8,7 @@ What is found first is therefore reached by the fewest events.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, isnan
@@ -17,8 +17,16 @@ from typing import Any, NamedTuple
 from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.lasting import lasting
 from pirate_sm.checking.exploring.moves import Move, Moves
-from pirate_sm.checking.exploring.oracle import Moment, Oracle, TooManyQuestionsError
+from pirate_sm.checking.exploring.oracle import (
+    NOWHERE,
+    Asked,
+    Moment,
+    Oracle,
+    TooManyQuestionsError,
+    Trigger,
+)
 from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import Program, Require, Say, Wait
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import RobotState
@@ -38,6 +46,12 @@ _TESTS_A_STEP = 20
 
 BEGINS = "\0begins "
 """Before the place of a call, in a line of the log that tells that its terms are met."""
+
+MISHAPS = frozenset({"rejected", "failed", "fault"})
+"""Kinds of moves that nobody plans for."""
+
+WITHIN = "within"
+"""The name under which the limit of a wait stands among its triggers."""
 
 START = Move("start", Tick(), 0.0)
 
@@ -80,6 +94,16 @@ class Step(NamedTuple):
     moment: Moment
     sure: bool
 
+    @property
+    def in_vain(self) -> bool:
+        """Whether a wait has lasted too long."""
+        return any(isinstance(e, TriggerFired) and e.trigger == WITHIN for e in self.effects)
+
+    @property
+    def went_wrong(self) -> bool:
+        """Whether it is a mishap, or a wait that has lasted too long."""
+        return self.move.kind in MISHAPS or self.in_vain
+
 
 @dataclass
 class Exploration:
@@ -88,6 +112,7 @@ class Exploration:
     Attributes:
         complete: False when there was too much of it.
         work: How much of ``MOST_WORK`` it took.
+        branches: By the place of each branch what its condition has been.
     """
 
     program: Program
@@ -96,6 +121,8 @@ class Exploration:
     steps: list[Step] = field(default_factory=list)
     complete: bool = True
     work: float = 0.0
+    branches: Mapping[str, set[Asked]] = field(default_factory=dict)
+    _mishaps: list[int] = field(default_factory=list)
 
     def path(self, step: int) -> list[Step]:
         """The shortest course of events that ends with this step, from the start on."""
@@ -105,6 +132,14 @@ class Exploration:
             source = self.steps[step].source
             step = self.nodes[source].step if source >= 0 else -1
         return found[::-1]
+
+    def mishaps(self, step: int) -> int:
+        """How many things must go wrong, at least, before and in this step."""
+        if not self._mishaps:
+            self._mishaps = _fewest_mishaps(self)
+        here = self.steps[step]
+        before = self._mishaps[here.source] if here.source >= 0 else 0
+        return before + here.went_wrong
 
     def is_playable(self, step: int) -> bool:
         """Whether a course of single events, one after the other, leads there."""
@@ -132,20 +167,40 @@ def explore(
         body: What the robot has been commanded to before; None: it is where the program begins.
         most_work: What it may take, likewise.
     """
-    oracle = Oracle(conditions)
-    program = _telling(replace(program, time_limit_s=inf))
+    oracle = Oracle(conditions, robot.table.configurations[program.start_configuration])
+    program = _telling(replace(program, time_limit_s=inf, most_phases=inf))
     asking = oracle.program(program)
     walk = _Walk(
         Engine(robot, asking, nominal=True),
         oracle,
         Moves(robot, asking, conditions),
-        Exploration(program, robot),
+        Exploration(program, robot, branches=oracle.branches),
         most,
         most_work,
     )
     walk.begin(body)
     walk.go_on()
     return walk.found
+
+
+def _fewest_mishaps(found: Exploration) -> list[int]:
+    """Per node, how many mishaps must have come about before it at least."""
+    after: list[list[tuple[int, int]]] = [[] for _ in found.nodes]
+    fewest = [len(found.steps)] * len(found.nodes)
+    waiting: deque[int] = deque()
+    for step in found.steps:
+        if step.source < 0:
+            fewest[step.target] = 0
+            waiting.append(step.target)
+        else:
+            after[step.source].append((step.target, int(step.went_wrong)))
+    while waiting:
+        node = waiting.popleft()
+        for target, more in after[node]:
+            if fewest[node] + more < fewest[target]:
+                fewest[target] = fewest[node] + more
+                (waiting.append if more else waiting.appendleft)(target)
+    return fewest
 
 
 def _telling(program: Program) -> Program:
@@ -216,7 +271,7 @@ class _Walk:
             for state, at_s in lasting(it, node.state, self.moves.conditions):
                 move = Move("lasting", Tick(), at_s)
                 for (after, effects), moment in self._every(
-                    partial(self.engine.step, state, move.event, at_s)
+                    partial(self.engine.step, state, move.event, at_s), self._due(state, at_s)
                 ):
                     told = (each for each in effects if isinstance(each, TriggerFired))
                     if any((key, each.trigger) not in fired for each in told):
@@ -230,17 +285,40 @@ class _Walk:
         for move in self.moves.of(node.state, node.now):
             if not self.found.complete:
                 return
-            results = self._every(partial(self.engine.step, node.state, move.event, move.at_s))
+            results = self._every(
+                partial(self.engine.step, node.state, move.event, move.at_s),
+                self._due(node.state, move.at_s),
+            )
             for (state, effects), moment in results:
                 self._arrive(index, move, state, effects, moment)
 
+    def _due(self, state: EngineState, now: float) -> Collection[Trigger]:
+        """Triggers that fire now if their condition is still true."""
+        mission = state.mission
+        it = self.engine.program.instructions[mission.pc]
+        if not (isinstance(it, Wait) and mission.begun):
+            return ()
+        return [
+            (mission.pc, number)
+            for number, (each, since) in enumerate(zip(it.triggers, mission.since, strict=True))
+            if not isnan(since) and has_come(mission.clock(now), since + each.held_s)
+        ]
+
+    def _waits(self, result: tuple[EngineState, tuple[Effect, ...]]) -> int:
+        """Index of the wait that it has come to."""
+        mission = result[0].mission
+        waits = mission.begun and isinstance(self.engine.program.instructions[mission.pc], Wait)
+        return mission.pc if waits else NOWHERE
+
     def _every(
-        self, step: Callable[[], tuple[EngineState, tuple[Effect, ...]]]
+        self,
+        step: Callable[[], tuple[EngineState, tuple[Effect, ...]]],
+        due: Collection[Trigger] = (),
     ) -> Iterator[tuple[tuple[EngineState, tuple[Effect, ...]], Moment]]:
         """The results of the step, as far as they are not too much."""
         conditions, tests = self.moves.conditions, self.moves.conditions.tests
         try:
-            for result, moment in self.oracle.every(step):
+            for result, moment in self.oracle.every(step, self._waits, due):
                 yield result, moment
                 more = (conditions.tests - tests) / _TESTS_A_STEP
                 tests = conditions.tests
@@ -295,13 +373,19 @@ def _key(state: EngineState) -> Any:
     """What of a state decides how it can go on."""
     mission, body = state.mission, state.robot
     flight, motion = body.flight, body.motion
+    if mission.diverting is not None:  # where the fault came up matters no more
+        where = mission.diverting.go, mission.diverting.go_name, mission.stopped, mission.handling
+        return (
+            where, body.configuration, body.marks, body.values, body.seeking,
+            flight and (flight.purpose, flight.values),
+            motion and (motion.command, motion.place, motion.stage, isnan(motion.accepted_s)),
+            state.rules,
+        )  # fmt: skip
     return (
         mission.pc,
         mission.begun,
         mission.tries,
         mission.handling,
-        mission.diverting,
-        mission.stopped,
         mission.result.done if mission.result else None,
         tuple(isnan(since) for since in mission.since),
         mission.ending and (mission.ending.outcome, mission.ending.end),

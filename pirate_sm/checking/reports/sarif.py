@@ -1,7 +1,4 @@
-"""A report in SARIF 2.1.0, which code hosts and editors read (OASIS, 2023).
-
-The log names no ``$schema``: it is optional, and its version says all that a reader needs.
-"""
+"""A report in SARIF 2.1.0, which code hosts and editors read (OASIS, 2023)."""
 
 from __future__ import annotations
 
@@ -20,6 +17,12 @@ from pirate_sm.checking.reports.marking import end_column, excerpt
 from pirate_sm.loading.problems import Place
 
 _ROOT = "%SRCROOT%"
+
+_SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
+"""The name under which readers know the schema; nothing is fetched from there."""
+
+_INFORMATION = f"pkg:pypi/pirate-sm@{__version__}"
+"""The package and its version as an absolute URI (package URL), because it has no web page."""
 _LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.POSSIBLE: "note"}
 
 
@@ -33,6 +36,7 @@ def sarif_report(report: Report) -> str:
                 "name": "pirate check",
                 "version": __version__,
                 "semanticVersion": __version__,
+                "informationUri": _INFORMATION,
                 "rules": [_rule(code) for code in codes],
             }
         },
@@ -48,7 +52,7 @@ def sarif_report(report: Report) -> str:
         ],
         "results": [_result(each, codes.index(each.code), seen) for each in report.findings],
     }
-    return json.dumps({"version": "2.1.0", "runs": [run]}, indent=1)
+    return json.dumps({"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}, indent=1)
 
 
 def _rule(code: str) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from pirate_sm.checking.reports.marking import marked
 _WIDTH = 100
 
 _MOST_CALLS = 3
+_MOST_PLACES = 3
 
 Paint = Callable[[str, str], str]
 """Text as a terminal may show it, in the colour of a role."""
@@ -111,7 +112,8 @@ def summary(report: Report) -> str:
     """What was looked at and how many findings there are, in one line."""
     kinds = Counter(file.kind.value for file in report.files)
     looked = ", ".join(count(number, kind) for kind, number in kinds.items())
-    return f"{looked or 'nothing'} checked: {_counted(report)}"
+    where = f" in {', '.join(report.where)}" if 0 < len(report.where) <= _MOST_PLACES else ""
+    return f"{looked or 'nothing'} checked{where}: {_counted(report)}"
 
 
 def _counted(report: Report) -> str:

@@ -160,7 +160,8 @@ def test_an_allowance_in_a_file_that_cannot_be_used_is_seen() -> None:
 
 def test_settings_are_for_the_missions_that_have_them() -> None:
     with_it = MISSION.replace("start:", "parameters: {way: {type: length}}\nstart:")
-    use = with_it.replace("go: e}", "wait: [{when: odometry > $way, go: e}, {after: $t, go: e}]}")
+    use = with_it.replace("[ClampFront]", "[ClampFront, DriveForward]")
+    use = use.replace("go: e}", "wait: [{when: odometry > $way, go: e}, {after: $t, go: e}]}")
     use = use.replace("{way:", "{t: {type: duration, default: 9 s}, way:")
     write("with.yaml", use)
     write("without.yaml")

@@ -71,6 +71,75 @@ phases:
     assert only(checked(tmp_path, body), "handler.impossible").place.line == 7
 
 
+HANDLED = """
+start: p
+phases:
+  p: {{do: [HoldNose, HoldTail], on_failure: h, go: good}}
+  h: {{{handler}do: [{steps}], go: bad}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("handler", "steps", "expected"),
+    [
+        pytest.param("on_failure: bad, ", "GoAhead", [], id="the phase handles its failures"),
+        pytest.param("", "GoAhead", [("handler.impossible", "error")], id="nothing handles them"),
+        pytest.param(
+            "on_failure: bad, ", "HoldNose", [("handler.impossible", "error")],
+            id="an unneeded step would keep the next ones from being done",
+        ),
+        pytest.param(
+            "on_failure: bad, ", "FreeTail, Rest", [("handler.impossible", "error")],
+            id="a step that is never possible",
+        ),
+    ],
+)  # fmt: skip
+def test_a_handler_of_the_phase_counts_as_one(
+    tmp_path: Path, handler: str, steps: str, expected: list[tuple[str, str]]
+) -> None:
+    found = told(checked(tmp_path, HANDLED.format(handler=handler, steps=steps)))
+
+    assert [each for each in found if each[0] == "handler.impossible"][:1] == expected
+
+
+def test_a_handler_that_fails_only_after_a_second_failure_is_not_certainly_wrong(
+    tmp_path: Path,
+) -> None:
+    steps = "{command: HoldNose, unneeded: skip, on_failure: continue}, GoAhead"
+    body = HANDLED.replace("HoldNose, HoldTail", "HoldNose").format(handler="", steps=steps)
+
+    assert told(checked(tmp_path, body)) == [("handler.impossible", "warning")]
+
+
+def test_a_call_that_says_where_its_refusal_leads_may_be_refused_at_times(tmp_path: Path) -> None:
+    inner = "starts_in: {Grip: NoseHeld}\nstart: q\nphases: {q: {do: [HoldTail], go: good}}\n"
+    write(tmp_path, inner + "ends: {good: {succeed: ok}}\n", name="sub")
+    body = (
+        "start: p\nphases: {p: {do: [{command: HoldNose, if: known(neck)}, "
+        "{call: sub, on_failure: bad}], go: good}}\n"
+    )
+
+    assert told(checked(tmp_path, body)) == []
+
+
+@pytest.mark.parametrize(
+    ("steps", "terms", "mend"),
+    [
+        ("SwitchLamp", "{Grip: BothHeld}", "put HoldNose, HoldTail before the call"),
+        ("HoldNose, GoAhead", "{Grip: BothHeld}", "put Rest, HoldTail before the call"),
+        ("HoldNose", "{Grip: Loose}", "no commands lead there from where the robot is"),
+    ],
+)
+def test_the_mend_of_a_call_names_the_commands_that_lead_there(
+    tmp_path: Path, steps: str, terms: str, mend: str
+) -> None:
+    inner = f"starts_in: {terms}\nstart: q\nphases: {{q: {{do: [SwitchLamp], go: good}}}}\n"
+    write(tmp_path, inner + "ends: {good: {succeed: ok}}\n", name="sub")
+    body = f"start: p\nphases: {{p: {{do: [{steps}, {{call: sub}}], go: good}}}}\n"
+
+    assert only(checked(tmp_path, body), "call.starts_in").mend.startswith(mend)
+
+
 @pytest.mark.parametrize(
     ("phases", "code"),
     [

@@ -53,10 +53,10 @@ def test_a_mission_that_succeeds_has_no_finding(file: Path) -> None:
     assert told(report)[1] == "  m.yaml: succeeded after 3.0 s: ok"
 
 
-def test_a_mission_that_does_not_is_a_warning_at_its_name(file: Path) -> None:
+def test_a_mission_that_does_not_is_an_error_at_its_name(file: Path) -> None:
     (finding,) = checked(BAD).findings
 
-    assert (finding.code, finding.severity) == ("rehearsal.failed", Severity.WARNING)
+    assert (finding.code, finding.severity) == ("rehearsal.failed", Severity.ERROR)
     assert str(finding.place) == "m.yaml:2:10"
     assert finding.message == "in the simulator it does not succeed: no bend (after 7.2 s)"
 

@@ -35,6 +35,7 @@ def test_without_a_path_it_is_the_project_in_the_working_directory() -> None:
     write("sequences/deep/down/m.yaml")
     write("hardware_profiles/r/profile.yaml", "boards: []\n")
     write("elsewhere/n.yaml")
+    write("docker.yaml", "services: {}\n")
 
     assert found() == [
         ("robot", "hardware_profiles/r/profile.yaml"),
@@ -42,12 +43,19 @@ def test_without_a_path_it_is_the_project_in_the_working_directory() -> None:
     ]
 
 
-def test_without_a_project_it_is_what_is_shipped() -> None:
-    kinds = [kind for kind, _ in found()]
+def test_a_mission_beside_the_folders_of_a_project_is_checked_with_it() -> None:
+    write("sequences/m.yaml")
+    write("n.yaml")
 
-    assert kinds.count("mission") == len(library.missions())
-    assert kinds.count("pipe") == len(library.pipes())
-    assert kinds.count("robot") == len(library.robots())
+    assert found() == [("mission", "n.yaml"), ("mission", "sequences/m.yaml")]
+
+
+def test_without_the_folders_of_a_project_it_is_what_is_there_not_what_is_shipped() -> None:
+    write("broken.yaml")
+    write("deep/down/m.yaml")
+
+    assert found() == [("mission", "broken.yaml"), ("mission", "deep/down/m.yaml")]
+    assert find_targets([]).where == (".",)
 
 
 def test_in_a_folder_only_what_is_ours_counts() -> None:
@@ -123,7 +131,9 @@ def test_a_folder_without_anything_to_check_is_told() -> None:
     assert (finding.code, finding.place.file) == ("check.nothing", "a")
 
 
-def test_an_empty_project_is_no_fault() -> None:
-    Path("sequences").mkdir()
+@pytest.mark.parametrize("folder", ["sequences", "elsewhere"])
+def test_a_project_without_anything_to_check_is_told(folder: str) -> None:
+    Path(folder).mkdir()
 
-    assert find_targets([]).findings == ()
+    (finding,) = find_targets([]).findings
+    assert (finding.code, finding.place.file) == ("check.nothing", ".")

@@ -44,6 +44,61 @@ def test_a_trigger_is_told_if_it_is_of_no_use(tmp_path: Path, trigger: str, code
     assert [each for each in codes if each.startswith("trigger.")][:1] == ([code] if code else [])
 
 
+def test_the_effort_for_conditions_to_be_held_does_not_double_with_each(tmp_path: Path) -> None:
+    """Two took 30 steps, ten 26,000, and twelve were too much to look at."""
+    signals = ["neck", "hip", "way", "pace", "amps_a", "roll_a", "roll_b", "roll_c", "roll_d"]
+    signals += ["neck_torque", "hip_torque", "width_nose"]
+    triggers = [
+        f"{{when: known({name}), held: {number + 1} s, name: t{number}, go: good}}"
+        for number, name in enumerate(signals)
+    ]
+
+    check = checked(tmp_path, wait(*triggers, within="1 min"))
+
+    (book,) = check.explored
+    assert {each.code for each in check.findings} <= {"wait.still"}  # nothing drives
+    assert set(book.waits["p"].fired) == {*(f"t{n}" for n in range(12)), "within"}
+    assert len(book.found.steps) < 500
+
+
+@pytest.mark.parametrize(
+    ("held", "expected"),
+    [
+        # Each brings the one before it along, which then fires first.
+        ((("way > 10 mm", 1), ("way > 20 mm", 2)), ["trigger.shadowed"]),
+        ((("way > 10 mm", 2), ("way > 20 mm", 1)), []),
+        # The last one needs both of the others, and comes at once.
+        ((("way > 10 mm", 2), ("pace > 1 mm/s", 2), ("way > 10 mm and pace > 1 mm/s", 0)), []),
+    ],
+)
+def test_conditions_that_bring_others_along_are_seen_together(
+    tmp_path: Path, held: tuple[tuple[str, int], ...], expected: list[str]
+) -> None:
+    triggers = [
+        f"{{when: {when}, held: {time_s} s, name: t{number}, go: good}}"
+        for number, (when, time_s) in enumerate(held)
+    ]
+
+    codes = [code for code, _ in told(checked(tmp_path, wait(*triggers)))]
+    assert [code for code in codes if code != "wait.still"] == expected  # nothing drives
+
+
+def test_what_is_held_may_be_true_together_in_the_next_phase(tmp_path: Path) -> None:
+    body = """
+start: p
+phases:
+  p:
+    wait: [{when: way > 10 mm, held: 1 s, go: bad}, {when: pace > 1 mm/s, held: 1 s, go: bad},
+           {operator: next, go: q}]
+    within: {time: 1 min, go: bad}
+  q: {do: [{command: HoldNose, if: way > 10 mm and pace > 1 mm/s}], go: good}
+"""
+    check = checked(tmp_path, body)
+
+    assert {code for code, _ in told(check)} <= {"wait.still"}  # nothing drives
+    assert any(each.given for each in check.explored[0].visits.values())
+
+
 def test_a_condition_that_is_always_the_same_is_told(tmp_path: Path) -> None:
     body = """
 start: p

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from pirate_sm.cli import check
+from pirate_sm.loading.robot import load_robot
 
 from .conftest import ROOT
 
@@ -53,14 +54,36 @@ def test_all_shipped_files_are_clean_even_of_warnings(
     pirate: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(ROOT)
+    load_robot.cache_clear()  # its files have the names that they had in another folder
     result = pirate("check", "--fail-on", "warning")
 
     assert (result.exit_code, result.stderr) == (0, "")
-    assert result.stdout == "1 robot, 1 chart, 15 pipes, 18 missions checked: no findings\n"
+    assert result.stdout == (
+        "1 robot, 1 chart, 15 pipes, 18 missions checked in hardware_profiles, sequences: "
+        "no findings\n"
+    )
 
 
-def test_from_elsewhere_what_is_shipped_is_checked(pirate: Any) -> None:
-    assert "18 missions checked: no findings" in pirate("check").stdout
+def test_a_broken_mission_in_a_folder_that_is_no_project_is_no_false_green(
+    pirate: Any, broken: Path
+) -> None:
+    """The shipped files were checked in its place."""
+    result = pirate("check")
+
+    assert result.exit_code == 1
+    assert "mission.command" in result.stdout
+    assert "\n1 mission checked in .: 1 error" in result.stdout
+
+
+@pytest.mark.parametrize("paths", [(), ("empty",)])
+def test_where_there_is_nothing_to_check_nothing_has_passed(
+    pirate: Any, here: Path, paths: tuple[str, ...]
+) -> None:
+    (here / "empty").mkdir()
+    result = pirate("check", *paths)
+
+    assert result.exit_code == 2
+    assert "there is no robot, mission or pipe in this folder" in result.stdout
 
 
 def test_a_finding_fails_the_check_from_its_severity_on(
@@ -106,7 +129,7 @@ def test_another_robot_and_pipe_are_taken(pirate: Any, warned: Path) -> None:
     ("name", "begin"),
     [
         ("json", '{\n "format": 1'),
-        ("sarif", '{\n "version": "2.1.0"'),
+        ("sarif", '{\n "$schema": "'),
         ("junit", '<?xml version="1.0"'),
         ("github", "::error file=b.yaml,line=6,endLine=6,col=12,endColumn=21,title="),
     ],

@@ -89,9 +89,9 @@ def test_a_mission_that_does_not_end_is_ended(
     file = tmp_path / "m.yaml"
     file.write_text(ENDLESS, encoding="utf-8")
 
-    result = pirate("check", file, "--rehearse", "--fail-on", "warning")
+    result = pirate("check", file, "--rehearse")
     assert result.exit_code == 1
-    assert "warning [rehearsal.failed]" in result.stdout
+    assert "error [rehearsal.failed]" in result.stdout
     assert "it had not ended after 2 s" in result.stdout
 
 
@@ -113,3 +113,34 @@ def test_seeds_alone_are_refused(pirate: Any) -> None:
 
     assert (result.exit_code, result.stdout) == (2, "")
     assert "--seeds is for --rehearse" in result.stderr
+
+
+def test_a_trigger_that_was_true_as_its_wait_began_is_pointed_out(
+    pirate: Any, tmp_path: Path
+) -> None:
+    file = tmp_path / "m.yaml"
+    file.write_text(
+        """\
+format: 1
+mission: m
+robot: pirate_ii
+pipe: straight_113
+start: on
+phases:
+  on:
+    do: [ClampFront, ClampRear, DriveForward]
+    wait: [{when: odometry >= 20 mm, go: further}]
+    within: {time: 20 s, go: halt}
+  further:
+    wait: [{when: odometry >= 10 mm, held: 200 ms, go: halt}]
+    within: {time: 20 s, go: halt}
+  halt: {do: [Brake], go: there}
+ends: {there: {succeed: There}}
+""",
+        encoding="utf-8",
+    )
+    result = pirate("check", file, "--rehearse")
+
+    assert result.exit_code == 0
+    assert result.stdout.count("[rehearsal.at_once]") == 1
+    assert "m.yaml:12:11: warning [rehearsal.at_once]" in result.stdout

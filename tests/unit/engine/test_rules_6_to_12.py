@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
-from driving import BOTH_CLAMPED, DRIVING_FORWARD, driver_of, write_mission
+from driving import BOTH_CLAMPED, DRIVING_FORWARD, PIRATE, Driver, driver_of, write_mission
 
+from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
@@ -48,6 +50,41 @@ ends: {e: {succeed: ok}}
     assert driver.wake_at == 3.0
     driver.give(CLOSE, 1.0)
     assert driver.wake_at == pytest.approx(1.7)
+
+
+# --- 5 and 6. Deadlines cannot follow each other without end
+
+TO_AND_FRO = """
+start: a
+phases:
+  a: {wait: [{after: 16 ms, go: b}]}
+  b: {wait: [{after: 16 ms, go: a}]}
+ends: {e: {succeed: ok}}
+"""
+
+
+def phases_until_it_ends(driver, limit_s: float) -> int:
+    while driver.of(fx.Ended) == [] and driver.wake_at < limit_s:
+        driver.give(ev.Tick(), driver.wake_at)
+    return len(driver.of(fx.PhaseChange))
+
+
+def test_phases_that_follow_each_other_faster_than_sensors_speak_are_a_fault(tmp_path):
+    """Two phases with `after: 1 us` took 41 s of computing for 7.5 s of their time."""
+    loaded = load_mission(write_mission(tmp_path, TO_AND_FRO, PIRATE))
+    program = replace(loaded.program, most_phases=50)
+    driver = Driver(loaded.robot, program, nominal=True)
+
+    assert phases_until_it_ends(driver, 10.0) == 51
+    assert driver.of(fx.Fault)[0].code == "mission.runaway"
+    assert (driver.ended.outcome, driver.now) == ("fault", pytest.approx(50 * 0.016))
+
+
+def test_phases_that_take_a_bus_cycle_each_may_go_on_for_ever(drive):
+    driver = drive(TO_AND_FRO, nominal=True)
+
+    assert phases_until_it_ends(driver, 5.0) > 300
+    assert driver.of(fx.Fault) == []
 
 
 # --- 7. held counts from the sample that made the condition true

@@ -7,9 +7,12 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.engine.program import STOP, Do, Enter, Finish, Question, Raise, Require, Wait
+from pirate_sm.loading.assembly import Assembly
 from pirate_sm.loading.mission import load_mission
+from pirate_sm.loading.problems import LoadError
 
 ROOT = Path(__file__).resolve().parents[3]
+NEWT = ROOT / "tests" / "robots" / "newt"
 HEAD = "format: 1\nmission: {name}\nrobot: pirate_ii\n"
 
 
@@ -237,3 +240,23 @@ def test_every_shipped_mission_names_its_phases_once():
     for path in sorted((ROOT / "sequences").glob("*.yaml")):
         phases = load_mission(path).program.phases
         assert len(set(phases)) == len(phases), path
+
+
+def test_calls_that_double_are_counted_before_they_are_written_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Thirty missions, each of which calls the next one twice, took 42 s to be refused."""
+    for number in range(31):
+        again = f"{{call: ./m{number + 1}.yaml}}"
+        steps = f"[{again}, {again}]" if number < 30 else "[{log: Here}]"
+        (tmp_path / f"m{number}.yaml").write_text(
+            f"format: 1\nmission: m{number}\nrobot: {NEWT}\nstart: a\n"
+            f"phases: {{a: {{do: {steps}, go: e}}}}\nends: {{e: {{succeed: Done}}}}\n",
+            encoding="utf-8",
+        )
+    monkeypatch.setattr(Assembly, "emit", None)  # nothing is to be written
+
+    with pytest.raises(LoadError) as raised:
+        load_mission(tmp_path / "m0.yaml")
+
+    assert [each.code for each in raised.value.problems] == ["mission.too_long"]

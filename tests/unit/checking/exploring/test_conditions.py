@@ -106,3 +106,12 @@ def test_what_would_take_too_long_is_assumed_and_not_sure() -> None:
     assert answer.possible
     assert not answer.sure
     assert asked.tests < 1_000
+
+
+def test_a_comparison_of_numbers_alone_is_not_free() -> None:
+    undecided = "a * b > c * c + 1000"
+
+    assert possible(undecided)
+    assert not possible("1 > 2", undecided)
+    assert not possible(f"1 > 2 and {undecided}")
+    assert possible(f"2 > 1 and {undecided}")

@@ -52,6 +52,15 @@ def test_a_wait_is_ended_by_sensors_operator_or_time(tmp_path: Path) -> None:
     assert not book.at_once["good"]
 
 
+def test_a_wait_for_a_condition_or_a_word_is_ended_by_sensors_too(tmp_path: Path) -> None:
+    """The condition may be untrue as the wait begins, and come true later."""
+    found = explored(tmp_path, WAITING.replace(", held: 1 s", ""))
+    book = ledger(found).waits["p"]
+
+    fired = {found.steps[each].move.kind for each in book.fired["good"]}
+    assert "sensors" in fired
+
+
 def test_a_fault_that_only_a_rule_tells_comes_where_the_rule_can_hold(tmp_path: Path) -> None:
     found = explored(tmp_path, HANDLING)
     faults = {

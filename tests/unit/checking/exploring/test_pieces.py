@@ -71,3 +71,16 @@ def test_samples_never_leave_the_range() -> None:
     assert samples({-5.0, 7.0}, SPAN) == (1.0,)
     assert samples((), ANYTHING) == (0.0,)
     assert all(0.0 <= each <= 2.0 for each in samples({0.0, 1.9, 2.0, 3.0}, SPAN))
+
+
+@pytest.mark.parametrize(
+    ("text", "root"),
+    [("2 * a >= 4", 2.0), ("2 * a <= 0", 0.0), ("abs(a - 1) >= a / 2", 2.0)],
+)
+def test_a_root_at_an_end_of_the_range_is_a_border(text: str, root: float) -> None:
+    """It may be the only value at which the comparison is true."""
+    assert root in borders(comparison(text), SPAN)
+
+
+def test_a_root_at_a_kink_is_a_border() -> None:
+    assert 1.0 in borders(comparison("abs(2 * a - 2) <= 0"), SPAN)

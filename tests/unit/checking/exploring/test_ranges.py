@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from math import pi, radians
+from pathlib import Path
 
 import pytest
 
+from checking.robots import changed
 from checking.small_missions import NEWT
 from pirate_sm.checking.exploring.ranges import ranges
 from pirate_sm.loading.robot import load_robot
@@ -48,3 +50,24 @@ def test_what_adds_up_has_no_range() -> None:
     loaded = load_robot(NEWT)
 
     assert "way" not in ranges(loaded.profile, loaded.oriented("normal"))
+
+
+def test_a_torque_worked_out_from_a_current_is_limited_as_that_is() -> None:
+    loaded = load_robot(PIRATE)
+    found = ranges(loaded.profile, loaded.oriented("normal"))
+
+    most = 8.44e-3 * 112 * found["wheel_current_1"].high  # torque_of in the profile
+    assert found["wheel_torque_1"] == pytest.approx((-most, most))
+    assert 0 < found["wheel_torque_1"].high != found["wheel_current_1"].high
+
+
+def test_a_torque_has_a_range_whatever_the_sign_of_its_scale(tmp_path: Path) -> None:
+    robot = changed(
+        PIRATE, tmp_path, "profile.yaml",
+        ("wheel_torque_1: {torque_of: wheel_current_1, slot: wheel_1, scale: 8.44",
+         "wheel_torque_1: {torque_of: wheel_current_1, slot: wheel_1, scale: -8.44"),
+    )  # fmt: skip
+    loaded = load_robot(robot)
+    found = ranges(loaded.profile, loaded.oriented("normal"))["wheel_torque_1"]
+
+    assert found.low < 0 < found.high

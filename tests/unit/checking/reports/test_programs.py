@@ -71,6 +71,14 @@ def test_sarif_is_as_its_schema_says(any_report: Report) -> None:
     assert text.isascii()
 
 
+def test_sarif_names_its_schema_and_where_the_program_is_told_of(report: Report) -> None:
+    log = sarif(report)
+    driver = log["runs"][0]["tool"]["driver"]
+
+    assert log["$schema"].endswith("/sarif-2.1.0.json")
+    assert driver["informationUri"] == f"pkg:pypi/pirate-sm@{driver['version']}"
+
+
 def test_sarif_shows_the_place_the_story_and_what_is_allowed(report: Report) -> None:
     (run,) = sarif(report)["runs"]
     first, second, third, allowed, whole = run["results"]

@@ -1,0 +1,102 @@
+"""How fast missions are explored: `python -m benchmarks.check`.
+
+Times are of the processor, the best of several runs, so that other programs disturb them less.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from pirate_sm.checking.exploring.explorer import explore
+from pirate_sm.checking.mission import check_loaded, conditions_of
+from pirate_sm.loading import library
+from pirate_sm.loading.mission import LoadedMission, load_mission
+
+RUNS = 5
+PHASES = (300, 1_000, 3_000)
+HELD = (2, 6, 12)
+
+HEAD = "format: 1\nmission: m\nrobot: pirate_ii\n"
+SIGNALS = [*(f"gamma_{n}" for n in range(1, 5)), *(f"wheel_torque_{n}" for n in range(1, 7))]
+SIGNALS += ["roll", "pitch"]
+
+
+def best_s(work: Callable[[], object], runs: int = RUNS) -> float:
+    """The least processor time that the work takes."""
+    times = []
+    for _ in range(runs):
+        begin = time.process_time()
+        work()
+        times.append(time.process_time() - begin)
+    return min(times)
+
+
+def steps_of(loaded: LoadedMission) -> int:
+    """Steps of one exploration."""
+    return len(explore(loaded.robot, loaded.program, conditions_of(loaded)).steps)
+
+
+def long_mission(phases: int) -> str:
+    """So many phases one after the other, each with a command, a wait, a failure and faults."""
+    lines = [
+        f"  p{n}: {{do: [ToggleLighting], wait: [{{when: detector == close, held: 200 ms, "
+        f"go: {f'p{n + 1}' if n + 1 < phases else 'e'}}}], within: {{time: 10 s, go: r}}}}"
+        for n in range(phases)
+    ]
+    faults = "on_fault: [{fault: robot.stuck, go: r}, {fault: sensor.silent, go: r}]\n"
+    return (
+        f"{HEAD}on_failure: r\n{faults}start: p0\nphases:\n" + "\n".join(lines)
+        + "\n  r: {do: [ToggleLighting], go: f}\nends: {e: {succeed: ok}, f: {fail: bad}}\n"
+    )  # fmt: skip
+
+
+def holding_mission(triggers: int) -> str:
+    """One wait for any of so many conditions to be held."""
+    lines = [
+        f"      - {{when: known({name}), held: {n + 1} s, name: t{n}, go: e}}"
+        for n, name in enumerate(SIGNALS[:triggers])
+    ]
+    wait = "start: a\nphases:\n  a:\n    wait:\n" + "\n".join(lines)
+    ends = "ends: {e: {succeed: ok}, f: {fail: bad}}\n"
+    return f"{HEAD}{wait}\n    within: {{time: 1 min, go: f}}\n{ends}"
+
+
+def shipped() -> None:
+    """The shipped missions: the exploration alone, and all of the check of a loaded mission."""
+    print(f"{'mission':24}{'steps':>8}{'steps/s':>10}{'check':>10}")
+    for path in library.missions():
+        loaded = load_mission(path)
+        number = steps_of(loaded)
+        exploring_s = best_s(lambda: explore(loaded.robot, loaded.program, conditions_of(loaded)))  # noqa: B023
+        checking_s = best_s(lambda: check_loaded(loaded))  # noqa: B023
+        print(f"{path.stem:24}{number:8}{number / exploring_s:10.0f}{1e3 * checking_s:7.1f} ms")
+
+
+def growing(folder: Path) -> None:
+    """Missions that grow in length, and waits that grow in width."""
+    print(f"\n{'made':24}{'steps':>8}{'steps/s':>10}{'check':>10}")
+    made = [(f"{n} phases", long_mission(n)) for n in PHASES]
+    made += [(f"{n} conditions to hold", holding_mission(n)) for n in HELD]
+    for name, text in made:
+        (folder / "m.yaml").write_text(text, encoding="utf-8")
+        loaded = load_mission(folder / "m.yaml")
+        number = steps_of(loaded)
+        exploring_s = best_s(
+            lambda: explore(loaded.robot, loaded.program, conditions_of(loaded)), 1  # noqa: B023
+        )  # fmt: skip
+        checking_s = best_s(lambda: check_loaded(loaded), 1)  # noqa: B023
+        print(f"{name:24}{number:8}{number / exploring_s:10.0f}{1e3 * checking_s:7.0f} ms")
+
+
+def main() -> None:
+    """The figures stand on standard output."""
+    shipped()
+    with TemporaryDirectory() as folder:
+        growing(Path(folder))
+
+
+if __name__ == "__main__":
+    main()
