@@ -25,6 +25,7 @@ class Sensing(NamedTuple):
         angles: Per wheel what its sensor last showed, however long ago: what it has rolled while
             its board could not be heard is not lost with the frames.
         told: In place of ``numbers``, what a script says that conditions see; empty without one.
+            Changes of signals may follow, see :func:`with_changes`.
     """
 
     numbers: Numbers
@@ -38,7 +39,21 @@ class Sensing(NamedTuple):
     @property
     def shown(self) -> Numbers:
         """What conditions of the mission see. Position loops go by the boards alone."""
-        return self.told or self.numbers
+        return self.told[: len(self.numbers)] or self.numbers
+
+
+def with_changes(sensing: Sensing, origin: Numbers) -> Numbers:
+    """Return the signals, and after them how much each has changed since a wait began.
+
+    Args:
+        sensing: What is known now.
+        origin: The signals when the wait began. A change is unknown (NaN) where the signal is
+            unknown now or was unknown then.
+    """
+    shown = sensing.shown
+    if len(sensing.told) > len(shown):  # a script says the changes too
+        return sensing.told
+    return (*shown, *(now - then for now, then in zip(shown, origin, strict=True)))
 
 
 def nothing_known(robot: RobotSpec, *, blind: bool = False) -> Sensing:
