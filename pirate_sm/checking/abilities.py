@@ -248,7 +248,7 @@ def _triggers(book: Ledger, program: Program) -> dict[tuple[str, str], Trigger]:
             " or ".join(dict.fromkeys(text for text, _ in known[phase, name])),
             tuple(dict.fromkeys(go for _, go in known[phase, name])),
         )
-        for phase, wait in book.waits.items()
+        for (phase, _), wait in book.waits.items()
         for name in wait.fired
     }
 

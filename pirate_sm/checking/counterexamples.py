@@ -86,7 +86,7 @@ def _happening(found: Exploration, step: Step) -> dict[str, Any]:
     if move.kind in {"answer", "fault"}:
         entry[move.kind] = move.word
     answer = step.moment.answer
-    signals = _signals(found.robot.vocabulary, answer.numbers, answer.words)
+    signals = _signals(found.robot.vocabulary.with_changes, answer.numbers, answer.words)
     if signals:
         entry["signals"] = signals
     entry["what"] = sentence(found, step)

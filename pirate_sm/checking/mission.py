@@ -134,7 +134,7 @@ def _judged(
 def conditions_of(loaded: LoadedMission) -> Conditions:
     """What decides whether conditions on the mission's robot can be true."""
     spans = ranges(loaded.loaded_robot.profile, loaded.robot)
-    return Conditions(loaded.robot.vocabulary, spans, len(loaded.robot.regions))
+    return Conditions(loaded.robot.vocabulary.with_changes, spans, len(loaded.robot.regions))
 
 
 def _explored(loaded: LoadedMission) -> list[Ledger]:

@@ -66,11 +66,11 @@ class _Reach:
 
     def _with(self, narrower: Mapping[str, Range]) -> Conditions:
         spans = {**self._spans, **narrower}
-        return Conditions(self._robot.vocabulary, spans, len(self._robot.regions))
+        return Conditions(self._robot.vocabulary.with_changes, spans, len(self._robot.regions))
 
     def states(self, wait: Wait) -> set[int]:
         """Configurations in which the wait is come to."""
-        return {each for book in self._seen for each in book.waits[wait.phase].states}
+        return {each for book in self._seen for each in book.waits[wait.phase, wait.place].states}
 
     def judge(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
         """What is wrong with a trigger, nothing where it can fire or never could anywhere."""

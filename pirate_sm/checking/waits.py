@@ -26,9 +26,9 @@ def wait_findings(
         places: Of its parts.
     """
     spans = ranges(loaded.loaded_robot.profile, loaded.robot)
-    judge = _Judge(
-        books, seen, loaded, Conditions(loaded.robot.vocabulary, spans, len(loaded.robot.regions))
-    )
+    robot = loaded.robot
+    conditions = Conditions(robot.vocabulary.with_changes, spans, len(robot.regions))
+    judge = _Judge(books, seen, loaded, conditions)
     told: set[str] = set()
     if all(book.found.complete for book in seen):
         for place, (code, severity, message, mend) in judge.triggers().items():
@@ -97,12 +97,13 @@ class _Judge:
         return {place: said for place, said in found.items() if place not in fine | idle}
 
     def _trigger(self, wait: Wait, number: int, trigger: TriggerSpec) -> _Said | None:
-        if not any(book.waits[wait.phase].armed for book in self._books):
+        key = wait.phase, wait.place
+        if not any(book.waits[key].armed for book in self._books):
             return None  # that its phase is never reached is said there
-        armed = sum(len(book.waits[wait.phase].armed) for book in self._seen)
-        fired = sum(len(book.waits[wait.phase].fired[trigger.name]) for book in self._seen)
+        armed = sum(len(book.waits[key].armed) for book in self._seen)
+        fired = sum(len(book.waits[key].fired[trigger.name]) for book in self._seen)
         if fired:
-            at_once = sum(book.waits[wait.phase].at_once[trigger.name] for book in self._seen)
+            at_once = sum(book.waits[key].at_once[trigger.name] for book in self._seen)
             if trigger.condition is None or not at_once:
                 return None
             if at_once < armed and self._can_be(wait, [(trigger.condition.tree, False)]):
@@ -149,7 +150,9 @@ class _Judge:
     def _can_be(self, wait: Wait, facts: Sequence[Fact]) -> bool:
         """Whether all of this can be so in a configuration of the wait."""
         reached = {
-            configuration for book in self._seen for configuration in book.waits[wait.phase].states
+            configuration
+            for book in self._seen
+            for configuration in book.waits[wait.phase, wait.place].states
         }
         return any(
             self._conditions.ask(facts, self._table.configurations[each]).possible

@@ -205,6 +205,8 @@ def phases(snapshot: Snapshot, width: int, rows: int) -> list[Content]:
             mark, style = "▷", ""
         elif name in story.spent_s:
             mark, style = "✓", GOOD
+        if name == current and state is not None:
+            own += program.round_note(state.mission.pc)
         room = max(width - len(time) - 3, 4)
         lines.append(line((f"{mark} {own[:room]:<{room}} {time}", style)))
     return lines

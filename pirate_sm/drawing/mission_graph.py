@@ -125,11 +125,10 @@ def _ways(phase: model.Phase) -> Iterator[tuple[str, EdgeKind, str]]:
     """Each way out of the phase: the name it leads to, why, and what to write there."""
     if phase.go is not None:
         yield phase.go, EdgeKind.GO, ""
-    for trigger in phase.wait:
-        yield trigger.go, EdgeKind.TRIGGER, trigger_text(trigger)
-    if phase.within is not None:
-        yield phase.within.go, EdgeKind.WITHIN, f"not within {amount(phase.within.time, 's')}"
+    yield from _wait_ways(phase)
     for step in every_step(phase.do):
+        if isinstance(step, model.WaitStep):
+            yield from _wait_ways(step)
         if isinstance(step, model.AskStep):
             for answer, leads in step.choices.items():
                 if leads not in {model.CONTINUE, model.FAIL}:
@@ -138,3 +137,12 @@ def _ways(phase: model.Phase) -> Iterator[tuple[str, EdgeKind, str]]:
             yield str(step.on_failure), EdgeKind.FAILURE, f"{short(step)} fails"
     if phase.on_failure is not None:
         yield phase.on_failure, EdgeKind.FAILURE, "a step fails"
+
+
+def _wait_ways(it: model.Phase | model.WaitStep) -> Iterator[tuple[str, EdgeKind, str]]:
+    """Yield the ways out of a wait that lead to a phase or end."""
+    for trigger in it.wait:
+        if trigger.go is not None:
+            yield trigger.go, EdgeKind.TRIGGER, trigger_text(trigger)
+    if it.within is not None and it.within.go is not None:
+        yield it.within.go, EdgeKind.WITHIN, f"not within {amount(it.within.time, 's')}"

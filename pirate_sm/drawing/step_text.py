@@ -54,6 +54,10 @@ def _lines(step: model.Step, indent: str) -> Iterator[str]:
             yield f"{indent}call {step.call}{f' ({given})' if given else ''}{_leads(step)}"
         case model.AskStep():
             yield f"{indent}ask “{step.ask}” ({', '.join(step.choices)}){_leads(step)}"
+        case model.WaitStep():
+            limit = f", ≤ {amount(step.within.time, 's')}" if step.within is not None else ""
+            triggers = " or ".join(map(trigger_text, step.wait))
+            yield f"{indent}wait for {triggers}{limit}{_leads(step)}"
         case model.LogStep():
             yield f"{indent}log “{step.log}”"
 
@@ -91,6 +95,8 @@ def short(step: model.Step) -> str:
             return "repeat"
         case model.ChooseStep():
             return "choose"
+        case model.WaitStep():
+            return "wait"
         case model.LogStep():
             return "log"
 

@@ -25,6 +25,7 @@ from pirate_sm.engine.program import (
     TriggerSpec,
     Wait,
 )
+from pirate_sm.engine.sensing import with_changes
 from pirate_sm.engine.state import EngineState, MissionState, Setting, Words
 from pirate_sm.model.effects import (
     TAKEN,
@@ -250,20 +251,25 @@ def _wait(
     clock = mission.clock(now)
     if not mission.begun:
         since = (nan,) * len(it.triggers)
-        mission = mission._replace(begun=True, armed_s=clock, since=since)
+        origin = state.sensing.shown if it.compares else ()
+        mission = mission._replace(begun=True, armed_s=clock, since=since, origin=origin)
         deadline = clock + it.within_s + mission.offset_s
         names = tuple(trigger.name for trigger in it.triggers)
         texts = tuple(trigger.text for trigger in it.triggers)
-        effects.append(WaitArmed(it.phase, names, texts, deadline))
+        effects.append(WaitArmed(it.phase, names, texts, deadline, it.place))
         state = state._replace(mission=mission)
-    since, fired, reason = _look(it, mission, state.sensing.shown, state.words, clock)
+    sensing = state.sensing
+    numbers = with_changes(sensing, mission.origin) if it.compares else sensing.shown
+    since, fired, reason = _look(it, mission, numbers, state.words, clock)
     if fired >= 0:
         trigger = it.triggers[fired]
-        effects.append(TriggerFired(it.phase, trigger.name, trigger.go_name, reason))
+        effects.append(TriggerFired(it.phase, trigger.name, trigger.go_name, reason, it.place))
         return _go(state, trigger.go)
     if has_come(clock, mission.armed_s + it.within_s):
         cause = f"the wait of {it.phase} ({it.place}) lasted longer than {it.within_s:g} s"
-        effects.append(TriggerFired(it.phase, "within", it.within_name, cause))
+        effects.append(TriggerFired(it.phase, "within", it.within_name, cause, it.place))
+        if it.fails:
+            return fail(setting, state, cause, it.within, now, effects)
         mission = mission._replace(cause=cause)
         return state._replace(mission=_moved(mission, it.within))
     if mission.skipped:

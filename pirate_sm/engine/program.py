@@ -95,7 +95,12 @@ class TriggerSpec(NamedTuple):
 
 
 class Wait(NamedTuple):
-    """Waits for one of the triggers, at most ``within_s``."""
+    """Waits for one of the triggers, at most ``within_s``.
+
+    Attributes:
+        within: Where it leads when the time is over. ``fails``: as a failure of a step.
+        compares: Whether a condition looks at how much a signal has changed since it began.
+    """
 
     phase: str
     triggers: tuple[TriggerSpec, ...]
@@ -103,6 +108,8 @@ class Wait(NamedTuple):
     within: int
     within_name: str
     place: str
+    compares: bool = False
+    fails: bool = False
 
 
 class Question(NamedTuple):
@@ -184,6 +191,7 @@ class Program:
         diameter_m: Inner diameter of the pipe that the robot is in; None where it is not known.
         rules: The robot's safety rules, without those that the mission is allowed to break.
         most_phases: How many phases may begin within one second of mission time.
+        turn_of: Per instruction which round of a repeat it belongs to, ``2 of 4``, or empty.
     """
 
     mission: str
@@ -198,6 +206,12 @@ class Program:
     rules: tuple[RuleSpec, ...] = ()
     diameter_m: float | None = None
     most_phases: float = MOST_PHASES
+    turn_of: tuple[str, ...] = ()
+
+    def round_note(self, at: int) -> str:
+        """Return which round of a repeat an instruction belongs to, `` (2 of 4)``, or nothing."""
+        turn = self.turn_of[at] if at < len(self.turn_of) else ""
+        return f" ({turn})" if turn else ""
 
     def beginning(self, phase: str) -> int | None:
         """Index of the instruction that enters a phase, None where there is none."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import nan
 from typing import TYPE_CHECKING
 
 from pirate_sm.engine import machine
@@ -24,8 +25,11 @@ def told(
     if not engine.nominal:
         effects.append(Log("warning", "a script cannot say what sensors show that speak"))
         return state
-    names = engine.robot.vocabulary.numbers
-    numbers = list(state.sensing.shown)
+    names = engine.robot.vocabulary.with_changes.numbers
+    sensing = state.sensing
+    numbers = list(sensing.told or sensing.numbers)
+    if any(name.startswith("change(") for name, _ in report.numbers):
+        numbers += [nan] * (len(names) - len(numbers))
     for name, value in report.numbers:
         if name in names:
             numbers[names.index(name)] = value
@@ -37,7 +41,7 @@ def told(
             words[_OUTSIDE.index(name) - len(_OUTSIDE)] = word
         else:
             effects.append(Log("warning", f"the script says '{name}', which is no word of it"))
-    sensing = state.sensing._replace(told=tuple(numbers))
+    sensing = sensing._replace(told=tuple(numbers))
     return state._replace(sensing=sensing, words=tuple(words))
 
 

@@ -45,6 +45,7 @@ class Sensing(NamedTuple):
         asked: What the motors have been asked, which tells what can move.
         loss: Share of the boards' reports that is lost, lately.
         told: In place of ``numbers``, what a script says that conditions see; empty without one.
+            Changes of signals may follow, see :func:`with_changes`.
     """
 
     numbers: Numbers
@@ -61,7 +62,7 @@ class Sensing(NamedTuple):
     @property
     def shown(self) -> Numbers:
         """What conditions of the mission see. Position loops go by the boards alone."""
-        return self.told or self.numbers
+        return self.told[: len(self.numbers)] or self.numbers
 
     @property
     def doubted(self) -> frozenset[int]:
@@ -71,6 +72,20 @@ class Sensing(NamedTuple):
         the sensor may only have spiked.
         """
         return frozenset().union(*[record.doubted for record in self.records])
+
+
+def with_changes(sensing: Sensing, origin: Numbers) -> Numbers:
+    """Return the signals, and after them how much each has changed since a wait began.
+
+    Args:
+        sensing: What is known now.
+        origin: The signals when the wait began. A change is unknown (NaN) where the signal is
+            unknown now or was unknown then.
+    """
+    shown = sensing.shown
+    if len(sensing.told) > len(shown):  # a script says the changes too
+        return sensing.told
+    return (*shown, *(now - then for now, then in zip(shown, origin, strict=True)))
 
 
 def nothing_known(robot: RobotSpec, *, blind: bool = False) -> Sensing:

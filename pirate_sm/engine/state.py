@@ -64,6 +64,7 @@ class MissionState(NamedTuple):
         tries: How often its command has been tried again.
         armed_s: Mission time at which it began.
         since: Per trigger the mission time since which its condition has been true, else NaN.
+        origin: Signals at that time, where a wait compares later ones with them; else empty.
         result: How its command ended, once it has.
         answer: What the operator has just answered; ``skipped`` what he has just passed over.
         cause: Why the last failure or fault happened.
@@ -81,6 +82,7 @@ class MissionState(NamedTuple):
     tries: int = 0
     armed_s: float = 0.0
     since: tuple[float, ...] = ()
+    origin: tuple[float, ...] = ()
     result: Finished | None = None
     answer: str | None = None
     skipped: str | None = None
@@ -119,7 +121,7 @@ class MissionState(NamedTuple):
     def at(self, pc: int) -> MissionState:
         """The mission before its instruction at ``pc``."""
         return self._replace(
-            pc=pc, begun=False, tries=0, since=(), result=None, answer=None, skipped=None
+            pc=pc, begun=False, tries=0, since=(), origin=(), result=None, answer=None, skipped=None
         )
 
 

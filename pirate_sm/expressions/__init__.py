@@ -4,9 +4,10 @@
          → compiler → a Python function over signal values
 
 The language has comparisons (also chained), `and or not`, `+ - * /`, parentheses, `abs min max`,
-`in (a, b)`, `known(x)`, numbers with units, words, `true` and `false`, `$parameters`; nothing else
-can be said in it. Its logic is three-valued (Kleene): what follows from an unknown signal is
-unknown, unless the rest decides alone.
+`in (a, b)`, `known(x)`, `change(signal)` in waits, numbers with units, words, `true` and `false`,
+`$parameters`; nothing else can be said in it. Its
+logic is three-valued (Kleene): what follows from an unknown signal is unknown, unless the rest
+decides alone.
 """
 
 from __future__ import annotations

@@ -29,6 +29,7 @@ from pirate_sm.expressions.vocabulary import (
     NumberType,
     Type,
     Vocabulary,
+    change_of,
 )
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import DIMENSIONLESS, Dimension, example
@@ -339,6 +340,8 @@ class _Analysis:
         return Typed(tree.And(known) if part.operator == "and" else tree.Or(known), BOOLEAN)
 
     def _call(self, part: CallPart) -> Typed | None:
+        if part.function == "change":
+            return self._change(part)
         single = part.function in ("abs", "known")
         if single and len(part.arguments) != 1:
             self._fault(part, f"'{part.function}' takes one value, not {len(part.arguments)}")
@@ -356,6 +359,23 @@ class _Analysis:
                 return None
         name = cast("tree.FunctionName", part.function)
         return Typed(tree.Call(name, tuple(number.node for number in known)), known[0].type)
+
+    def _change(self, part: CallPart) -> Typed | None:
+        """Return how much a signal has changed since a wait began."""
+        if not any(name.startswith("change(") for name in self._vocabulary.types):
+            message = "'change' counts from the beginning of a wait: use it in the `when` of a wait"
+            self._fault(part, message)
+            return None
+        (signal, *others) = part.arguments
+        if others or not isinstance(signal, NamePart):
+            self._fault(part, "'change' takes the name of one signal, as in change(odometry)")
+            return None
+        number = self._number(signal, "'change'")
+        if number is None:
+            return None
+        name = change_of(signal.name)
+        slot = self._vocabulary.slot(name)
+        return Typed(tree.Signal(name, slot.kind, slot.index), number.type)
 
 
 def _dimension(typed: Typed) -> Dimension:

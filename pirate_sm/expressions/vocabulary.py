@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from types import MappingProxyType
 from typing import Final, Literal, TypeAlias
 
 from pirate_sm.units import UNITS, Dimension, Quantity, describe
 
 KEYWORDS: Final = frozenset({"and", "or", "not", "in", "true", "false"})
-FUNCTIONS: Final = frozenset({"abs", "min", "max", "known"})
+FUNCTIONS: Final = frozenset({"abs", "min", "max", "known", "change"})
 
 _IDENTIFIER: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
@@ -83,9 +84,28 @@ class Vocabulary:
         self._slots = {name: Slot("number", index) for index, name in enumerate(self.numbers)}
         self._slots.update({name: Slot("word", index) for index, name in enumerate(self.words)})
 
+    @cached_property
+    def with_changes(self) -> Vocabulary:
+        """Return the vocabulary of a wait: also how much each number has changed since it began.
+
+        The changes follow the numbers, in the same order.
+        """
+        extended = Vocabulary(self.types)
+        changes = {change_of(name): self.types[name] for name in self.numbers}
+        extended.types = MappingProxyType({**self.types, **changes})
+        extended.numbers = (*self.numbers, *changes)
+        first = len(self.numbers)
+        extended._slots |= {name: Slot("number", first + i) for i, name in enumerate(changes)}
+        return extended
+
     def slot(self, name: str) -> Slot:
         """Return where the value of a name is found; KeyError for a name that is not in here."""
         return self._slots[name]
+
+
+def change_of(name: str) -> str:
+    """Return the name of a signal's change since a wait began, as it is written."""
+    return f"change({name})"
 
 
 def _check_name(name: str) -> None:

@@ -45,6 +45,7 @@ class Assembly:
     _fields: list[dict[str, Any]] = field(default_factory=list)
     _handlers: list[Handlers] = field(default_factory=list)
     _phases: list[str] = field(default_factory=list)
+    _turns: list[str] = field(default_factory=list)
 
     @property
     def length(self) -> int:
@@ -55,8 +56,17 @@ class Assembly:
         """The label stands at the next instruction."""
         label.index = len(self._kinds)
 
-    def emit(self, kind: type[Any], phase: str, handlers: Handlers, /, **fields: Any) -> None:
-        """An instruction has been added; its fields may hold labels, also inside tuples.
+    def emit(
+        self, kind: type[Any], phase: str, handlers: Handlers, /, *, turn: str = "", **fields: Any
+    ) -> None:
+        """Add an instruction; its fields may hold labels, also inside tuples.
+
+        Args:
+            kind: Class of the instruction.
+            phase: The phase that it belongs to.
+            handlers: Fault handlers in force.
+            turn: Which round of a repeat it belongs to, ``2 of 4``; empty outside.
+            fields: Its fields.
 
         Raises:
             TooLongError: The program is too long.
@@ -67,11 +77,17 @@ class Assembly:
         self._fields.append(fields)
         self._handlers.append(handlers)
         self._phases.append(phase)
+        self._turns.append(turn)
 
     def finished(
         self,
-    ) -> tuple[tuple[Instruction, ...], tuple[tuple[HandlerSpec, ...], ...], tuple[str, ...]]:
-        """Instructions, the fault handlers of each, and its phase; no label is left."""
+    ) -> tuple[
+        tuple[Instruction, ...],
+        tuple[tuple[HandlerSpec, ...], ...],
+        tuple[str, ...],
+        tuple[str, ...],
+    ]:
+        """Return instructions, the fault handlers, phase and round of each; no label is left."""
         instructions = tuple(
             kind(**{name: _resolved(value) for name, value in fields.items()})
             for kind, fields in zip(self._kinds, self._fields, strict=True)
@@ -80,7 +96,7 @@ class Assembly:
             tuple(HandlerSpec(code, _resolved(label), name) for code, label, name in each)
             for each in self._handlers
         )
-        return instructions, handlers, tuple(self._phases)
+        return instructions, handlers, tuple(self._phases), tuple(self._turns)
 
 
 def _resolved(value: Any) -> Any:

@@ -47,7 +47,7 @@ def _report(happening: Happening, robot: RobotSpec) -> SignalReport | None:
         return None
     numbers, words = [], []
     for name, value in happening.signals.items():
-        kind = robot.vocabulary.types.get(name)
+        kind = robot.vocabulary.with_changes.types.get(name)
         if kind is None or name in robot.regions:
             raise UsageError(f"the script has the signal '{name}': {_meant(name, robot)}")
         if isinstance(kind, EnumType):
@@ -71,6 +71,6 @@ def _word(name: str, value: str, kind: EnumType) -> str | None:
 
 
 def _meant(name: str, robot: RobotSpec) -> str:
-    known = [each for each in robot.vocabulary.types if each not in robot.regions]
+    known = [each for each in robot.vocabulary.with_changes.types if each not in robot.regions]
     close = nearest(name, known)
     return f"did you mean '{close}'?" if close else "the robot has no such signal"

@@ -60,11 +60,11 @@ def build_program(
             f"with its repeats and calls written out it has more than {MOST_INSTRUCTIONS} steps",
         )  # fmt: skip
     problems.raise_errors(tolerated)
-    instructions, handlers, phase_of = compiler.assembly.finished()
+    instructions, handlers, phase_of, turn_of = compiler.assembly.finished()
     program = Program(
         mission.mission, instructions, start.index, at_start, handlers, tuple(compiler.names),
         phase_of, tuple(mission.ends), inf if limit is None else limit,
-        rules_for(mission, robot.rules),
+        rules_for(mission, robot.rules), turn_of=turn_of,
     )  # fmt: skip
     return program, tuple(compiler.calls.files.values())
 
@@ -107,6 +107,13 @@ def _said(end: model.End) -> str:
     return end.fail if end.succeed is None else end.succeed  # type: ignore[return-value]
 
 
+def _compares(trigger: out.TriggerSpec) -> bool:
+    """Whether the trigger looks at how much a signal has changed since the wait began."""
+    return trigger.condition is not None and any(
+        name.startswith("change(") for name in trigger.condition.names
+    )
+
+
 @dataclass
 class _PhaseWriter:
     """Writes the instructions of one phase."""
@@ -128,42 +135,62 @@ class _PhaseWriter:
             self._jump(after)
         if phase.wait:
             self.compiler.assembly.mark(wait)
-            self._wait(phase, path)
+            self._wait(phase, path, None, out.STOP)
 
     def _emit(self, kind: type[object], **fields: object) -> None:
-        self.compiler.assembly.emit(kind, self.scope.full_phase, self.handlers, **fields)
-
-    def _wait(self, phase: model.Phase, path: Path) -> None:
         scope = self.scope
-        within, target, name = inf, Label(), ""
-        if phase.within is not None:
+        turn = "{} of {}".format(*scope.turn) if scope.turn else ""
+        self.compiler.assembly.emit(kind, scope.full_phase, self.handlers, turn=turn, **fields)
+
+    def _wait(
+        self,
+        it: model.Phase | model.WaitStep,
+        path: Path,
+        after: Label | None,
+        failed: Label | int,
+    ) -> None:
+        """The wait of a phase, or of a step, stands in the program.
+
+        Args:
+            it: The phase or step.
+            path: Where it stands.
+            after: The next step, for triggers without a target; None in a phase.
+            failed: Where a failure of the step leads.
+        """
+        scope = self.scope
+        within, target, name, fails = inf, failed, "", False
+        if it.within is not None:
             at = (*path, "within")
-            within = scope.waited(phase.within.time, (*at, "time"))
-            target, name = scope.target(phase.within.go, (*at, "go")), phase.within.go
+            within = scope.waited(it.within.time, (*at, "time"))
+            fails, name = it.within.go is None, it.within.go or model.FAIL
+            target = failed if it.within.go is None else scope.target(name, (*at, "go"))
+        names = scope.trigger_names(it.wait, path)
         triggers = tuple(
-            self._trigger(trigger, name, (*path, "wait", number))
-            for number, (trigger, name) in enumerate(
-                zip(phase.wait, scope.trigger_names(phase.wait, path), strict=True)
-            )
+            self._trigger(trigger, name, (*path, "wait", number), after)
+            for number, (trigger, name) in enumerate(zip(it.wait, names, strict=True))
         )
         self._emit(
             out.Wait, phase=scope.full_phase, triggers=triggers, within_s=within, within=target,
-            within_name=name, place=scope.place((*path, "wait")),
+            within_name=name, place=scope.place((*path, "wait")), fails=fails,
+            compares=any(_compares(trigger) for trigger in triggers),
         )  # fmt: skip
 
-    def _trigger(self, trigger: model.Trigger, name: str, path: Path) -> out.TriggerSpec:
+    def _trigger(
+        self, trigger: model.Trigger, name: str, path: Path, after: Label | None
+    ) -> out.TriggerSpec:
         scope = self.scope
-        go = scope.target(trigger.go, (*path, "go"))
-        place = scope.place(path)
-        spec = out.TriggerSpec(name, "", go, trigger.go, place=place)  # type: ignore[arg-type]
+        on = trigger.go is None and after is not None
+        go = after if on else scope.target(trigger.go or "", (*path, "go"))
+        place, go_name = scope.place(path), trigger.go or model.CONTINUE
+        spec = out.TriggerSpec(name, "", go, go_name, place=place)  # type: ignore[arg-type]
         if isinstance(trigger, model.ConditionTrigger):
             held = scope.waited(trigger.held, (*path, "held"), zero=True)
-            condition = scope.condition(trigger.when, (*path, "when"))
+            condition = scope.condition(trigger.when, (*path, "when"), in_wait=True)
             text = trigger.when + (f" for {held:g} s" if held else "")
             return spec._replace(text=text, condition=condition, held_s=held)
         if isinstance(trigger, model.TimeTrigger):
-            after = scope.waited(trigger.after, (*path, "after"))
-            return spec._replace(text=f"after {after:g} s", after_s=after)
+            after_s = scope.waited(trigger.after, (*path, "after"))
+            return spec._replace(text=f"after {after_s:g} s", after_s=after_s)
         return spec._replace(text=f"operator: {trigger.operator}", answer=trigger.operator)
 
     def _steps(self, steps: Sequence[model.Step], path: Path, after: Label) -> None:
@@ -189,6 +216,8 @@ class _PhaseWriter:
                 self._choose(step, path, after)
             case model.AskStep():
                 self._ask(step, path, after)
+            case model.WaitStep():
+                self._wait(step, path, after, self._failure(step, path, after))
             case model.LogStep():
                 message = self.scope.message(step.log, (*path, "log"))
                 self._emit(out.Say, level=step.level, message=message, next=after)
@@ -231,12 +260,11 @@ class _PhaseWriter:
         if times < 1:
             self.scope.problems.add("mission.repeat", at, "repeat at least once")
         inside = self.scope if step.on_failure is None else self._failing(step, path, after)
-        writer, assembly = (
-            _PhaseWriter(self.compiler, inside, self.handlers),
-            self.compiler.assembly,
-        )
+        assembly = self.compiler.assembly
         try:
             for turn in range(times):
+                numbered = replace(inside, turn=(turn + 1, times))
+                writer = _PhaseWriter(self.compiler, numbered, self.handlers)
                 following, before = Label() if turn + 1 < times else after, assembly.length
                 writer._steps(step.repeat.do, (*path, "repeat", "do"), following)
                 if assembly.length == before:

@@ -21,6 +21,12 @@ from pirate_sm.units import DIMENSIONLESS, TIME, Quantity, describe
 
 _FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 CAUSE = "cause"
+ROUND, ROUNDS = "round", "rounds"
+_MEANINGS = {
+    CAUSE: "why something failed",
+    ROUND: "which round of a repeat this is",
+    ROUNDS: "how many rounds a repeat has",
+}
 TIME_LIMIT = "within"
 """The name under which a wait's time limit fires."""
 
@@ -47,6 +53,7 @@ class Scope:
         calls: Paths of the files being inlined, outermost first.
         phase: Name of the phase being compiled.
         inner: Where a failure leads inside a step that says so.
+        turn: Which round of the innermost repeat this is, from 1, and of how many; None outside.
     """
 
     source: Source
@@ -61,6 +68,7 @@ class Scope:
     calls: tuple[FilePath, ...]
     phase: str = ""
     inner: Label | int | None = None
+    turn: tuple[int, int] | None = None
 
     @property
     def full_phase(self) -> str:
@@ -81,9 +89,10 @@ class Scope:
             for name in getattr(mission, section).keys() & {CONTINUE, FAIL}:
                 message = f"'{name}' has a meaning of its own: choose another name"
                 add("mission.name", (section, name), message, key=True)
-        if CAUSE in mission.parameters:
-            message = f"'{{{CAUSE}}}' is why something failed: choose another name"
-            add("mission.name", ("parameters", CAUSE), message, key=True)
+        for name, meaning in _MEANINGS.items():
+            if name in mission.parameters:
+                message = f"'{{{name}}}' is {meaning}: choose another name"
+                add("mission.name", ("parameters", name), message, key=True)
         if mission.start in mission.ends:
             add("mission.name", ("start",), f"'{mission.start}' is an end: start with a phase")
 
@@ -144,12 +153,13 @@ class Scope:
         """A name for each trigger: its own, or its target, counted where that is taken."""
         names: list[str] = []
         for number, trigger in enumerate(triggers):
-            name, again = trigger.name or trigger.go, 2
+            usual = trigger.go or CONTINUE
+            name, again = trigger.name or usual, 2
             if trigger.name is not None and trigger.name in {*names, TIME_LIMIT}:
                 at = (*path, "wait", number, "name")
                 self.problems.add("mission.name", at, f"'{name}' names another trigger here")
             while name in names:
-                name, again = f"{trigger.go}_{again}", again + 1
+                name, again = f"{usual}_{again}", again + 1
             names.append(name)
         return names
 
@@ -171,10 +181,19 @@ class Scope:
         meant = nearest(name, names)
         return None if meant is None else table.command_index[profile.aliases.get(meant, meant)]
 
-    def condition(self, text: str, path: Path) -> Expression | None:
-        """A compiled condition, or None after saying what is wrong with it."""
+    def condition(self, text: str, path: Path, *, in_wait: bool = False) -> Expression | None:
+        """Return a compiled condition, or None after saying what is wrong with it.
+
+        Args:
+            text: The condition.
+            path: Where it stands.
+            in_wait: Whether it may look at how much a signal has changed since the wait began.
+        """
+        vocabulary = self.robot.vocabulary
         try:
-            return compile_condition(text, self.robot.vocabulary, self._constants)
+            return compile_condition(
+                text, vocabulary.with_changes if in_wait else vocabulary, self._constants
+            )
         except ExpressionError as error:
             self.problems.add_expression(path, error)
             return None
@@ -231,11 +250,17 @@ class Scope:
         return int(number)
 
     def message(self, text: str, path: Path) -> str:
-        """The text with parameters written out; ``{cause}`` stays."""
-        for name in _FIELD.findall(text):
-            if name != CAUSE and name not in self.source.mission.parameters:
-                self._unknown("parameter", name, [*self.source.mission.parameters, CAUSE], path)
+        """Return the text with parameters and rounds written out; ``{cause}`` stays."""
         shown = {name: value.text for name, value in self.values.items()}
+        if self.turn is not None:
+            shown |= {ROUND: str(self.turn[0]), ROUNDS: str(self.turn[1])}
+        known = [*self.source.mission.parameters, CAUSE]
+        for name in _FIELD.findall(text):
+            if name in (ROUND, ROUNDS) and self.turn is None:
+                message = f"'{{{name}}}' is {_MEANINGS[name]}, and there is no repeat around this"
+                self.problems.add("mission.name", path, message)
+            elif name not in known and name not in shown:
+                self._unknown("parameter", name, known, path)
         return _FIELD.sub(lambda match: shown.get(match.group(1), match.group(0)), text)
 
     def argument(self, value: str | float, path: Path) -> Value | str | float:

@@ -5,13 +5,19 @@ Such files are written by ``pirate check --counterexamples`` and can be written 
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeAlias
 
-from pydantic import Field, model_validator
+from pydantic import Field, StringConstraints, model_validator
 
-from pirate_sm.model.base import FaultCode, Frozen, Name
+from pirate_sm.model.base import FaultCode, Frozen
 
 UNKNOWN = "unknown"
+
+
+SignalName: TypeAlias = Annotated[
+    str, StringConstraints(pattern=r"^([A-Za-z_][A-Za-z0-9_]*|change\([A-Za-z_][A-Za-z0-9_]*\))$")
+]
+"""A signal, or its change since a wait began."""
 
 
 class Happening(Frozen):
@@ -28,7 +34,7 @@ class Happening(Frozen):
     happens: Literal[
         "start", "accepted", "rejected", "time", "not_done", "sensors", "answer", "fault"
     ]
-    signals: dict[Name, str | int | float] = {}
+    signals: dict[SignalName, str | int | float] = {}
     answer: str | None = None
     fault: FaultCode | None = None
     what: str = ""

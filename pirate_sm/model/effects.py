@@ -60,19 +60,21 @@ class PhaseChange(NamedTuple):
 
 
 class WaitArmed(NamedTuple):
-    """The phase has done its steps and now waits.
+    """A phase, or a step of it, waits.
 
     Attributes:
         phase: Name of the phase.
         triggers: Names of the triggers in listed order.
         conditions: What each of them waits for, in the words of the file.
         deadline_s: Mission time at which ``within`` ends the wait; infinite if it never does.
+        place: Where the wait stands, ``file:line:col``.
     """
 
     phase: str
     triggers: tuple[str, ...]
     conditions: tuple[str, ...]
     deadline_s: float
+    place: str = ""
 
 
 TAKEN = "taken by the operator"
@@ -87,12 +89,14 @@ class TriggerFired(NamedTuple):
         trigger: Name of the trigger, ``within`` for the time limit.
         go: The phase or end that comes next.
         reason: What made it fire.
+        place: Where the wait stands, ``file:line:col``.
     """
 
     phase: str
     trigger: str
     go: str
     reason: str
+    place: str = ""
 
 
 class Detected(NamedTuple):

@@ -5,9 +5,9 @@ The language and its twelve rules are documented in ``docs/missions.md``.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias, TypeVar
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from pirate_sm.model.base import (
     DEFINED,
@@ -22,6 +22,8 @@ from pirate_sm.model.base import (
 from pirate_sm.model.parameters import ParameterDefinition, ParameterValue
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.quantities import CountOrParameter, DurationOrParameter
+
+_L = TypeVar("_L", bound="ConditionTrigger | TimeTrigger | OperatorTrigger | Within")
 
 CONTINUE = "continue"
 FAIL = "fail"
@@ -139,7 +141,25 @@ class LogStep(_AnyStep):
     level: Literal["info", "warning"] = "info"
 
 
-_STEP_KINDS = ("command", "call", "repeat", "choose", "ask", "log")
+class WaitStep(_AnyStep):
+    """A wait among the steps, which goes on with the next step unless its trigger says otherwise.
+
+    Attributes:
+        wait: Triggers, of which the first to fire decides; one without ``go`` leads on.
+        within: How long it may take. Without ``go`` the step has failed then.
+    """
+
+    wait: Annotated[tuple[Trigger, ...], Field(min_length=1)]
+    within: Within | None = None
+
+    @model_validator(mode="after")
+    def _comes_to_an_end(self) -> WaitStep:
+        if self.within is None and not any(isinstance(each, TimeTrigger) for each in self.wait):
+            raise ValueError("a `wait` needs `within: {time: …}`, here beside it")
+        return self
+
+
+_STEP_KINDS = ("command", "call", "repeat", "choose", "ask", "log", "wait")
 
 
 def _bare_command(value: Any) -> Any:
@@ -160,13 +180,14 @@ Step: TypeAlias = Annotated[
         | Annotated[RepeatStep, Tag("repeat")]
         | Annotated[ChooseStep, Tag("choose")]
         | Annotated[AskStep, Tag("ask")]
-        | Annotated[LogStep, Tag("log")],
+        | Annotated[LogStep, Tag("log")]
+        | Annotated[WaitStep, Tag("wait")],
         Discriminator(
             _kind_of_step,
             custom_error_type="step",
             custom_error_message=(
                 "expected a step: a command's name, or a mapping with one of command, call, "
-                "repeat, choose, ask, log"
+                "repeat, choose, ask, log, wait"
             ),
         ),
     ],
@@ -181,13 +202,13 @@ class ConditionTrigger(Frozen):
     Attributes:
         when: The condition.
         held: How long it must have been true without a break.
-        go: The phase or end that it leads to.
+        go: The phase or end that it leads to; in a step also nothing, for the next step.
         name: What views, recordings and ``--fire`` call it; else like what it leads to.
     """
 
     when: Condition
     held: DurationOrParameter = 0.0
-    go: Name
+    go: Name | None = None
     name: Name | None = None
 
 
@@ -196,12 +217,12 @@ class TimeTrigger(Frozen):
 
     Attributes:
         after: How long after the wait began.
-        go: The phase or end that it leads to.
+        go: The phase or end that it leads to; in a step also nothing, for the next step.
         name: What views, recordings and ``--fire`` call it; else like what it leads to.
     """
 
     after: DurationOrParameter
-    go: Name
+    go: Name | None = None
     name: Name | None = None
 
 
@@ -210,12 +231,12 @@ class OperatorTrigger(Frozen):
 
     Attributes:
         operator: The answer, which the operator sees.
-        go: The phase or end that it leads to.
+        go: The phase or end that it leads to; in a step also nothing, for the next step.
         name: What views, recordings and ``--fire`` call it; else like what it leads to.
     """
 
     operator: Name
-    go: Name
+    go: Name | None = None
     name: Name | None = None
 
 
@@ -241,16 +262,23 @@ Trigger: TypeAlias = Annotated[
 ]
 
 
+def _leading(part: _L) -> _L:
+    """Return what leads somewhere."""
+    if part.go is None:
+        raise ValueError("this needs `go`: the phase or end that it leads to")
+    return part
+
+
 class Within(Frozen):
     """The longest that a wait may take, and where it leads then.
 
     Attributes:
         time: How long.
-        go: The phase or end that it leads to then.
+        go: The phase or end that it leads to then; in a step also nothing: the step has failed.
     """
 
     time: DurationOrParameter
-    go: Name
+    go: Name | None = None
 
 
 class FaultHandler(Frozen):
@@ -292,8 +320,8 @@ class Phase(Frozen):
 
     description: str = ""
     do: tuple[Step, ...] = ()
-    wait: tuple[Trigger, ...] = ()
-    within: Within | None = None
+    wait: tuple[Annotated[Trigger, AfterValidator(_leading)], ...] = ()
+    within: Annotated[Within, AfterValidator(_leading)] | None = None
     go: Name | None = None
     on_failure: Name | None = None
 
@@ -368,6 +396,7 @@ class Mission(Frozen):
     ends: Annotated[dict[Name, End], Field(min_length=1)]
 
 
+WaitStep.model_rebuild()
 RepeatBody.model_rebuild()
 RepeatStep.model_rebuild()
 Choice.model_rebuild()

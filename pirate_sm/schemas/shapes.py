@@ -8,7 +8,7 @@ from typing import Any, Final
 from pydantic import BaseModel
 
 from pirate_sm.model.actuation import PostureCase
-from pirate_sm.model.mission import End, FaultHandler, Phase
+from pirate_sm.model.mission import End, FaultHandler, Phase, WaitStep
 from pirate_sm.model.safety import SafetyRule
 
 Schema = dict[str, Any]
@@ -27,13 +27,23 @@ _WAITS: Final[Schema] = {"required": ["wait"], "properties": {"wait": {"minItems
 _WAIT_ENDS: Final[Schema] = {
     "properties": {"wait": {"contains": {"type": "object", "required": ["after"]}}}
 }
+_LEADS: Final[Schema] = {"items": _given("go")}
+
+_OPTIONAL_LEADS: Final[Schema] = {"anyOf": [{"type": "null"}, _given("go")]}
 
 SHAPES: Final[Mapping[type[BaseModel], Schema]] = {
     Phase: {
         "if": _WAITS,
-        "then": {"allOf": [_without("go"), {"anyOf": [_given("within"), _WAIT_ENDS]}]},
+        "then": {
+            "allOf": [
+                _without("go"),
+                {"anyOf": [_given("within"), _WAIT_ENDS]},
+                {"properties": {"wait": _LEADS, "within": _OPTIONAL_LEADS}},
+            ]
+        },
         "else": {"allOf": [_given("go"), _without("within")]},
     },
+    WaitStep: {"if": {"not": _WAIT_ENDS}, "then": _given("within")},
     End: {"oneOf": [_given("succeed"), _given("fail")]},
     PostureCase: {
         "oneOf": [_given("set"), _given("refuse")],

@@ -35,6 +35,7 @@ ENDS = {
     "starts_in": "clamped",
     "time_limit": "",
     "unneeded": "clamped",
+    "wait_step": "driven",
     "within": "nothing",
 }
 

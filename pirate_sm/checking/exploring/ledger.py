@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 from pirate_sm.checking.exploring.explorer import BEGINS, Exploration, Step
 from pirate_sm.engine import rules
@@ -17,6 +18,9 @@ from pirate_sm.model.effects import (
     TriggerFired,
     WaitArmed,
 )
+
+WaitKey: TypeAlias = tuple[str, str]
+"""A wait's phase and its place, ``file:line:col``."""
 
 
 @dataclass
@@ -43,7 +47,7 @@ class Visits:
 
 @dataclass
 class Waiting:
-    """What became of the wait of a phase.
+    """What became of one wait.
 
     Attributes:
         armed: Steps in which it began.
@@ -69,7 +73,7 @@ class Ledger:
 
     found: Exploration
     visits: dict[str, Visits] = field(default_factory=lambda: defaultdict(Visits))
-    waits: dict[str, Waiting] = field(default_factory=lambda: defaultdict(Waiting))
+    waits: dict[WaitKey, Waiting] = field(default_factory=lambda: defaultdict(Waiting))
     phases: dict[str, int] = field(default_factory=dict)
     ends: dict[tuple[str, str], int] = field(default_factory=dict)
     broken: dict[str, int] = field(default_factory=dict)
@@ -108,18 +112,19 @@ def _enter(book: Ledger, number: int, step: Step) -> None:
 
 
 def _waited(book: Ledger, number: int, step: Step) -> None:
-    armed = ""
+    armed: WaitKey | None = None
     for effect in step.effects:
         match effect:
             case WaitArmed():
-                armed = effect.phase
+                armed = effect.phase, effect.place
                 wait = book.waits[armed]
                 wait.armed.append(number)
                 wait.states.add(book.found.nodes[step.target].state.robot.configuration)
             case TriggerFired():
-                wait = book.waits[effect.phase]
+                key = effect.phase, effect.place
+                wait = book.waits[key]
                 wait.fired[effect.trigger].append(number)
-                if armed == effect.phase:
+                if armed == key:
                     wait.at_once[effect.trigger] += 1
 
 

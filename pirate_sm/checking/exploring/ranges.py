@@ -7,6 +7,7 @@ from math import inf, pi, sqrt
 from typing import NamedTuple
 
 from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.model import profile as model
 
 _COUNTS = 2**15
@@ -41,7 +42,8 @@ def ranges(profile: model.Profile, robot: RobotSpec) -> Mapping[str, Range]:
     for joint in profile.body.joints:
         if joint.name in names:
             found[joint.name] = Range(-joint.end_stop, joint.end_stop)
-    return found
+    changes = {change_of(n): Range(r.low - r.high, r.high - r.low) for n, r in found.items()}
+    return found | changes
 
 
 _VECTORS = {"roll": Range(-pi, pi), "pitch": Range(-pi / 2, pi / 2)}

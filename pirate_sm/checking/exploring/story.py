@@ -35,7 +35,9 @@ def story(found: Exploration, step: int, written: Written = _as_it_is) -> tuple[
 def sentence(found: Exploration, step: Step, written: Written = _as_it_is) -> str:
     """What happens in a step, and what follows."""
     said = [_what(found, step, written), *_consequences(step.effects, written)]
-    shown = _shown(found.robot.vocabulary, step.moment.answer.numbers, step.moment.answer.words)
+    shown = _shown(
+        found.robot.vocabulary.with_changes, step.moment.answer.numbers, step.moment.answer.words
+    )
     if shown and not any(isinstance(each, TriggerFired) for each in step.effects):
         said[0] += f" (with {shown})"
     return "; ".join(part for part in said if part)

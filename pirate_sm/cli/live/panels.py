@@ -59,6 +59,8 @@ def phases(situation: Situation, memory: Memory, rows: int) -> list[Text]:
         if name == current and memory.ended is None:
             mark, style, spent_s = "▶", "bold", situation.now_s - since_s
             spent_s += memory.spent_s.get(name, 0.0)
+            if situation.state is not None:
+                own += situation.prepared.loaded.program.round_note(situation.state.mission.pc)
         elif name in memory.spent_s:
             mark, style, spent_s = "✓", "green", memory.spent_s[name]
         else:
