@@ -59,6 +59,7 @@ schemas: $(VENV)/.ready-dev
 
 bench: $(VENV)/.ready-bench
 	$(BIN)/python -m benchmarks.bench
+	$(BIN)/python -m benchmarks.check
 
 seeds: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.seeds

@@ -1,7 +1,4 @@
-"""The mission's instructions, one function per kind; each either moves on or waits.
-
-Rule numbers in comments are those of ``docs/missions.md``.
-"""
+"""The mission's instructions, one function per kind (rules are those of docs/missions.md)."""
 
 from __future__ import annotations
 
@@ -12,6 +9,7 @@ from typing import Any
 from pirate_sm.engine import machine, robot_state, rules, seeing
 from pirate_sm.engine.ending import end, withdraw
 from pirate_sm.engine.moments import has_come
+from pirate_sm.engine.pacing import MOST_TURNS, RUNAWAY, counted, too_fast
 from pirate_sm.engine.program import (
     STOP,
     Branch,
@@ -39,15 +37,7 @@ from pirate_sm.model.effects import (
     WaitArmed,
 )
 
-_MOST_TURNS = 4
-"""In one moment an instruction's turn comes again at most where the operator's word has been heard
-in between, or the handling of a fault is over. One that comes more often comes for ever."""
-
 ROUND_AND_ROUND = "the phases go round without ever waiting"
-
-
-RUNAWAY = "mission.runaway"
-"""The fault of a mission whose phases follow each other faster than sensors can speak."""
 
 
 def advance(setting: Setting, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
@@ -56,7 +46,7 @@ def advance(setting: Setting, state: EngineState, now: float, effects: list[Effe
     Once its time is up no command begins any more; what else is due now comes before (rule 6).
     """
     instructions = setting.program.instructions
-    for _ in range(_MOST_TURNS * len(instructions)):
+    for _ in range(MOST_TURNS * len(instructions)):
         mission = state.mission
         if mission.ending or mission.ended:
             return state
@@ -153,16 +143,11 @@ def _enter(
     handling = mission.handling
     if handling and it.phase != handling and not it.phase.startswith(f"{handling}/"):
         mission = mission._replace(handling="")
-    clock = mission.clock(now)
-    anew = clock >= mission.second_s + 1.0
-    entered = 1 if anew else mission.entered + 1
-    second_s = clock if anew else mission.second_s
-    mission = mission.at(it.next)._replace(second_s=second_s, entered=entered)
+    mission = counted(mission.at(it.next), mission.clock(now))
     state = state._replace(mission=mission)
-    most = max(setting.program.most_phases, _MOST_TURNS * len(setting.program.instructions))
-    if entered <= most:
+    message = too_fast(setting.program, mission)
+    if not message:
         return state
-    message = f"more than {most:g} phases have begun within a second"
     effects.append(Fault(RUNAWAY, message, "stop"))
     return end(setting, state, "fault", f"{RUNAWAY}: {message}", "", now, effects)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 
 from pirate_sm.errors import PirateError
-from pirate_sm.loading import library
+from pirate_sm.loading import library, references
 from pirate_sm.loading.folders import shown
 from pirate_sm.loading.problems import LoadError, Path
 from pirate_sm.loading.scope import Scope, Source
@@ -53,11 +53,13 @@ class Calls:
 
     def source(self, name: str, scope: Scope, path: Path) -> Source | None:
         """The called mission, read once; None after saying why it cannot be used."""
+        folder = scope.source.path.resolve().parent
         try:
-            found = self._read(name, scope.source.path.resolve().parent)
+            found = self._read(name, folder)
         except LoadError as error:
-            for problem in error.problems:
-                scope.problems.put(problem)
+            references.tell(
+                error, library.find_mission(name, folder), references.MISSION, path, scope.problems
+            )
             return None
         except PirateError as error:
             scope.problems.add("mission.call", path, str(error))

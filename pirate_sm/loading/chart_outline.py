@@ -26,6 +26,11 @@ RESERVED = ("detector", "segment")
 _TOP_KEYS = ("name", "description", "states")
 _STATE_KEYS = ("initial", "transitions")
 _TRANSITION_KEYS = ("event", "target", "cond")
+_NOT_SUPPORTED = frozenset(
+    {"final", "history", "states", "parallel", "enter", "exit", "on", "before", "after", "unless",
+     "internal", "validators", "donedata", "invoke", "datamodel"}
+)  # fmt: skip
+"""Keys that a statechart may have, and that are not supported here."""
 
 
 @dataclass(frozen=True)
@@ -178,7 +183,10 @@ def _transitions(
         _refuse_unknown(item, _TRANSITION_KEYS, path, problems)
         wrong = [key for key in _TRANSITION_KEYS if key in item and not _is_text(item[key])]
         for key in wrong:
-            problems.add("chart.transition", (*path, key), f"`{key}` must be text")
+            several = key == "event" and isinstance(item[key], list)
+            message = "several events in one transition are not supported here: write one for each"
+            message = message if several else f"`{key}` must be text"
+            problems.add("chart.transition", (*path, key), message)
         if wrong:
             continue
         if not _EVENT.fullmatch(item["event"]):
@@ -197,7 +205,10 @@ def _refuse_unknown(
     mapping: Mapping[str, Any], known: tuple[str, ...], path: Path, problems: Problems
 ) -> None:
     for key in mapping:
-        if key not in known:
+        if key not in known and key in _NOT_SUPPORTED:
+            message = f"'{key}' is known in statecharts and not supported here"
+            problems.add("unknown-key", (*path, key), message, expected=one_of(known), key=True)
+        elif key not in known:
             problems.add(
                 "unknown-key", (*path, key), f"unknown key '{key}'", expected=one_of(known),
                 suggestion=nearest(key, known) or "", key=True,

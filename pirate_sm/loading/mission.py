@@ -10,7 +10,7 @@ from pathlib import Path
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.errors import UsageError
-from pirate_sm.loading import library, parameters
+from pirate_sm.loading import library, parameters, references
 from pirate_sm.loading.folders import shown
 from pirate_sm.loading.pipe import check_fit, load_pipe
 from pirate_sm.loading.problems import LoadError, Problems, Severity
@@ -186,8 +186,8 @@ def _pipe(
         problems.add("mission.pipe", ("pipe",), str(error))
         return None, mission.pipe, document
     except LoadError as error:
-        for problem in error.problems:
-            problems.put(problem)
+        file = library.find_pipe(mission.pipe, folder)
+        references.tell(error, file, references.PIPE, ("pipe",), problems)
         return None, mission.pipe, document
     return found, found.pipe or mission.pipe, source
 

@@ -178,7 +178,9 @@ class LoopWatch:
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Compare the situation, without its times, with all earlier ones."""
-        mission = state.mission._replace(armed_s=0.0, since=(), offset_s=0.0)
+        mission = state.mission._replace(
+            armed_s=0.0, since=(), offset_s=0.0, second_s=0.0, entered=0
+        )
         body = state.robot._replace(next_id=0)
         situation = (mission, body, state.words, state.rules, self._pending())
         self._repeated = LOOP if situation in self._seen else ""

@@ -15,6 +15,7 @@ from math import inf, isnan
 from typing import Any, NamedTuple
 
 from pirate_sm.checking.exploring.conditions import Conditions
+from pirate_sm.checking.exploring.keys import fewest_mishaps, key_of, key_of_wait
 from pirate_sm.checking.exploring.lasting import lasting
 from pirate_sm.checking.exploring.moves import Move, Moves
 from pirate_sm.checking.exploring.oracle import (
@@ -136,7 +137,7 @@ class Exploration:
     def mishaps(self, step: int) -> int:
         """How many things must go wrong, at least, before and in this step."""
         if not self._mishaps:
-            self._mishaps = _fewest_mishaps(self)
+            self._mishaps = fewest_mishaps([(e.source, e.target, e.went_wrong) for e in self.steps])
         here = self.steps[step]
         before = self._mishaps[here.source] if here.source >= 0 else 0
         return before + here.went_wrong
@@ -181,26 +182,6 @@ def explore(
     walk.begin(body)
     walk.go_on()
     return walk.found
-
-
-def _fewest_mishaps(found: Exploration) -> list[int]:
-    """Per node, how many mishaps must have come about before it at least."""
-    after: list[list[tuple[int, int]]] = [[] for _ in found.nodes]
-    fewest = [len(found.steps)] * len(found.nodes)
-    waiting: deque[int] = deque()
-    for step in found.steps:
-        if step.source < 0:
-            fewest[step.target] = 0
-            waiting.append(step.target)
-        else:
-            after[step.source].append((step.target, int(step.went_wrong)))
-    while waiting:
-        node = waiting.popleft()
-        for target, more in after[node]:
-            if fewest[node] + more < fewest[target]:
-                fewest[target] = fewest[node] + more
-                (waiting.append if more else waiting.appendleft)(target)
-    return fewest
 
 
 def _telling(program: Program) -> Program:
@@ -256,7 +237,7 @@ class _Walk:
         """Whether a wait has come to something new while sensors showed now this and now that."""
         steps = len(self.found.steps) + len(self._held_back)
         fired = {
-            (_key_of_wait(self.found.nodes[step.source].state), effect.trigger)
+            (key_of_wait(self.found.nodes[step.source].state), effect.trigger)
             for step in self.found.steps
             for effect in step.effects
             if isinstance(effect, TriggerFired) and step.source >= 0
@@ -264,7 +245,7 @@ class _Walk:
         for index, node in enumerate(list(self.found.nodes)):
             mission = node.state.mission
             it = self.engine.program.instructions[mission.pc]
-            key = _key_of_wait(node.state)
+            key = key_of_wait(node.state)
             if not (isinstance(it, Wait) and mission.begun) or node.over or key in self._outlasted:
                 continue
             self._outlasted.add(key)
@@ -353,7 +334,7 @@ class _Walk:
         *,
         sure: bool,
     ) -> None:
-        key = _key(state)
+        key = key_of(state)
         target = self._known.get(key)
         told = tuple(effect for effect in effects if not isinstance(effect, _QUIET))
         if target == source and not told:
@@ -367,39 +348,3 @@ class _Walk:
             self.found.nodes.append(Node(state, move.at_s, len(self.found.steps), sure))
             (self._sure if sure else self._unsure).append(target)
         self.found.steps.append(Step(source, target, move, told, moment, sure))
-
-
-def _key(state: EngineState) -> Any:
-    """What of a state decides how it can go on."""
-    mission, body = state.mission, state.robot
-    flight, motion = body.flight, body.motion
-    if mission.diverting is not None:  # where the fault came up matters no more
-        where = mission.diverting.go, mission.diverting.go_name, mission.stopped, mission.handling
-        return (
-            where, body.configuration, body.marks, body.values, body.seeking,
-            flight and (flight.purpose, flight.values),
-            motion and (motion.command, motion.place, motion.stage, isnan(motion.accepted_s)),
-            state.rules,
-        )  # fmt: skip
-    return (
-        mission.pc,
-        mission.begun,
-        mission.tries,
-        mission.handling,
-        mission.result.done if mission.result else None,
-        tuple(isnan(since) for since in mission.since),
-        mission.ending and (mission.ending.outcome, mission.ending.end),
-        mission.ended,
-        body.configuration,
-        body.marks,
-        body.values,
-        body.seeking,
-        flight and (flight.purpose, flight.values),
-        motion and (motion.command, motion.place, motion.stage, isnan(motion.accepted_s)),
-        state.rules,
-    )
-
-
-def _key_of_wait(state: EngineState) -> Any:
-    """The same, whichever conditions have begun to hold."""
-    return _key(state._replace(mission=state.mission._replace(since=())))

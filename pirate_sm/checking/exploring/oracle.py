@@ -209,7 +209,8 @@ class Oracle:
 
         def evaluate(numbers: Sequence[float], words: Sequence[str | None]) -> object:
             truth = ask(numbers, words)
-            moved = any(words[each] != self._start[each] for each in regions)
+            start = self._start
+            moved = any(words[each] != start[each] for each in regions) if start else False
             answers.add(Asked(truth is True, moved))
             return truth
 

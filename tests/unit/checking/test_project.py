@@ -12,6 +12,8 @@ from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.kinds import Kind
 from pirate_sm.checking.mission import MissionCheck
 from pirate_sm.checking.project import Report, Wishes, check_paths
+from pirate_sm.checking.reports.sarif import sarif_report
+from pirate_sm.checking.reports.text import text_report
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.problems import Place
 
@@ -264,3 +266,34 @@ def test_a_hostile_file_ends_in_a_clear_finding(name: str) -> None:
     for finding in report.findings:
         assert finding.code != "check.failed"
         assert len(finding.message) <= 300
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        (MISSION.replace("[ClampFront]", "[{call: ./secret.txt}]"), "mission.call"),
+        (MISSION.replace("start:", "pipe: ./secret.txt\nstart:"), "mission.pipe"),
+    ],
+)
+def test_nothing_is_shown_of_a_file_that_a_reference_leads_to_and_that_is_not_ours(
+    text: str, code: str
+) -> None:
+    """`call: ../../../../etc/passwd` put its first line into the log of a build server."""
+    write("secret.txt", "root:x:0:0:secret words:/root\n")
+    write("m.yaml", text)
+
+    report = check_paths(["m.yaml"])
+
+    assert code in {each.code for each in report.findings}
+    assert "secret words" not in text_report(report, lambda _, text: text)
+    assert "secret words" not in sarif_report(report)
+
+
+def test_what_is_wrong_with_a_called_mission_is_still_shown() -> None:
+    write("part.yaml", MISSION.replace("go: e", "go: nowhere"))
+    write("m.yaml", MISSION.replace("[ClampFront]", "[{call: ./part.yaml}]"))
+
+    (finding, *_) = check_paths(["m.yaml"]).findings
+
+    assert finding.place.file == "part.yaml"
+    assert "nowhere" in finding.excerpt

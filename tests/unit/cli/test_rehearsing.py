@@ -143,4 +143,4 @@ ends: {there: {succeed: There}}
 
     assert result.exit_code == 0
     assert result.stdout.count("[rehearsal.at_once]") == 1
-    assert "m.yaml:12:11: warning [rehearsal.at_once]" in result.stdout
+    assert "m.yaml:12:12: warning [rehearsal.at_once]" in result.stdout

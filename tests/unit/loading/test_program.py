@@ -108,7 +108,7 @@ def test_arguments_go_down_and_nothing_else_does(load, faults):
          "called.yaml:6:12: there is no command 'Toggle'"),
         ({"called.yaml": CALLED.replace("after: 1 s", "after: 1")},
          "called.yaml:7:22: expected a duration"),
-        ({"called.yaml": "["}, "called.yaml:1:1: "),
+        ({"called.yaml": "["}, "m.yaml:6:26: this leads to a file that is no mission"),
         ({"called.yaml": CALLED.replace("robot: pirate_ii", "robot: other")},
          "m.yaml:6:26: 'called' is for the robot 'other'"),
         ({"called.yaml": CALLED.replace("start: x", "polarity: mirrored\nstart: x")},
