@@ -38,8 +38,8 @@ class Driver:
         effects: Everything so far, in order.
         signals: What the sensors would show, SI, by the signal's name.
         doubting: Whether sensors must show what is possible. Where a test makes joints jump and
-            motors draw no current they need not, boards report as often as it likes, and no
-            gap between reports counts as loss.
+            motors draw no current they need not, and boards report as often as it likes.
+        loss: Share of reports that the engine takes to be lost, where nothing is doubted.
     """
 
     def __init__(
@@ -59,6 +59,7 @@ class Driver:
             robot = replace(robot, boards=boards, link=replace(robot.link, period_s=1e-9))
         self.robot = robot
         self.doubting = doubting
+        self.loss = 0.0
         self.engine = Engine(robot, program, nominal=nominal)
         self.now = 0.0
         upright = {"acc_z": 9.81} if "acc_z" in robot.vocabulary.numbers else {}
@@ -83,8 +84,8 @@ class Driver:
             assert at >= self.now, "time never goes back"
             self.now = at
         self.state, effects = self.engine.step(self.state, event, self.now)
-        if not self.doubting and self.state.sensing.loss:
-            sensing = self.state.sensing._replace(loss=0.0)
+        if not self.doubting and self.state.sensing.loss != self.loss:
+            sensing = self.state.sensing._replace(loss=self.loss)
             self.state = self.state._replace(sensing=sensing)
         self.effects += effects
         return list(effects)

@@ -438,7 +438,7 @@ def report_all_but(driver, board: int, seconds: float, *, one_in: int = 1) -> No
 
 @pytest.mark.parametrize(("one_in", "found_after_s"), [(1, 1.0), (2, 1.9), (4, 4.5)])
 def test_a_silent_board_is_found_later_where_reports_are_lost(drive, one_in, found_after_s):
-    driver = drive(ALL_LIKE_IT)
+    driver = drive(ALL_LIKE_IT, doubting=True)
     silent = next(iter(driver.robot.boards))
     report_all_but(driver, -1, 30.0, one_in=one_in)
     assert driver.faults == []
@@ -454,7 +454,7 @@ def test_a_silent_board_is_found_later_where_reports_are_lost(drive, one_in, fou
 
 
 def test_where_all_boards_stop_the_first_of_them_is_not_blamed(drive):
-    driver = drive(ALL_LIKE_IT)
+    driver = drive(ALL_LIKE_IT, doubting=True)
     boards = list(driver.robot.boards)
     report_all_but(driver, -1, 1.0)
     driver.now += 0.4
