@@ -21,7 +21,14 @@ from pirate_sm.console.body import body
 from pirate_sm.console.dialogs import Help
 from pirate_sm.console.driver import STOP_KEY
 from pirate_sm.console.helping import help_lines
-from pirate_sm.console.keys import letters_for
+from pirate_sm.console.keys import (
+    CONTROLS,
+    LEAVE,
+    MISSIONS,
+    arrows_for,
+    both_cases,
+    letters_for,
+)
 from pirate_sm.console.session import Session
 from pirate_sm.console.snapshot import Snapshot
 from pirate_sm.console.widgets import EventLog, Lines, Picture, Row
@@ -35,6 +42,12 @@ _WORDS_EVERY = 3
 
 _WIDE, _HIGH = 120, 36
 """From this size on everything is visible at once."""
+
+_SHORT = {
+    "go": "Start", "pause": "Pause", "step": "Step", "skip": "Skip", "hand_back": "Hand",
+    "abort": "Abort",
+}  # fmt: skip
+"""What the footer calls the controls."""
 
 CRASHED = Stop("a fault in the console", 4)
 
@@ -53,15 +66,13 @@ class Console(Asking, App[None]):
     TITLE = "pirate console"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding(STOP_KEY, "stop", "STOP", priority=True),
-        Binding("R", "control('go')", "Start"),
-        Binding("P", "control('pause')", "Pause"),
-        Binding("N", "control('step')", "Step"),
-        Binding("K", "control('skip')", "Skip"),
-        Binding("H", "control('hand_back')", "Hand"),
-        Binding("X", "control('abort')", "Abort"),
-        Binding("M", "missions", "Missions"),
+        *(
+            Binding(both_cases(letter), f"control('{name}')", _SHORT[name], key_display=letter)
+            for name, letter in CONTROLS.items()
+        ),
+        Binding(both_cases(MISSIONS), "missions", "Missions", key_display=MISSIONS),
         Binding("question_mark", "help", "Help", key_display="?"),
-        Binding("q", "leave", "Quit"),
+        Binding(both_cases(LEAVE), "leave", "Quit", key_display=LEAVE),
         Binding("ctrl+q", "leave", "Quit", show=False),
         Binding("ctrl+c", "leave", "Quit", show=False, priority=True),
         Binding("tab", "page(1)", "Page", show=False, priority=True),
@@ -69,7 +80,7 @@ class Console(Asking, App[None]):
         Binding("pageup", "look_back(1)", "Earlier lines", show=False),
         Binding("pagedown", "look_back(-1)", "Later lines", show=False),
         Binding("escape", "seen", "Seen", show=False),
-        Binding("T", "other_theme", "Light or dark", show=False),
+        Binding("ctrl+t", "other_theme", "Light or dark", show=False),
         *(Binding(str(digit), f"answer({digit})", "Answer", show=False) for digit in range(1, 10)),
     ]
 
@@ -121,7 +132,10 @@ class Console(Asking, App[None]):
         """The session runs, and is shown."""
         for name, letter in self.letters.items():
             known = name in self._rows
-            self.bind(letter, f"command('{name}')" if known else f"word('{name}')", show=False)
+            action = f"command('{name}')" if known else f"word('{name}')"
+            self.bind(both_cases(letter), action, show=False)
+        for arrow, name in arrows_for(self.session.latest.scene.robot).items():
+            self.bind(arrow, f"command('{name}')", show=False)
         self.theme_changed_signal.subscribe(self, lambda theme: self._restyle())
         self.session.start()
         self.set_interval(1 / FRAMES_PER_S, self.show)
@@ -159,6 +173,7 @@ class Console(Asking, App[None]):
         """Everything but the picture."""
         self.on_base(Lines, "header").show([panels.header(snapshot, self.size.width)])
         self._show_bar("alarm", panels.alarm(snapshot, self.seen))
+        self.on_base(Lines, "alarm").set_class(panels.shows_success(snapshot, self.seen), "good")
         self._show_bar("question", panels.question(snapshot))
         self.on_base(Lines, "pages").show([_tabs(self._page)])
         self._show_rows(snapshot)

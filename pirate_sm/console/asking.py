@@ -48,6 +48,7 @@ class Asking(_Base):
     _situation: reasons.Situation | None = None
     _entries: reasons.Entries | None = None
     _picking: Pick | None = None
+    _wants_to_go = False
 
     # --- the stop -----------------------------------------------------------------------------
 
@@ -119,7 +120,10 @@ class Asking(_Base):
         control = next(
             each for each in reasons.controls(snapshot, self.entries(snapshot)) if each.name == name
         )
-        if control.reason:
+        if name == "go" and control.reason == reasons.LOOKING:
+            self._wants_to_go = True
+            self.notify("starts as soon as the check has looked at it", timeout=4, markup=False)
+        elif control.reason:
             self._refuse(control.label, control.reason)
         elif name == "hand_back":
             self._choose_phase(snapshot)
@@ -200,6 +204,9 @@ class Asking(_Base):
     def _take_in(self, what: str, found: Any) -> None:
         if what == "entries":
             self._entries = found
+            if self._wants_to_go:
+                self._wants_to_go = False
+                self.action_control("go")
         elif what == "missions":
             self._choose_mission(found)
         elif what == "load":
@@ -246,9 +253,12 @@ class Asking(_Base):
             self.notify(text, severity="warning", timeout=8, markup=False)
 
     def action_seen(self) -> None:
-        """The alarm has been seen."""
-        alarm = self.session.latest.story.alarm
-        self.seen = alarm.number if alarm is not None else self.seen
+        """Take down what the bar shows: first how a mission ended, then what is wrong."""
+        story = self.session.latest.story
+        if story.banner is not None and story.banner.number > self.seen:
+            self.seen = story.banner.number
+        elif story.alarm is not None:
+            self.seen = max(self.seen, story.alarm.number)
 
     def palette(self) -> Iterable[SystemCommand]:
         """Everything that can be asked for, by its name, with the reason where it cannot."""

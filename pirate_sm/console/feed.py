@@ -12,9 +12,12 @@ from pirate_sm.model.effects import Effect, Ended, Log
 from pirate_sm.model.events import Answer, Event
 from pirate_sm.runtime.companions import Answered
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.showing.memory import Memory
+from pirate_sm.showing.memory import ENDED, Memory
 from pirate_sm.showing.telling import Line
 from pirate_sm.wiring import Prepared
+
+QUIET = frozenset({"another mission was chosen", "the console was left"})
+"""Ends that the operator has asked for in another way than by the stop: they need no banner."""
 
 LOOK_EVERY_S = 0.02
 """So late an event of the operator reaches the engine at most."""
@@ -100,7 +103,9 @@ class Feed:
         self._memory.see(effects, now_s)
         for effect in effects:
             if isinstance(effect, Ended):
-                self._memory.tell(Line("ended", f"{effect.outcome}: {effect.message}"), now_s)
+                asked = effect.outcome == "interrupted" and effect.message in QUIET
+                topic = "console" if asked else ENDED
+                self._memory.tell(Line(topic, f"{effect.outcome}: {effect.message}"), now_s)
 
     def pulse(self, now_s: float) -> None:
         """There is a new snapshot, also while mission time stands still."""

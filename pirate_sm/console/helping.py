@@ -12,13 +12,14 @@ from pirate_sm.console.snapshot import Snapshot
 
 _ALWAYS = (
     ("Space", "STOP: wheels stop, clamps hold. Works at any time, also over a dialog."),
-    ("M", "Choose a mission. It begins paused: the robot is yours first."),
+    ("m", "Choose a mission. It begins paused: the robot is yours first."),
+    ("↑ ↓ ← →", "Drive forward and backward; brake."),
     ("1 … 9", "Answer what the mission asks."),
     ("Tab", "Next page, where the terminal is too small for all at once."),
     ("PgUp PgDn", "Earlier and later lines of the log."),
     ("Esc", "The warning has been seen; leave a dialog."),
     ("^p", "Command palette: everything by name."),
-    ("T", "Light or dark."),
+    ("^t", "Light or dark."),
     ("q", "Safe state, then leave."),
 )
 

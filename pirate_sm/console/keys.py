@@ -1,16 +1,29 @@
-"""Which key asks for what: letters from the names themselves, so that any robot has its own."""
+"""Which key asks for what: letters from the names themselves, so that any robot has its own.
+
+A letter means the same in both cases, so that Caps Lock harms nothing.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from string import ascii_lowercase
 
-TAKEN = "q"
-"""Leaves the console."""
+from pirate_sm.engine.robot import RobotSpec, StoppedSpec
+from pirate_sm.engine.robot_state import at_rest_in
+
+LEAVE = "q"
+CONTROLS: Mapping[str, str] = {
+    "go": "r", "pause": "p", "step": "n", "skip": "k", "hand_back": "h", "abort": "x",
+}  # fmt: skip
+"""Letters of what can be done with a mission."""
+
+MISSIONS = "m"
+TAKEN = frozenset({LEAVE, MISSIONS, *CONTROLS.values()})
+"""Letters that no command has."""
 
 
-def letters_for(names: Sequence[str], taken: str = TAKEN) -> dict[str, str]:
-    """A lower-case letter for each name, in order, as far as there are letters.
+def letters_for(names: Sequence[str], taken: frozenset[str] = TAKEN) -> dict[str, str]:
+    """Return a lower-case letter for each name, in order, as far as there are letters.
 
     The first that is free of: the capitals of the name, its other letters, the rest of the
     alphabet from its end.
@@ -25,4 +38,26 @@ def letters_for(names: Sequence[str], taken: str = TAKEN) -> dict[str, str]:
             break
         free.remove(letter)
         found[name] = letter
+    return found
+
+
+def both_cases(letter: str) -> str:
+    """Return the keys of a letter, as a binding takes them."""
+    return f"{letter},{letter.upper()}"
+
+
+def arrows_for(robot: RobotSpec) -> dict[str, str]:
+    """Return the command of each arrow key: up and down drive, left and right brake."""
+    found: dict[str, str] = {}
+    for index, command in enumerate(robot.commands):
+        if isinstance(command.done, StoppedSpec):
+            found.setdefault("left", command.name)
+            found.setdefault("right", command.name)
+            continue
+        for here in range(len(robot.table.configurations)):
+            target = robot.table.follow(here, index)
+            if robot.driven[target].keys() - robot.driven[here].keys():
+                travel = robot.travel(at_rest_in(robot, target).values)
+                if travel:
+                    found.setdefault("up" if travel > 0 else "down", command.name)
     return found

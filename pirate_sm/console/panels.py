@@ -62,15 +62,30 @@ def header(snapshot: Snapshot, width: int) -> Content:
 
 
 def alarm(snapshot: Snapshot, seen: int) -> Content | None:
-    """The newest thing that is wrong, until the operator has seen it; None: nothing."""
-    told = snapshot.story.alarm
+    """Return how the last mission ended, else the newest thing that is wrong.
+
+    Either stays until the operator has seen it; None: there is nothing.
+    """
+    banner, told = snapshot.story.banner, snapshot.story.alarm
     trouble = snapshot.link.trouble if snapshot.link else ""
     if trouble and snapshot.link:
         return line(f" ⚠ link: {trouble}, for {snapshot.link.silent_s:.1f} s ")
+    if banner is not None and banner.number > seen:
+        outcome, _, why = banner.line.text.partition(": ")
+        word = "STOPPED" if outcome == "interrupted" else outcome.upper()
+        return line(f" ■ {banner.now_s:.1f} s  {word}: {why}   (Esc: seen) ")
     if told is None or told.number <= seen:
         return None
     topic, text = told.line
     return line(f" ⚠ {told.now_s:.1f} s  {topic}: {text}   (Esc: seen) ")
+
+
+def shows_success(snapshot: Snapshot, seen: int) -> bool:
+    """Return whether the bar says that a mission has succeeded."""
+    banner, link = snapshot.story.banner, snapshot.link
+    if banner is None or banner.number <= seen or (link is not None and link.trouble):
+        return False
+    return banner.line.text.startswith("succeeded")
 
 
 def states(snapshot: Snapshot, width: int) -> list[Content]:
@@ -141,8 +156,17 @@ def now(snapshot: Snapshot, width: int) -> list[Content]:
     if state.mission.paused and snapshot.scene.mission:
         lines.append(line(("‖ ", WARN), "paused: drive by hand, or let it go on"))
     return lines + (_waiting(snapshot, width) if snapshot.scene.mission else []) or [
-        line(("nothing is under way", MUTED))
+        line((_idle(snapshot), MUTED))
     ]
+
+
+def _idle(snapshot: Snapshot) -> str:
+    """What the robot does while no command is under way."""
+    state, robot = snapshot.state, snapshot.scene.robot
+    if state is None or not any(state.robot.values[wheel.slot] for wheel in robot.wheels):
+        return "nothing is under way"
+    way = {1: "driving forward", -1: "driving backward"}.get(robot.travel(state.robot.values))
+    return way or "wheels are driven"
 
 
 def _moving(snapshot: Snapshot, width: int) -> list[Content]:
@@ -186,7 +210,7 @@ def phases(snapshot: Snapshot, width: int, rows: int) -> list[Content]:
     """The mission's phases around the present one: done, current, not yet."""
     program, state, story = snapshot.scene.loaded.program, snapshot.state, snapshot.story
     if not snapshot.scene.mission:
-        return [line(("No mission is chosen.", MUTED)), line(("Press M for the list.", MUTED))]
+        return [line(("No mission is chosen.", MUTED)), line(("Press m for the list.", MUTED))]
     names = program.phases
     current = program.phase_of[state.mission.pc] if state is not None else ""
     at = names.index(current) if current in names else 0

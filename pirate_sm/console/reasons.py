@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from pirate_sm.checking.entries import why_not_from
+from pirate_sm.console.keys import CONTROLS
 from pirate_sm.console.snapshot import Scene, Snapshot
 from pirate_sm.engine.operating import why_not_command
 from pirate_sm.engine.pausing import why_not_on, why_not_to
@@ -16,7 +17,7 @@ from pirate_sm.model.events import GoTo, Resume
 
 OVER = "the run is over"
 OPENING = "the backend is being opened"
-NO_MISSION = "no mission is chosen: press M"
+NO_MISSION = "no mission is chosen: press m"
 LOOKING = "being looked at"
 
 Entries = Mapping[str, str]
@@ -104,15 +105,17 @@ def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[Control, ...]
     """Everything that can be done with a mission, in the order of its keys."""
     fresh = untouched(snapshot)
     return (
-        Control("go", "R", "Start" if fresh else "Resume", _why_not_go(snapshot, entries)),
-        Control("pause", "P", "Pause", _why_not_pause(snapshot)),
-        Control("step", "N", "Next step", _why_not_step(snapshot, entries)),
-        Control("skip", "K", "Skip the wait", _why_not_skip(snapshot)),
-        Control(
-            "hand_back", "H", "Hand back at …", _general(snapshot) or _why_not_paused(snapshot)
-        ),
-        Control("abort", "X", "Abort", _why_not_abort(snapshot)),
+        _control("go", "Start" if fresh else "Resume", _why_not_go(snapshot, entries)),
+        _control("pause", "Pause", _why_not_pause(snapshot)),
+        _control("step", "Next step", _why_not_step(snapshot, entries)),
+        _control("skip", "Skip the wait", _why_not_skip(snapshot)),
+        _control("hand_back", "Hand back at …", _general(snapshot) or _why_not_paused(snapshot)),
+        _control("abort", "Abort", _why_not_abort(snapshot)),
     )
+
+
+def _control(name: str, label: str, reason: str) -> Control:
+    return Control(name, CONTROLS[name], label, reason)
 
 
 def _general(snapshot: Snapshot) -> str:

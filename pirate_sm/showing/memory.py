@@ -13,6 +13,9 @@ from pirate_sm.showing.telling import Line, Teller
 _KEPT = 300
 _ALARMING = {"fault", "warning", "error"}
 
+ENDED = "ended"
+"""Topic of the line that says how a mission ended."""
+
 
 class Visit(NamedTuple):
     """A phase and when it was entered."""
@@ -40,6 +43,7 @@ class Story(NamedTuple):
     recent: tuple[Told, ...]
     alarm: Told | None
     ended: fx.Ended | None
+    banner: Told | None = None
 
 
 class Memory:
@@ -54,6 +58,7 @@ class Memory:
         changed: Slots that the newest array changed.
         recent: The last lines.
         alarm: The last of them that tells of something wrong.
+        banner: The last of them that says how a mission ended.
         ended: How it ended.
     """
 
@@ -68,6 +73,7 @@ class Memory:
         self.changed: frozenset[int] = frozenset()
         self.recent: deque[Told] = deque(maxlen=_KEPT)
         self.alarm: Told | None = None
+        self.banner: Told | None = None
         self.question: fx.Ask | None = None
         self.ended: fx.Ended | None = None
         self._told = 0
@@ -75,7 +81,8 @@ class Memory:
     def begin(self, robot: RobotSpec) -> None:
         """Another mission begins; the lines told so far stay."""
         fresh = Memory(robot, nominal=self._nominal)
-        fresh.recent, fresh._told, fresh.alarm = self.recent, self._told, self.alarm
+        fresh.recent, fresh._told = self.recent, self._told
+        fresh.alarm, fresh.banner = self.alarm, self.banner
         self.__dict__.update(fresh.__dict__)
 
     def see(self, effects: Sequence[fx.Effect], now_s: float) -> None:
@@ -92,12 +99,14 @@ class Memory:
         self.recent.append(told)
         if line.topic in _ALARMING:
             self.alarm = told
+        elif line.topic == ENDED:
+            self.banner = told
 
     def story(self) -> Story:
         """All of it as it is now, not to change any more."""
         return Story(
             self.phase, dict(self.spent_s), self.wait, self.question, self.setpoints,
-            tuple(self.recent), self.alarm, self.ended,
+            tuple(self.recent), self.alarm, self.ended, self.banner,
         )  # fmt: skip
 
     def _note(self, effect: fx.Effect, now_s: float) -> None:
