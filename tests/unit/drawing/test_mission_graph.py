@@ -21,18 +21,26 @@ def lines(graph: Graph, node: str) -> tuple[str, ...]:
     return next(each.lines for each in graph.nodes if each.id == node)
 
 
+def ways_out(wait: model.Phase | model.WaitStep) -> list[tuple[str, EdgeKind]]:
+    """Return where a wait leads; in a step, what has no ``go`` leads on to the next step."""
+    found = [(each.go, EdgeKind.TRIGGER) for each in wait.wait if each.go]
+    if wait.within and wait.within.go:
+        found.append((wait.within.go, EdgeKind.WITHIN))
+    return found
+
+
 def ways(mission: model.Mission) -> Counter[tuple[str, EdgeKind]]:
     """How many ways of each kind lead to each name, counted in the file itself."""
     found: Counter[tuple[str, EdgeKind]] = Counter({(mission.start, EdgeKind.START): 1})
     for phase in mission.phases.values():
-        found.update((trigger.go, EdgeKind.TRIGGER) for trigger in phase.wait)
-        if phase.within:
-            found[phase.within.go, EdgeKind.WITHIN] += 1
+        found.update(ways_out(phase))
         if phase.go:
             found[phase.go, EdgeKind.GO] += 1
         for step in every_step(phase.do):
             if step.on_failure not in {None, "continue"}:
                 found[str(step.on_failure), EdgeKind.FAILURE] += 1
+            if isinstance(step, model.WaitStep):
+                found.update(ways_out(step))
             if isinstance(step, model.AskStep):
                 targets = set(step.choices.values()) - {"continue", "fail"}
                 found.update((target, EdgeKind.TRIGGER) for target in targets)

@@ -161,5 +161,13 @@ def test_a_fault_rule_follows_the_end_stop_of_a_joint(loaded_newt, stop_deg, ang
 
 
 def test_a_fault_rule_with_the_end_stop_of_no_joint_is_told(newt):
-    said = newt("profile.yaml", ("when: amps_a > 280 mA", "when: abs(neck) > $nek_stop"))
-    assert said == ["profile.yaml:166:23: there is no parameter '$nek_stop'"]
+    old, new = "when: amps_a > 280 mA", "when: abs(neck) > $nek_stop"
+    (line,) = (
+        number
+        for number, text in enumerate((NEWT / "profile.yaml").read_text("utf-8").splitlines(), 1)
+        if old in text
+    )
+
+    said = newt("profile.yaml", (old, new))
+
+    assert said == [f"profile.yaml:{line}:23: there is no parameter '$nek_stop'"]

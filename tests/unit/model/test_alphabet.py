@@ -68,7 +68,7 @@ def test_the_alphabet_is_what_its_version_says():
         "Step": (),
         "SubmitResult": ("setpoint_id", "status", "reason"),
         "Tick": (),
-        "TriggerFired": ("phase", "trigger", "go", "reason"),
-        "WaitArmed": ("phase", "triggers", "conditions", "deadline_s"),
+        "TriggerFired": ("phase", "trigger", "go", "reason", "place"),
+        "WaitArmed": ("phase", "triggers", "conditions", "deadline_s", "place"),
         "WakeAt": ("at_s",),
     }

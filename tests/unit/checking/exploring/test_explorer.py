@@ -9,7 +9,7 @@ import pytest
 
 from checking.small_missions import checked, write
 from pirate_sm.checking.exploring.explorer import Exploration, explore
-from pirate_sm.checking.exploring.ledger import ledger
+from pirate_sm.checking.exploring.ledger import Waiting, ledger
 from pirate_sm.checking.exploring.story import story
 from pirate_sm.checking.mission import conditions_of
 from pirate_sm.loading.mission import load_mission
@@ -37,6 +37,12 @@ def explored(folder: Path, body: str, **limits: float) -> Exploration:
     return explore(loaded.robot, loaded.program, conditions_of(loaded), **limits)  # type: ignore[arg-type]
 
 
+def wait_of(found: Exploration) -> Waiting:
+    """Return what happened at the one wait of the mission."""
+    (waiting,) = ledger(found).waits.values()
+    return waiting
+
+
 def moves(found: Exploration) -> list[str]:
     return [step.move.kind for step in found.steps]
 
@@ -46,7 +52,7 @@ def test_a_command_is_accepted_or_not_done_or_not(tmp_path: Path) -> None:
 
 
 def test_a_wait_is_ended_by_sensors_operator_or_time(tmp_path: Path) -> None:
-    book = ledger(explored(tmp_path, WAITING)).waits["p"]
+    book = wait_of(explored(tmp_path, WAITING))
 
     assert set(book.fired) == {"good", "bad", "within"}
     assert not book.at_once["good"]
@@ -55,7 +61,7 @@ def test_a_wait_is_ended_by_sensors_operator_or_time(tmp_path: Path) -> None:
 def test_a_wait_for_a_condition_or_a_word_is_ended_by_sensors_too(tmp_path: Path) -> None:
     """The condition may be untrue as the wait begins, and come true later."""
     found = explored(tmp_path, WAITING.replace(", held: 1 s", ""))
-    book = ledger(found).waits["p"]
+    book = wait_of(found)
 
     fired = {found.steps[each].move.kind for each in book.fired["good"]}
     assert "sensors" in fired
@@ -110,7 +116,7 @@ def test_what_is_too_much_is_cut_off_and_known_to_be(
 
 def test_a_story_says_what_happens_in_order(tmp_path: Path) -> None:
     found = explored(tmp_path, WAITING)
-    fired = ledger(found).waits["p"].fired["good"][0]
+    fired = wait_of(found).fired["good"][0]
 
     told = story(found, fired)
 
