@@ -579,7 +579,7 @@ def test_only_a_confirmed_stop_dismisses_the_guardian_and_ends_the_conversation(
 ) -> None:
     backend.open()
     driving = [*STILL]
-    driving[backend.plan.wheels[0]] = 0.5
+    driving[backend.plan.safe_zero[0]] = 0.5
     backend.submit(1, tuple(driving))
     run(backend, 0.5)
     assert not backend.exchange.stopped.confirmed

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,8 @@ from pirate_sm.runtime.outcome import Result
 from .conftest import without_refresh
 
 SAFE = "it holds what it held and its wheels are stopped, as it has confirmed"
+
+LOSSY = {"loss_in": 0.2, "loss_out": 0.2, "corruption": 0.01}
 
 DRIVING = """
 format: 1
@@ -73,12 +76,24 @@ class Course:
     @property
     def is_safe(self) -> bool:
         """Wheels stand still and both parts hold on, by the bay's own motors."""
-        array, slots = self.bay.last_applied, self.loaded.loaded_robot.profile.slots
-        assert array is not None
-        driven = [slot.name for slot, count in zip(slots, array.counts, strict=True) if count]
-        wheels = [slot.name for slot in slots if slot.wheel is not None]
-        joints = [slot.name for slot in slots if slot.joint is not None]
-        return set(joints) <= set(driven) and not set(driven) & set(wheels)
+        slots = self.loaded.loaded_robot.profile.slots
+        joints = {slot.name for slot in slots if slot.joint is not None}
+        return joints <= self.driven() and not self.wheels_driven()
+
+    def driven(self, before_s: float = inf) -> set[str]:
+        """Slots that are not zero by the bay's own motors, at the end or just before a moment."""
+        slots = self.loaded.loaded_robot.profile.slots
+        counts = [
+            record.counts
+            for record in self.bay.records
+            if record.event in {"applied", "tripped"} and record.at_s < before_s
+        ][-1]
+        return {slot.name for slot, count in zip(slots, counts, strict=True) if count}
+
+    def wheels_driven(self, before_s: float = inf) -> set[str]:
+        """Wheels among them."""
+        slots = self.loaded.loaded_robot.profile.slots
+        return self.driven(before_s) & {slot.name for slot in slots if slot.wheel is not None}
 
 
 class Watching:
@@ -184,11 +199,24 @@ def test_a_mission_that_handles_a_reset_goes_on_where_it_was(go: Go) -> None:
     assert course.is_safe
 
 
-def test_a_reset_on_a_lossy_line_is_told_as_one_too(go: Go) -> None:
-    course = go(reset_at_s=(9.0,), loss_in=0.2, loss_out=0.2, corruption=0.01)
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_reset_on_a_lossy_line_while_wheels_are_driven_ends_with_stopped_wheels(
+    go: Go, seed: int
+) -> None:
+    course = go(reset_at_s=(14.5,), seed=seed, **LOSSY)
 
+    assert course.wheels_driven(before_s=14.5)
     assert course.message.startswith("firmware.reset: ")
     assert course.is_safe
+
+
+def test_a_reset_on_a_lossy_line_before_the_rear_is_clamped_ends_with_the_front_clamped(
+    go: Go,
+) -> None:
+    course = go(reset_at_s=(9.0,), **LOSSY)
+
+    assert course.message.startswith("firmware.reset: ")
+    assert course.driven() == course.driven(before_s=9.0) == {"bend_1", "bend_2"}
 
 
 def test_a_reset_while_the_mission_ends_is_waited_for(go: Go) -> None:
@@ -261,13 +289,15 @@ def test_a_robot_that_stays_unplugged_is_a_lost_link(go: Go) -> None:
     )
 
 
+@pytest.mark.parametrize("dead_man", [True, False])
 def test_a_cable_out_for_longer_than_the_runner_waits_leaves_no_wheel_driven_once_it_is_back(
-    go: Go,
+    go: Go, dead_man: bool
 ) -> None:
-    """The runner gave up and dismissed the guardian; the cable came back to a robot that drove."""
-    course = go(pulled=(11.0, 60.0), handled="link.interrupted", far="2 m")
+    """Wheels stop while the cable is out if the firmware has a dead man's switch; else after."""
+    course = go(pulled=(11.0, 60.0), handled="link.interrupted", far="2 m", dead_man=dead_man)
+    assert course.wheels_driven(before_s=11.0)
     assert course.message.startswith("link.lost: ")
-    assert not course.is_safe
+    assert course.is_safe == dead_man
     course.port.wait(64.0)
 
     assert course.is_safe

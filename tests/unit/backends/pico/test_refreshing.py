@@ -117,8 +117,8 @@ def test_the_frame_that_the_guardian_sends_holds_all_but_the_wheels(
 def test_a_trip_is_counted_and_said_and_the_array_in_force_is_written_again_at_once(
     backend: SerialBackend, device: Device, port: VirtualPort, plan: Plan
 ) -> None:
-    wheels = tuple(1.0 if slot in plan.wheels else value for slot, value in enumerate(CLAMPING))
-    backend.submit(1, wheels)
+    driving = tuple(1.0 if slot in plan.safe_zero else value for slot, value in enumerate(CLAMPING))
+    backend.submit(1, driving)
     run(backend, 0.5)
     codec = plan.messages.setpoints
     last = codec.unpack(arrays(port)[-1][1])
