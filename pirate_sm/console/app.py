@@ -17,7 +17,7 @@ from textual.widgets import Footer
 
 from pirate_sm.console import panels, reasons
 from pirate_sm.console.asking import Asking
-from pirate_sm.console.body import body
+from pirate_sm.console.body import body, travelled
 from pirate_sm.console.dialogs import Help
 from pirate_sm.console.driver import STOP_KEY
 from pirate_sm.console.helping import help_lines
@@ -31,7 +31,7 @@ from pirate_sm.console.keys import (
 )
 from pirate_sm.console.session import Session
 from pirate_sm.console.snapshot import Snapshot
-from pirate_sm.console.widgets import EventLog, Lines, Picture, Row
+from pirate_sm.console.widgets import EventLog, Lines, Picture, Row, marked
 from pirate_sm.runtime.stopping import Stop
 
 _W = TypeVar("_W", bound=Widget)
@@ -177,10 +177,12 @@ class Console(Asking, App[None]):
         self._show_bar("question", panels.question(snapshot))
         self.on_base(Lines, "pages").show([_tabs(self._page)])
         self._show_rows(snapshot)
+        paged = not self.is_visible("#body")
         for name, lines in (("now", panels.now), ("states", panels.states), ("body", body)):
             if self.is_visible(f"#{name}"):
                 panel = self.on_base(Lines, name)
-                panel.show(lines(snapshot, panel.content_size.width))
+                more = travelled(snapshot) if name == "now" and paged else []
+                panel.show([*lines(snapshot, panel.content_size.width), *more])
         phases = self.on_base(Lines, "phases")
         width, rows = phases.content_size
         phases.border_title = snapshot.scene.mission or "Phases"
@@ -191,8 +193,12 @@ class Console(Asking, App[None]):
     def _show_rows(self, snapshot: Snapshot) -> None:
         motion = snapshot.state.robot.motion if snapshot.state is not None else None
         doing = snapshot.scene.robot.commands[motion.command].name if motion else ""
+        why = {name: reasons.command_reason(snapshot, name) for name in self._rows}
+        common = _common([reason for name, reason in why.items() if name != doing])
+        title = marked(common) if common else "Commands"
+        self.screen_stack[0].query_one("#commands").border_title = title
         for name, row in self._rows.items():
-            row.show(name, reasons.command_reason(snapshot, name), under_way=name == doing)
+            row.show(name, why[name], under_way=name == doing, said_above=bool(common))
         for control in reasons.controls(snapshot, self.entries(snapshot)):
             self._controls[control.name].show(control.label, control.reason)
 
@@ -250,6 +256,11 @@ class Console(Asking, App[None]):
     def _fatal_error(self) -> None:
         """The console closes; what broke is told in a sentence by whoever opened it."""
         self._close_messages_no_wait()
+
+
+def _common(found: list[str]) -> str:
+    """Return the reason that all have in common; empty where there is none."""
+    return found[0] if len(set(found)) == 1 else ""
 
 
 PAGES = (("drive", "Drive"), ("mission", "Mission"), ("body", "Body"), ("log", "Log"))

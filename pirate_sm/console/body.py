@@ -126,6 +126,17 @@ def sparkline(values: Sequence[float], full: float) -> str:
     return "".join(_BARS[max(1, min(top, round(each / full * top)))] for each in values)
 
 
+def travelled(snapshot: Snapshot) -> list[Content]:
+    """Return how far and how fast, for a screen that has no room for everything."""
+    parts: list[Part] = []
+    for label, signal, kind in snapshot.scene.anatomy.readings:
+        if kind in ("distance", "speed"):
+            value = snapshot.signals.get(signal, float("nan"))
+            written = "–" if isnan(value) else _WRITE[kind](value)
+            parts += [(f"{label} ", MUTED), f"{written}   "]
+    return [line(*parts)] if parts else []
+
+
 def _readings(snapshot: Snapshot, width: int) -> list[Content]:
     cells: list[tuple[str, str]] = []
     for label, signal, kind in snapshot.scene.anatomy.readings:

@@ -64,19 +64,28 @@ class Row(Static):
         self.asks = name
         self._key = key
         self._wide = wide
-        self._shown: tuple[str, str, bool] | None = None
+        self._shown: tuple[str, str, bool, bool] | None = None
 
-    def show(self, label: str, reason: str, *, under_way: bool = False) -> None:
-        """The label, greyed with the reason where there is one."""
-        if self._shown == (label, reason, under_way):
+    def show(
+        self, label: str, reason: str, *, under_way: bool = False, said_above: bool = False
+    ) -> None:
+        """Show the label, greyed with the reason where there is one.
+
+        Args:
+            label: What it is called.
+            reason: Why it cannot be asked for; empty where it can.
+            under_way: Whether it is being done.
+            said_above: Whether the reason stands above all rows already.
+        """
+        if self._shown == (label, reason, under_way, said_above):
             return
-        self._shown = label, reason, under_way
+        self._shown = label, reason, under_way, said_above
         label = f"{visible(label):<{self._wide}}"
         key = f" {self._key or ' '} "
         if under_way:
             content = Content.assemble((key, MUTED), " ", (label, "bold"), ("▶ under way", ""))
         elif reason:
-            why = visible(_marked(reason))
+            why = "" if said_above else visible(marked(reason))
             content = Content.assemble((key, MUTED), " ", (label, MUTED), (why, MUTED))
         else:
             content = Content.assemble((key, "bold reverse $accent"), " ", (label, "bold"))
@@ -88,8 +97,8 @@ class Row(Static):
         self.post_message(self.Asked(self.asks))
 
 
-def _marked(reason: str) -> str:
-    """The engine's reason with its first word as a sign: what is so already, what cannot be."""
+def marked(reason: str) -> str:
+    """Return the engine's reason with a sign for its first word: unneeded, or impossible."""
     kind, colon, rest = reason.partition(": ")
     signs = {"unneeded": "=", "impossible": "✕"}
     return f"{signs[kind]} {rest}" if colon and kind in signs else f"✕ {reason}"

@@ -98,3 +98,16 @@ def test_a_start_that_the_check_still_looks_at_is_remembered() -> None:
             assert not me.latest.state.mission.paused
 
     played(story)
+
+
+def test_a_reason_that_all_commands_share_is_said_once_and_how_far_it_drove_is_shown() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace")), size=(80, 24)) as me:
+            await me.press(me.app.letters["ClampFront"])
+            me.wait(0.5)
+            await me.look()
+            assert text_of(me).count("another command is under way") == 1
+            assert "odometry" in text_of(me)
+            assert "speed" in text_of(me)
+
+    played(story)
