@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from pirate_sm.drawing.text import INDENT
 from pirate_sm.model import mission as model
 from pirate_sm.model.quantities import Parameter
+from pirate_sm.model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
 
 
 def amount(value: float | int | Parameter, unit: str = "") -> str:
@@ -114,14 +115,14 @@ def every_step(steps: Iterable[model.Step]) -> Iterator[model.Step]:
                 yield from every_step(step.otherwise)
 
 
-def trigger_text(trigger: model.Trigger) -> str:
+def trigger_text(trigger: Trigger) -> str:
     """When the trigger fires, after its name if it was given one."""
     match trigger:
-        case model.ConditionTrigger():
+        case ConditionTrigger():
             held = trigger.held if isinstance(trigger.held, Parameter) or trigger.held else None
             text = trigger.when + (f" for {amount(held, 's')}" if held is not None else "")
-        case model.TimeTrigger():
+        case TimeTrigger():
             text = f"after {amount(trigger.after, 's')}"
-        case model.OperatorTrigger():
+        case OperatorTrigger():
             text = f"operator: {trigger.operator}"
     return f"{trigger.name}: {text}" if trigger.name else text

@@ -5,18 +5,17 @@ from __future__ import annotations
 from math import copysign, isnan
 from typing import NamedTuple
 
-from pirate_sm.engine.robot import (
+from pirate_sm.engine.criteria import (
     AcceptedSpec,
     AlignedSpec,
     BelowSpec,
     CriterionSpec,
-    LoopSpec,
     ReachedSpec,
-    RobotSpec,
     StalledSpec,
     StoppedSpec,
     TurningSpec,
 )
+from pirate_sm.engine.robot import LoopSpec, RobotSpec
 
 Numbers = tuple[float, ...]
 

@@ -57,7 +57,7 @@ class Engine:
         self.robot = robot
         self.program = program
         self.nominal = nominal
-        self._setting = Setting(robot, program)
+        self.setting = Setting(robot, program)
         self._known_faults = robot.fault_codes()
 
     def start(
@@ -162,9 +162,9 @@ class Engine:
             state.word_until_s, state.wake_at_s, state.rules, state.surveyed, state.look,
         )  # fmt: skip
         for report in reports:
-            state = meet(self._setting, state, self._found(report), now, effects)
+            state = meet(self.setting, state, self._found(report), now, effects)
         for fault in found:
-            state = meet(self._setting, state, fault, now, effects)
+            state = meet(self.setting, state, fault, now, effects)
         return state
 
     def _found(self, report: events.FaultReport) -> Found:
@@ -199,7 +199,7 @@ class Engine:
         limit = self.robot.link.resend_limit
         if event.status == "unknown" and flight.tries > limit:
             message = f"setpoints were not confirmed after {limit} repeats"
-            state = meet(self._setting, state, Found("link.no_echo", message, False), now, effects)
+            state = meet(self.setting, state, Found("link.no_echo", message, False), now, effects)
         elif event.status in {"rejected", "superseded"} and flight.purpose != "gate":
             # Only a command can be refused; without the array the robot is not what it seems.
             message = f"the backend has {event.status} setpoints: {event.reason or 'no reason'}"
@@ -212,7 +212,7 @@ class Engine:
         ending = state.mission.ending
         if ending is None:
             found = Found("backend.failed", message, False)
-            return meet(self._setting, state, found, now, effects)
+            return meet(self.setting, state, found, now, effects)
         ending = ending._replace(message=f"{ending.message} ({message})")
         return state._replace(mission=state.mission._replace(ending=ending))
 
@@ -224,28 +224,7 @@ class Engine:
             words = self._obeyed_words(state)
             faults = unsettle(self.robot, state.faults, state.sensing, words)
             state = state._replace(faults=faults)
-        return meet(self._setting, state, self._found(event), now, effects)
-
-    def _answer(
-        self, state: EngineState, event: events.Answer, now: float, effects: list[Effect]
-    ) -> EngineState:
-        if state.mission.paused:
-            effects.append(Log("warning", "no answer is taken while paused"))
-            return state
-        return state._replace(mission=state.mission._replace(answer=event.choice))
-
-    def _skip(
-        self, state: EngineState, event: events.Skip, now: float, effects: list[Effect]
-    ) -> EngineState:
-        if state.mission.paused:
-            effects.append(Log("warning", "nothing is passed over while paused"))
-            return state
-        return state._replace(mission=state.mission._replace(skipped=event.trigger))
-
-    def _abort(
-        self, state: EngineState, event: events.Abort, now: float, effects: list[Effect]
-    ) -> EngineState:
-        return end(self._setting, state, "interrupted", event.reason, "", now, effects)
+        return meet(self.setting, state, self._found(event), now, effects)
 
     # --- what follows -------------------------------------------------------------------------
 
@@ -262,7 +241,7 @@ class Engine:
             state = finish(state, now, effects)
         elif not state.mission.ended:
             if state.look is not None:
-                state = looking.go_on(self._setting, state, state.look, now, effects)
+                state = looking.go_on(self.setting, state, state.look, now, effects)
             state = self._see_done(state, now, effects)
             # Whether the next command would break a rule is asked of where the rules are now.
             state = judged = self._judge(before, state, now, effects)
@@ -271,7 +250,7 @@ class Engine:
         state = self._judge(judged, state, now, effects)
         mission = state.mission
         if mission.answer is not None or mission.skipped is not None:
-            state = state._replace(mission=spoken(self._setting, state))
+            state = state._replace(mission=spoken(self.setting, state))
         changed = (
             state.robot is not before.robot
             or state.mission is not before.mission
@@ -287,7 +266,7 @@ class Engine:
     ) -> EngineState:
         if state.robot is before.robot or not state.rules:
             return state
-        return watch(self._setting, before, state, now, effects)
+        return watch(self.setting, before, state, now, effects)
 
     def _see_done(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
         if state.robot.motion is None or state.mission.suspended:
@@ -298,14 +277,14 @@ class Engine:
         if state.look is not None:  # nothing is commanded before it is over
             return pausing.begin_if_wanted(self.robot, state, now, effects)
         if state.mission.diverting is not None:
-            state = divert(self._setting, state, now, effects)
+            state = divert(self.setting, state, now, effects)
         if state.mission.pause_wanted:
             state = pausing.begin_if_wanted(self.robot, state, now, effects)
-        state = advance(self._setting, state, now, effects)
+        state = advance(self.setting, state, now, effects)
         limit_s = self.program.time_limit_s
         if limit_s < inf and has_come(state.mission.clock(now), limit_s):
             message = f"the mission's time limit of {limit_s:g} s has passed"
-            state = end(self._setting, state, "failed", message, "", now, effects)
+            state = end(self.setting, state, "failed", message, "", now, effects)
         if state.mission.pause_wanted:
             state = pausing.begin_if_wanted(self.robot, state, now, effects)
         return state
@@ -356,7 +335,7 @@ class Engine:
         faults, found = listen(self.robot, faults, sensing, now)
         state = state._replace(sensing=sensing, faults=faults)
         for fault in found:
-            state = meet(self._setting, state, fault, now, effects)
+            state = meet(self.setting, state, fault, now, effects)
         return state
 
     def _set_wake(self, state: EngineState, effects: list[Effect]) -> EngineState:
@@ -368,7 +347,7 @@ class Engine:
             body = body._replace(motion=None)  # its deadline is frozen
         wake = min(
             robot_state.next_deadline(self.robot, body, self.nominal),
-            next_deadline(self._setting, state),
+            next_deadline(self.setting, state),
             state.word_until_s,
         )
         if state.look is not None and not state.mission.ending:
@@ -398,10 +377,10 @@ _ON: dict[type, _Handler] = {
     events.SubmitResult: Engine._submitted,
     events.FaultReport: Engine._fault_report,
     events.OperatorCommand: operating.command,
-    events.Answer: Engine._answer,
-    events.Skip: Engine._skip,
+    events.Answer: operating.answer,
+    events.Skip: operating.skip,
     events.CommandFailed: scripted.undone,
-    events.Abort: Engine._abort,
+    events.Abort: operating.abort,
     events.Pause: pausing.want,
     events.Resume: pausing.go_on,
     events.Step: pausing.go_on,

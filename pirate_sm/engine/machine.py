@@ -10,9 +10,10 @@ from __future__ import annotations
 from math import inf, isnan, nan
 
 from pirate_sm.engine import seeing
+from pirate_sm.engine.criteria import AcceptedSpec
 from pirate_sm.engine.done import Loop, must_hold_s, told
 from pirate_sm.engine.moments import has_come
-from pirate_sm.engine.robot import AcceptedSpec, RobotSpec
+from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import (
     POSTURE,
     STOPPED,

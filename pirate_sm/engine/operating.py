@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from pirate_sm.engine import machine, pausing, robot_state, seeing
+from pirate_sm.engine.ending import end
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import CommandStatus, Effect
-from pirate_sm.model.events import OperatorCommand
+from pirate_sm.model.effects import CommandStatus, Effect, Log
+from pirate_sm.model.events import Abort, Answer, OperatorCommand, Skip
 
 if TYPE_CHECKING:
     from pirate_sm.engine.engine import Engine
@@ -48,3 +49,30 @@ def command(
     state = pausing.take_over(engine.robot, state, effects)
     robot = machine.begin(engine.robot, state.robot, state.sensing, index, None, "", effects)
     return state._replace(robot=robot)
+
+
+def answer(
+    engine: Engine, state: EngineState, event: Answer, now: float, effects: list[Effect]
+) -> EngineState:
+    """Note the answer, which the open question takes."""
+    if state.mission.paused:
+        effects.append(Log("warning", "no answer is taken while paused"))
+        return state
+    return state._replace(mission=state.mission._replace(answer=event.choice))
+
+
+def skip(
+    engine: Engine, state: EngineState, event: Skip, now: float, effects: list[Effect]
+) -> EngineState:
+    """Note that a wait or question is passed over."""
+    if state.mission.paused:
+        effects.append(Log("warning", "nothing is passed over while paused"))
+        return state
+    return state._replace(mission=state.mission._replace(skipped=event.trigger))
+
+
+def abort(
+    engine: Engine, state: EngineState, event: Abort, now: float, effects: list[Effect]
+) -> EngineState:
+    """End the run because the operator, or who drives the engine, wants it."""
+    return end(engine.setting, state, "interrupted", event.reason, "", now, effects)

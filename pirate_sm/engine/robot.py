@@ -8,13 +8,15 @@ state of each region, then the detector's word and the segment, None = unknown).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf, nan
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.engine.body import BodySpec
 from pirate_sm.engine.chart_table import ChartTable
+from pirate_sm.engine.criteria import CriterionSpec
+from pirate_sm.engine.sight import Sight
 from pirate_sm.expressions import Expression, Vocabulary
 
 BUILT_IN_FAULTS: Mapping[str, bool] = {
@@ -91,63 +93,6 @@ class Write(NamedTuple):
 StageSpec: TypeAlias = tuple[Write, ...]
 
 
-class AcceptedSpec(NamedTuple):
-    """Done at acceptance."""
-
-
-class StalledSpec(NamedTuple):
-    """Joints stand still under torque; fields as in :class:`pirate_sm.model.criteria.Stalled`."""
-
-    rates: tuple[int, ...]
-    torques: tuple[int, ...]
-    torque: float
-    still: float
-    for_s: float
-
-
-class ReachedSpec(NamedTuple):
-    """Every running position loop has arrived, or its joint stands still while pushed."""
-
-    still: float
-    loaded: float
-    for_s: float
-
-
-class TurningSpec(NamedTuple):
-    """A driven wheel turns; ``wheels`` are pairs of slot and number index of its speed."""
-
-    wheels: tuple[tuple[int, int], ...]
-    above: float
-
-
-class StoppedSpec(NamedTuple):
-    """No wheel that can be heard turns; ``parts`` has the number indexes of each part's speeds."""
-
-    parts: tuple[tuple[int, ...], ...]
-    below: float
-    for_s: float
-
-
-class AlignedSpec(NamedTuple):
-    """Angles are at their setpoints; pairs of slot and number index."""
-
-    slots: tuple[tuple[int, int], ...]
-    within: float
-
-
-class BelowSpec(NamedTuple):
-    """Signals are near zero."""
-
-    signals: tuple[int, ...]
-    limit: float
-    for_s: float
-
-
-CriterionSpec: TypeAlias = (
-    AcceptedSpec | StalledSpec | ReachedSpec | TurningSpec | StoppedSpec | AlignedSpec | BelowSpec
-)
-
-
 @dataclass(frozen=True)
 class PostureSpec:
     """What a command brings the joints to before its states' own actuation.
@@ -191,81 +136,6 @@ class CommandSpec:
     def posture(self, configuration: int) -> PostureSpec | None:
         """The posture that comes first where the command leads to this configuration."""
         return self.postures[configuration] if self.postures else None
-
-
-class LoadedJoint(NamedTuple):
-    """A joint of a held part: its slot, number indexes of its torque and its rate."""
-
-    slot: int
-    torque: int
-    rate: int
-
-
-class HeldSpec(NamedTuple):
-    """How a held part shows itself; limits as in :class:`pirate_sm.model.seen.HeldPart`.
-
-    Attributes:
-        diameter: Number index of the diameter that the part shows; ``apex`` of its apex angle.
-        open_rad: From this angle of the apex on the part has opened to its end stop.
-    """
-
-    joints: tuple[LoadedJoint, ...]
-    torque: float
-    slack: float
-    still: float
-    diameter: int
-    apex: int
-    open_rad: float
-    span: float
-    span_off: float
-    for_s: float
-
-
-class AnglesSpec(NamedTuple):
-    """Angles near their setpoints; ``targets`` are pairs of number index and angle."""
-
-    targets: tuple[tuple[int, float], ...]
-    within: float
-    beyond: float
-    for_s: float
-
-
-class StandingSpec(NamedTuple):
-    """Wheels that stand; ``speeds`` are number indexes."""
-
-    speeds: tuple[int, ...]
-    below: float
-    for_s: float
-
-
-class DrivenSpec(NamedTuple):
-    """Wheels that do not turn against their setpoints; pairs of number index and direction."""
-
-    wheels: tuple[tuple[int, float], ...]
-    above: float
-    for_s: float
-
-
-class ImpliedSpec(NamedTuple):
-    """Nothing that could be wrong."""
-
-
-SeenSpec: TypeAlias = AnglesSpec | StandingSpec | DrivenSpec | ImpliedSpec | AcceptedSpec
-
-
-@dataclass(frozen=True)
-class Sight:
-    """How the robot shows itself to its sensors before anything moves.
-
-    Attributes:
-        within_s: How long that is looked at, at most.
-        parts: Per part, None where nothing shows that it is held.
-        states: Per region and state; what is missing no sensor shows.
-    """
-
-    within_s: float = 0.0
-    parts: tuple[HeldSpec | None, ...] = ()
-    states: tuple[Mapping[str, SeenSpec], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -471,7 +341,7 @@ class RobotSpec:
     detector_words: tuple[str, ...]
     words_behind: frozenset[str]
     body: BodySpec
-    sight: Sight = Sight()
+    sight: Sight = field(default_factory=Sight)
 
     @property
     def regions(self) -> tuple[str, ...]:

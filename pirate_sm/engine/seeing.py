@@ -11,18 +11,10 @@ from __future__ import annotations
 from math import degrees, inf, isnan, nan
 from typing import NamedTuple
 
+from pirate_sm.engine.criteria import AcceptedSpec
 from pirate_sm.engine.done import still
 from pirate_sm.engine.moments import has_come
-from pirate_sm.engine.robot import (
-    AcceptedSpec,
-    AnglesSpec,
-    DrivenSpec,
-    HeldSpec,
-    ImpliedSpec,
-    RobotSpec,
-    SeenSpec,
-    StandingSpec,
-)
+from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import (
     DECLARED,
     STOPPED,
@@ -31,6 +23,14 @@ from pirate_sm.engine.robot_state import (
     RobotState,
     at_rest_in,
     states_of,
+)
+from pirate_sm.engine.sight import (
+    AnglesSpec,
+    DrivenSpec,
+    HeldSpec,
+    ImpliedSpec,
+    SeenSpec,
+    StandingSpec,
 )
 
 CODE = "start.contradicted"

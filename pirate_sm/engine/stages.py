@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from math import isnan
 
+from pirate_sm.engine.criteria import CriterionSpec
 from pirate_sm.engine.done import Loop, holds
-from pirate_sm.engine.robot import CriterionSpec, RobotSpec, StageSpec
+from pirate_sm.engine.robot import RobotSpec, StageSpec
 from pirate_sm.engine.robot_state import (
     POSTURE,
     Motion,

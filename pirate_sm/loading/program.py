@@ -19,6 +19,7 @@ from pirate_sm.loading.robot_rules import rules_for
 from pirate_sm.loading.scope import Scope, Source
 from pirate_sm.loading.source import Document
 from pirate_sm.model import mission as model
+from pirate_sm.model.triggers import ConditionTrigger, TimeTrigger, Trigger
 
 
 def build_program(
@@ -176,19 +177,19 @@ class _PhaseWriter:
         )  # fmt: skip
 
     def _trigger(
-        self, trigger: model.Trigger, name: str, path: Path, after: Label | None
+        self, trigger: Trigger, name: str, path: Path, after: Label | None
     ) -> out.TriggerSpec:
         scope = self.scope
         on = trigger.go is None and after is not None
         go = after if on else scope.target(trigger.go or "", (*path, "go"))
         place, go_name = scope.place(path), trigger.go or model.CONTINUE
         spec = out.TriggerSpec(name, "", go, go_name, place=place)  # type: ignore[arg-type]
-        if isinstance(trigger, model.ConditionTrigger):
+        if isinstance(trigger, ConditionTrigger):
             held = scope.waited(trigger.held, (*path, "held"), zero=True)
             condition = scope.condition(trigger.when, (*path, "when"), in_wait=True)
             text = trigger.when + (f" for {held:g} s" if held else "")
             return spec._replace(text=text, condition=condition, held_s=held)
-        if isinstance(trigger, model.TimeTrigger):
+        if isinstance(trigger, TimeTrigger):
             after_s = scope.waited(trigger.after, (*path, "after"))
             return spec._replace(text=f"after {after_s:g} s", after_s=after_s)
         return spec._replace(text=f"operator: {trigger.operator}", answer=trigger.operator)

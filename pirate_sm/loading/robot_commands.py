@@ -5,20 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from pirate_sm.engine.chart_table import ChartTable
-from pirate_sm.engine.robot import (
-    BUILT_IN_FAULTS,
+from pirate_sm.engine.criteria import (
     AcceptedSpec,
     AlignedSpec,
     BelowSpec,
-    CommandSpec,
     CriterionSpec,
-    FaultSpec,
-    PostureSpec,
     ReachedSpec,
     StalledSpec,
     StoppedSpec,
     TurningSpec,
 )
+from pirate_sm.engine.robot import BUILT_IN_FAULTS, CommandSpec, FaultSpec, PostureSpec
 from pirate_sm.expressions import Expression, ExpressionError, NumberType, compile_condition
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_signals import Signals

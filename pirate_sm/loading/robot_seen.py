@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from math import copysign, inf
 
 from pirate_sm.engine.chart_table import ChartTable
-from pirate_sm.engine.robot import (
-    AcceptedSpec,
+from pirate_sm.engine.criteria import AcceptedSpec
+from pirate_sm.engine.robot import SlotSpec, StageSpec, Write
+from pirate_sm.engine.sight import (
     AnglesSpec,
     DrivenSpec,
     HeldSpec,
@@ -15,10 +16,7 @@ from pirate_sm.engine.robot import (
     LoadedJoint,
     SeenSpec,
     Sight,
-    SlotSpec,
-    StageSpec,
     StandingSpec,
-    Write,
 )
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_signals import Signals

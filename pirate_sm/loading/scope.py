@@ -13,9 +13,10 @@ from pirate_sm.loading.assembly import Handlers, Label
 from pirate_sm.loading.parameters import Value, Values
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.source import Document
-from pirate_sm.model.mission import CONTINUE, FAIL, Mission, Trigger
+from pirate_sm.model.mission import CONTINUE, FAIL, Mission
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.quantities import Parameter
+from pirate_sm.model.triggers import Trigger
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import DIMENSIONLESS, TIME, Quantity, describe
 

@@ -22,8 +22,15 @@ from pirate_sm.model.base import (
 from pirate_sm.model.parameters import ParameterDefinition, ParameterValue
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.quantities import CountOrParameter, DurationOrParameter
+from pirate_sm.model.triggers import (
+    ConditionTrigger,
+    OperatorTrigger,
+    TimeTrigger,
+    Trigger,
+    Within,
+)
 
-_L = TypeVar("_L", bound="ConditionTrigger | TimeTrigger | OperatorTrigger | Within")
+_L = TypeVar("_L", ConditionTrigger, TimeTrigger, OperatorTrigger, Within)
 
 CONTINUE = "continue"
 FAIL = "fail"
@@ -196,91 +203,6 @@ Step: TypeAlias = Annotated[
 ]
 
 
-class ConditionTrigger(Frozen):
-    """Fires when the condition has been true for ``held``.
-
-    Attributes:
-        when: The condition.
-        held: How long it must have been true without a break.
-        go: The phase or end that it leads to; in a step also nothing, for the next step.
-        name: What views, recordings and ``--fire`` call it; else like what it leads to.
-    """
-
-    when: Condition
-    held: DurationOrParameter = 0.0
-    go: Name | None = None
-    name: Name | None = None
-
-
-class TimeTrigger(Frozen):
-    """Fires when so much time has passed since the wait was armed.
-
-    Attributes:
-        after: How long after the wait began.
-        go: The phase or end that it leads to; in a step also nothing, for the next step.
-        name: What views, recordings and ``--fire`` call it; else like what it leads to.
-    """
-
-    after: DurationOrParameter
-    go: Name | None = None
-    name: Name | None = None
-
-
-class OperatorTrigger(Frozen):
-    """Fires when the operator gives this answer.
-
-    Attributes:
-        operator: The answer, which the operator sees.
-        go: The phase or end that it leads to; in a step also nothing, for the next step.
-        name: What views, recordings and ``--fire`` call it; else like what it leads to.
-    """
-
-    operator: Name
-    go: Name | None = None
-    name: Name | None = None
-
-
-_TRIGGER_KINDS = ("when", "after", "operator")
-
-
-def _kind_of_trigger(value: Any) -> str | None:
-    for kind in _TRIGGER_KINDS:
-        if (isinstance(value, dict) and kind in value) or hasattr(value, kind):
-            return kind
-    return None
-
-
-Trigger: TypeAlias = Annotated[
-    Annotated[ConditionTrigger, Tag("when")]
-    | Annotated[TimeTrigger, Tag("after")]
-    | Annotated[OperatorTrigger, Tag("operator")],
-    Discriminator(
-        _kind_of_trigger,
-        custom_error_type="trigger",
-        custom_error_message="expected a trigger: a mapping with one of when, after, operator",
-    ),
-]
-
-
-def _leading(part: _L) -> _L:
-    """Return what leads somewhere."""
-    if part.go is None:
-        raise ValueError("this needs `go`: the phase or end that it leads to")
-    return part
-
-
-class Within(Frozen):
-    """The longest that a wait may take, and where it leads then.
-
-    Attributes:
-        time: How long.
-        go: The phase or end that it leads to then; in a step also nothing: the step has failed.
-    """
-
-    time: DurationOrParameter
-    go: Name | None = None
-
-
 class FaultHandler(Frozen):
     """What to do about a fault: only log it, or go to a phase.
 
@@ -304,6 +226,13 @@ class FaultHandler(Frozen):
         if (self.then is None) == (self.go is None):
             raise ValueError("expected either `then: continue` or `go: <phase>`")
         return self
+
+
+def _leading(part: _L) -> _L:
+    """Return what leads somewhere."""
+    if part.go is None:
+        raise ValueError("this needs `go`: the phase or end that it leads to")
+    return part
 
 
 class Phase(Frozen):

@@ -10,6 +10,8 @@ from typing import Any
 import jsonschema
 import pytest
 
+from pirate_sm.wiring import COMPILING
+
 from .conftest import NEWT, ROOT
 
 SCHEMA = json.loads((ROOT / "docs" / "schemas" / "check.schema.json").read_text("utf-8"))
@@ -30,7 +32,8 @@ ends:
 
 def rehearsed(pirate: Any, *arguments: Any) -> list[dict[str, Any]]:
     result = pirate("check", *arguments, "--rehearse", "--format", "json")
-    assert result.stderr == ""
+    # Whoever uses the simulator first on a machine is told that it is compiled.
+    assert result.stderr.removeprefix(f"{COMPILING}\n") == ""
     data = json.loads(result.stdout)
     jsonschema.validate(data, SCHEMA)
     found: list[dict[str, Any]] = data["rehearsals"]

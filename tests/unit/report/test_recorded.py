@@ -48,7 +48,9 @@ def test_the_lanes_of_the_state_machines_are_full_and_do_not_overlap(
     found = report(name)
     regions = {"bend": 5, "patrol": 3}[name]
 
-    full = [lane for lane in found.lanes if lane.spans and lane.spans[0].kind == "state"]
+    # A declared state is unconfirmed until the sensors show it.
+    shown = {"state", "unconfirmed"}
+    full = [lane for lane in found.lanes if lane.spans and lane.spans[0].kind in shown]
     assert len(full) == regions
     for lane in full:
         assert (lane.spans[0].start_s, lane.spans[-1].end_s) == (0.0, found.duration_s)
@@ -93,7 +95,7 @@ def test_curves_are_in_the_units_of_their_plots_and_signs_agree(report: Reports)
 
     odometer, really = chart(found, "Distance").series
     assert odometer.values[-1] == pytest.approx(0.69, abs=0.03)
-    assert really.values[-1] == pytest.approx(0.75, abs=0.02)
+    assert really.values[-1] == pytest.approx(0.78, abs=0.02)
     at_s = 9.5  # driving straight on
     for wheel in chart(found, "Wheel speeds at the rim").series:
         assert value_at(wheel, at_s) == pytest.approx(100, abs=10)

@@ -1,0 +1,62 @@
+"""What shows that a command is done, with names resolved to indexes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, TypeAlias
+
+
+class AcceptedSpec(NamedTuple):
+    """Done at acceptance."""
+
+
+class StalledSpec(NamedTuple):
+    """Joints stand still under torque; fields as in :class:`pirate_sm.model.criteria.Stalled`."""
+
+    rates: tuple[int, ...]
+    torques: tuple[int, ...]
+    torque: float
+    still: float
+    for_s: float
+
+
+class ReachedSpec(NamedTuple):
+    """Every running position loop has arrived, or its joint stands still while pushed."""
+
+    still: float
+    loaded: float
+    for_s: float
+
+
+class TurningSpec(NamedTuple):
+    """A driven wheel turns; ``wheels`` are pairs of slot and number index of its speed."""
+
+    wheels: tuple[tuple[int, int], ...]
+    above: float
+
+
+class StoppedSpec(NamedTuple):
+    """No wheel that can be heard turns; ``parts`` has the number indexes of each part's speeds."""
+
+    parts: tuple[tuple[int, ...], ...]
+    below: float
+    for_s: float
+
+
+class AlignedSpec(NamedTuple):
+    """Angles are at their setpoints; pairs of slot and number index."""
+
+    slots: tuple[tuple[int, int], ...]
+    within: float
+
+
+class BelowSpec(NamedTuple):
+    """Signals are near zero."""
+
+    signals: tuple[int, ...]
+    limit: float
+    for_s: float
+
+
+CriterionSpec: TypeAlias = (
+    AcceptedSpec | StalledSpec | ReachedSpec | TurningSpec | StoppedSpec | AlignedSpec | BelowSpec
+)
