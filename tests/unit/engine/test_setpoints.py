@@ -142,6 +142,7 @@ def test_a_loop_slows_down_earlier_where_reports_are_lost(drive):
     command(driver, "BendBack")
     driver.accept()
     goal = math.radians(-30)
+
     def bend_3(error_deg: float) -> float:
         driver.signals["gamma_3"] = goal - math.radians(error_deg)
         driver.report_all(driver.now + 0.2)
