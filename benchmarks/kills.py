@@ -1,6 +1,6 @@
 """The bend over a real pseudo-terminal, and something dies at a random moment of it.
 
-    python -m benchmarks.kills [--rounds 200] [--seed 0] [--at-once 8]
+    python -m benchmarks.kills [--rounds 200] [--seed 0] [--at-once 8] [--no-dead-man]
 
 Runner, its guardian and the emulated bay are processes of their own, in real time. At a random
 moment one of them or two are killed, told to end, stopped for a while or for good, or the cable is
@@ -8,6 +8,9 @@ out, for longer than anybody waits too. The bay writes down its truth; once the 
 wheels must stand, clamped joints must be where they were, the runner
 must have ended with the exit code that is documented and with one sentence, no process may be
 left, and a second program must get the port.
+
+The bay's firmware has the dead man's switch of the profile, which stops wheels when nobody else
+does. `--no-dead-man` leaves it out, to judge what runner and guardian do by themselves.
 """
 
 from __future__ import annotations
@@ -31,7 +34,14 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 from benchmarks.rounds import Port, connect_again, guardians, start_bay, start_runner, wait_until
-from benchmarks.witness import CABLE_OUT_LONG_S, CABLE_OUT_S, SAMPLE_EVERY_S, driven_now, samples_of
+from benchmarks.witness import (
+    CABLE_OUT_LONG_S,
+    CABLE_OUT_S,
+    NO_DEAD_MAN,
+    SAMPLE_EVERY_S,
+    driven_now,
+    samples_of,
+)
 
 BEGINS_AFTER_S, ENDS_BEFORE_S = 0.1, 33.0
 """Since the runner was started; the mission itself takes 32 s, the start 2.5 s."""
@@ -43,7 +53,8 @@ DRIVES_FOR_S = 0.5
 STANDS_STILL_S = 1.0
 DIES_AFTER_S = 0.3
 PATIENCE_S = 60.0
-WATCH_ON_S = 0.6
+WATCH_ON_S = 1.0
+"""Longer than the dead man's switch takes."""
 
 AT_ONCE_S = 0.5
 """Wheels that are driven for longer than that may move joints that clamp, too."""
@@ -59,6 +70,7 @@ class Case:
     Attributes:
         at_s: Since the runner was started.
         driving: Whether wheels shall be driven: it waits until they are, and a little longer.
+        options: For the bay.
         broken: What must not be, in words.
         stopped_s: When the last wheel had been told to stand; None: it had not been driven.
         gone_s: When the last process of the run had ended, after the runner.
@@ -69,6 +81,7 @@ class Case:
     at_s: float
     driving: bool
     folder: Path
+    options: tuple[str, ...] = ()
     doing: str = "starting"
     code: int | None = None
     said: str = ""
@@ -82,6 +95,11 @@ class Case:
         """Where the bay is."""
         return Port(self.folder / f"bay{self.seed}")
 
+    @property
+    def stops(self) -> bool:
+        """Whether anything is left that can stop wheels."""
+        return KINDS[self.kind].stops or NO_DEAD_MAN not in self.options
+
 
 class Kind(NamedTuple):
     """Something that happens to a run.
@@ -90,7 +108,7 @@ class Kind(NamedTuple):
         codes: Exit codes that are documented for it.
         act: Does it, to the runner and the bay.
         alive: Whether the device is still there afterwards.
-        stops: Whether anybody is left who can stop it.
+        stops: Whether a program is left that can stop it.
         words: Whether the runner can still say something.
         goes_on: Whether the mission is to go on as if nothing had happened.
     """
@@ -112,12 +130,14 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--at-once", type=int, default=8)
     parser.add_argument("--only", default="", help="kinds that begin like this")
+    parser.add_argument(NO_DEAD_MAN, action="store_true", help="the firmware stops nothing itself")
     wishes = parser.parse_args()
     random = Random(wishes.seed)
+    options = (NO_DEAD_MAN,) if wishes.no_dead_man else ()
     kinds = [kind for kind in KINDS if kind.startswith(wishes.only)]
     with TemporaryDirectory() as folder, ThreadPoolExecutor(wishes.at_once) as pool:
         cases = [
-            _case(kind, seed, seed // len(kinds) % 2 == 1, random, Path(folder))
+            _case(kind, seed, seed // len(kinds) % 2 == 1, random, Path(folder), options)
             for seed, kind in enumerate(islice(cycle(kinds), wishes.rounds))
         ]
         done = []
@@ -127,9 +147,11 @@ def main() -> int:
     return _sum_up(done)
 
 
-def _case(kind: str, seed: int, driving: bool, random: Random, folder: Path) -> Case:
+def _case(
+    kind: str, seed: int, driving: bool, random: Random, folder: Path, options: tuple[str, ...]
+) -> Case:
     last_s = DRIVES_BEFORE_S if driving else ENDS_BEFORE_S
-    return Case(kind, seed, random.uniform(BEGINS_AFTER_S, last_s), driving, folder)
+    return Case(kind, seed, random.uniform(BEGINS_AFTER_S, last_s), driving, folder, options)
 
 
 # --- one moment ---------------------------------------------------------------------------------
@@ -138,7 +160,7 @@ def _case(kind: str, seed: int, driving: bool, random: Random, folder: Path) -> 
 def run(case: Case) -> Case:
     """The mission has been run until the moment, and what followed has been judged."""
     kind, port = KINDS[case.kind], case.port
-    bay = start_bay(port)
+    bay = start_bay(port, *case.options)
     try:
         runner = start_runner(port)
         began_s = time.monotonic()
@@ -161,15 +183,15 @@ def run(case: Case) -> Case:
         case.code = 128 - code if code < 0 else code  # as a shell shows it
         if not kind.alive:
             bay.wait()
-            bay = start_bay(port)  # a guardian waits for it
+            bay = start_bay(port, *case.options)  # a guardian waits for it
         left_s = time.monotonic()
         _await(lambda: not guardians(port), case, "a process was left")
         case.gone_s = time.monotonic() - left_s
+        _await(port.link.exists, case, "the port never came back")
         time.sleep(WATCH_ON_S)
         _judge_words(case, port.out.read_text(), port.err.read_text())
         if kind.alive:
-            _judge_truth(case, kind, acted_s)
-        _await(port.link.exists, case, "the port never came back")
+            _judge_truth(case, acted_s)
         if refused := connect_again(port):
             case.broken.append(f"no second run: {refused}")
     finally:
@@ -207,7 +229,7 @@ def _judge_words(case: Case, out: str, err: str) -> None:
         case.broken.append("no word about it")  # beyond its start
 
 
-def _judge_truth(case: Case, kind: Kind, acted_s: float) -> None:
+def _judge_truth(case: Case, acted_s: float) -> None:
     """Wheels stand, and joints that clamped are where they were."""
     samples = list(samples_of(case.port.link))
     before = [sample for sample in samples if sample.at_s <= acted_s]
@@ -215,8 +237,8 @@ def _judge_truth(case: Case, kind: Kind, acted_s: float) -> None:
     driven = [sample.at_s for sample in after if any(sample.wheels)]
     if any(before[-1].wheels) or driven:
         case.stopped_s = max([*driven, acted_s]) - acted_s + SAMPLE_EVERY_S
-    if any(after[-1].wheels) == kind.stops and any(before[-1].wheels):
-        case.broken.append("wheels are driven" if kind.stops else "somebody stopped the wheels")
+    if any(after[-1].wheels) == case.stops and any(before[-1].wheels):
+        case.broken.append("wheels are driven" if case.stops else "somebody stopped the wheels")
     second = before[max(0, len(before) - round(1.0 / SAMPLE_EVERY_S)) :]
     moved = [
         abs(after[-1].bends_rad[at] - before[-1].bends_rad[at])
@@ -308,9 +330,9 @@ KINDS = {
     "runner: SIGTERM": Kind((143,), _signal(signal.SIGTERM)),
     "runner: SIGINT": Kind((130,), _signal(signal.SIGINT)),
     "runner: SIGHUP": Kind((129,), _signal(signal.SIGHUP)),
-    "runner: stopped 0.2 s": Kind((0, 3), _pause(0.2, everybody=False), goes_on=True),
+    "runner: stopped 0.2 s": Kind((0,), _pause(0.2, everybody=False), goes_on=True),
     "runner: stopped 1 s": Kind((3,), _pause(STANDS_STILL_S, everybody=False)),
-    "runner, guardian: stopped 0.2 s": Kind((0, 3), _pause(0.2, everybody=True), goes_on=True),
+    "runner, guardian: stopped 0.2 s": Kind((0,), _pause(0.2, everybody=True), goes_on=True),
     "runner, guardian: stopped 1 s": Kind(
         (0, 3), _pause(STANDS_STILL_S, everybody=True), goes_on=True
     ),
@@ -353,7 +375,7 @@ def _sum_up(cases: list[Case]) -> int:
         stops = [case.stopped_s * 1000 for case in mine if case.stopped_s is not None]
         moved = [case.moved_deg for case in mine if case.moved_deg is not None]
         spread = f"{median(stops):.0f} (most {max(stops):.0f})" if stops else "-"
-        if KINDS[kind].goes_on or not KINDS[kind].stops:
+        if KINDS[kind].goes_on or not mine[0].stops:
             spread = "goes on" if KINDS[kind].goes_on else "never"
         most = f"{max(moved):.1f}" if moved else "-"
         print(f"{kind:38} {len(mine):7} {len(stops):8}  {spread:>24} {most:>27}")

@@ -38,10 +38,10 @@ class Port(NamedTuple):
         return self.link.with_suffix(".err")
 
 
-def start_bay(port: Port) -> subprocess.Popen[str]:
+def start_bay(port: Port, *options: str) -> subprocess.Popen[str]:
     """Start a bay that writes down its truth, and wait until its port is there."""
     bay = subprocess.Popen(
-        [sys.executable, "-m", "benchmarks.witness", MISSION, str(port.link)],
+        [sys.executable, "-m", "benchmarks.witness", MISSION, str(port.link), *options],
         stdout=subprocess.PIPE, text=True,
     )  # fmt: skip
     assert bay.stdout is not None

@@ -1,9 +1,9 @@
 """A bay behind a pseudo-terminal, as `pirate bay` is one, that writes down its truth.
 
-    python -m benchmarks.witness MISSION LINK
+    python -m benchmarks.witness MISSION LINK [--no-dead-man]
 
 The truth stands in a file beside the link. SIGUSR1 pulls the cable out for a moment, SIGUSR2
-for longer than anybody waits.
+for longer than anybody waits. The bay goes on meanwhile, and so does its file.
 """
 
 from __future__ import annotations
@@ -22,6 +22,9 @@ from typing import NamedTuple
 CABLE_OUT_S = 1.0
 CABLE_OUT_LONG_S = 12.0
 """Longer than a runner waits for the shipped robot: 8 s."""
+
+NO_DEAD_MAN = "--no-dead-man"
+"""The firmware has no dead man's switch, whatever the profile says; as for `pirate bay`."""
 
 SAMPLE_EVERY_S = 0.02
 _LAST_BYTES = 4096
@@ -55,6 +58,7 @@ def driven_now(link: Path) -> bool:
 
 def main() -> int:
     """The bay has run in real time until it was told to end."""
+    from pirate_sm.bay.switches import Switches
     from pirate_sm.bay.terminal import Terminal, Told, serve
     from pirate_sm.bay.texts import message_texts
     from pirate_sm.bay.virtual import VirtualBay
@@ -66,7 +70,9 @@ def main() -> int:
     profile = loaded.loaded_robot.profile
     assert loaded.pipe is not None
     assert profile.serial is not None
-    bay = VirtualBay(profile, loaded.pipe, message_texts(loaded.loaded_robot.folder, profile))
+    texts = message_texts(loaded.loaded_robot.folder, profile)
+    switches = Switches(dead_man=NO_DEAD_MAN not in sys.argv[3:])
+    bay = VirtualBay(profile, loaded.pipe, texts, switches)
     began_s = time.monotonic()
     sampled_s, out_s = -inf, 0.0
 
@@ -74,15 +80,18 @@ def main() -> int:
         nonlocal out_s
         out_s = CABLE_OUT_S if number == signal.SIGUSR1 else CABLE_OUT_LONG_S
 
-    def stopped() -> bool:
+    def sample() -> None:
         nonlocal sampled_s
         now = time.monotonic()
         if now >= sampled_s + SAMPLE_EVERY_S:
             sampled_s = now
             duties, truth = bay.duties, bay.truth
             joints = len(truth.bends_rad)
-            sample = Sample(now, duties[:joints], duties[joints:], truth.bends_rad, truth.arcs_m)
-            out.write(json.dumps(sample) + "\n")
+            line = Sample(now, duties[:joints], duties[joints:], truth.bends_rad, truth.arcs_m)
+            out.write(json.dumps(line) + "\n")
+
+    def stopped() -> bool:
+        sample()
         return told.stop or out_s > 0.0
 
     signal.signal(signal.SIGUSR1, pull)
@@ -94,7 +103,11 @@ def main() -> int:
                 moments = chain([began_s], iter(time.monotonic, None))
                 serve(bay, terminal, stopped, clock=lambda: next(moments))  # noqa: B023
             bay.close(time.monotonic() - began_s)
-            time.sleep(out_s)
+            back_s = time.monotonic() + out_s
+            while time.monotonic() < back_s:
+                bay.advance(time.monotonic() - began_s)
+                sample()
+                time.sleep(SAMPLE_EVERY_S)
             out_s = 0.0
     return 0
 

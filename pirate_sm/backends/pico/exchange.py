@@ -79,6 +79,7 @@ class Exchange:
             ids=codec.ids,
         )
         self.link.hold = self._kept
+        self._silent_s = min(SILENT_AFTER_S, _SILENT_SHARE * plan.silent_after_s)
         self.stopped = Stopped(plan.safe_zero)
         self._measurements = Measurements(plan.channels)
         advice = sensors_off(plan.serial.advice.no_sensors)
@@ -102,9 +103,8 @@ class Exchange:
         self.conversation = self._begin(now)
 
     def _begin(self, now: float) -> Conversation:
-        silent_s = min(SILENT_AFTER_S, _SILENT_SHARE * self._plan.silent_after_s)
-        serial = self._plan.serial
-        return Conversation(self._plan.wanted, now, self._epoch_s, serial.boot, silent_s)
+        boot_s = self._plan.serial.boot
+        return Conversation(self._plan.wanted, now, self._epoch_s, boot_s, self._silent_s)
 
     # --- the link itself --------------------------------------------------------------------
 
@@ -281,7 +281,9 @@ class Exchange:
                 outage.relapse()
         elif self._watching and not self._given_up:
             heard_s = self.conversation.heard_s
-            outage = self.outage = Outage(heard_s, since_s=now, sign_s=heard_s)
+            # This program may have stood still: no more mission time passes than if it had not.
+            since_s = min(now, heard_s + self._silent_s)
+            outage = self.outage = Outage(heard_s, since_s, sign_s=heard_s)
             self.aside = self.newer = False
         return outage
 

@@ -372,6 +372,19 @@ def test_mission_time_stands_still_while_a_controller_starts_again(
     assert set(frames) == set(device.boards)
 
 
+def test_mission_time_stands_still_when_this_program_did_while_the_cable_went(
+    backend: SerialBackend, port: VirtualPort
+) -> None:
+    """The mission saw more than 1 s without a reading: all boards silent, no way to handle it."""
+    backend.open()
+    run(backend, 1.0)
+    port.plugged = False
+    port.time_s += 1.5
+    now_s, _ = backend.advance(10.0)
+
+    assert now_s == pytest.approx(1.4, abs=0.05)
+
+
 def test_nothing_is_told_of_sensors_before_the_reset_is(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
