@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, TypeAlias, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic_core import PydanticCustomError
 
 from pirate_sm.model.base import (
     DEFINED,
@@ -231,7 +232,9 @@ class FaultHandler(Frozen):
 def _leading(part: _L) -> _L:
     """Return what leads somewhere."""
     if part.go is None:
-        raise ValueError("this needs `go`: the phase or end that it leads to")
+        raise PydanticCustomError(
+            "missing-key", "this needs `go`: the phase or end that it leads to"
+        )
     return part
 
 
