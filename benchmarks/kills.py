@@ -59,7 +59,7 @@ WATCH_ON_S = 1.0
 AT_ONCE_S = 0.3
 """Wheels that are driven for longer than that may move joints that clamp, too.
 
-The dead man's switch takes at least so long after the last array: `stop_after` less `refresh_every`.
+The dead man's switch takes at least so long: `stop_after` less `refresh_every`.
 """
 
 STILL_RAD, HELD_RAD = 0.02, 0.05
