@@ -56,8 +56,11 @@ PATIENCE_S = 60.0
 WATCH_ON_S = 1.0
 """Longer than the dead man's switch takes."""
 
-AT_ONCE_S = 0.5
-"""Wheels that are driven for longer than that may move joints that clamp, too."""
+AT_ONCE_S = 0.3
+"""Wheels that are driven for longer than that may move joints that clamp, too.
+
+The dead man's switch takes at least so long: `stop_after` less `refresh_every`.
+"""
 
 STILL_RAD, HELD_RAD = 0.02, 0.05
 """A joint that moved less in a second of the same duty clamped; one that moved less since held."""
