@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from string import ascii_lowercase
 
-from pirate_sm.engine.robot import RobotSpec, StoppedSpec
+from pirate_sm.engine.criteria import StoppedSpec
+from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import at_rest_in
 
 LEAVE = "q"
