@@ -282,7 +282,12 @@ class GuardedPort:
     def _say(self, note: Note) -> None:
         if self._pipe is None:
             raise PortLostError(_DIED)
-        if not self._send(note):
+        try:
+            self._pipe.sendall(note.to_bytes())
+        except TimeoutError:  # left alone it would have the port as soon as it wakes
+            self._kill()
+            raise PortLostError(_HUNG) from None
+        except OSError:
             self._bury()
         if self._lost:
             raise PortLostError(self._lost)

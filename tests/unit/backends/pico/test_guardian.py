@@ -429,3 +429,25 @@ def test_whoever_reads_the_output_of_a_run_does_not_wait_for_its_guardian(
     runner.kill()
     runner.wait()
     assert _gone(guardian)
+
+
+def test_a_guardian_that_hangs_until_the_pipe_to_it_is_full_is_not_left_behind(
+    bench: Bench,
+) -> None:
+    """It was taken for one that had gone; it would have had the port as soon as it woke."""
+    port = GuardedPort(bench.name, 57600, INSTRUCTIONS)
+    port.open()
+    hung = port.guardian_pid
+    assert hung is not None
+    os.kill(hung, signal.SIGSTOP)
+    with pytest.raises(PortLostError, match="did not answer"):
+        _write_on(port)
+
+    assert _gone(hung)
+    port.close(stopped=True)
+
+
+def _write_on(port: GuardedPort) -> None:
+    """More has been written than the pipe to the guardian takes."""
+    for _ in range(1000):
+        port.write(bytes(4096))
