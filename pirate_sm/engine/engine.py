@@ -234,7 +234,7 @@ class Engine:
         due = has_come(now, state.wake_at_s)
         if due:
             state = self._housekeep(state, now, effects)
-        if now >= state.surveyed.due_s:
+        if now >= state.surveyed.due_s and not state.mission.ended:
             state = environment.look_round(self, state, now, effects)
         judged = before
         if state.mission.ending is not None:
@@ -274,13 +274,12 @@ class Engine:
         return self._watch(state, now, effects)
 
     def _go_on(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
-        if state.look is not None:  # nothing is commanded before it is over
-            return pausing.begin_if_wanted(self.robot, state, now, effects)
-        if state.mission.diverting is not None:
-            state = divert(self.setting, state, now, effects)
-        if state.mission.pause_wanted:
-            state = pausing.begin_if_wanted(self.robot, state, now, effects)
-        state = advance(self.setting, state, now, effects)
+        if state.look is None:  # nothing is commanded before it is over
+            if state.mission.diverting is not None:
+                state = divert(self.setting, state, now, effects)
+            if state.mission.pause_wanted:
+                state = pausing.begin_if_wanted(self.robot, state, now, effects)
+            state = advance(self.setting, state, now, effects)
         limit_s = self.program.time_limit_s
         if limit_s < inf and has_come(state.mission.clock(now), limit_s):
             message = f"the mission's time limit of {limit_s:g} s has passed"

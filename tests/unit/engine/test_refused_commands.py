@@ -287,11 +287,11 @@ def test_stopped_wheels_are_no_reason_for_unneeded():
 def test_a_retry_confirms_only_what_it_rests_on(drive):
     driver = drive(IDLE, states=BOTH_CLAMPED)
     front = driver.robot.parts.index("front")
-    lights = driver.robot.regions.index("LightingState")
-    marks = {Mark("part", front, DECLARED), Mark("region", lights, DECLARED)}
+    rotation = driver.robot.regions.index("RotationState")
+    marks = {Mark("part", front, DECLARED), Mark("region", rotation, DECLARED)}
     driver.state = driver.state._replace(robot=driver.state.robot._replace(marks=frozenset(marks)))
 
     command(driver, "ClampFront")
     driver.until_done("ClampFront")
 
-    assert driver.unconfirmed == {"LightingState"}
+    assert driver.unconfirmed == {"RotationState"}
