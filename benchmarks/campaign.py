@@ -61,7 +61,7 @@ class Outcome:
     Attributes:
         fell: Whether a robot that had clamped left the pipe or opened every clamp it confirmed.
         arcs_m: Where each wheel ended along the pipe.
-        stopped: Whether the last setpoints had every wheel at zero.
+        stopped: Whether the last setpoints that were sent had every wheel at zero.
         torques: What each bend joint bears, Nm.
         slid_m: How far a wheel is carried in two seconds, once the robot has settled after the end.
         short_m: How far the wheel of the detector's last word is short of the place that the word
@@ -126,7 +126,7 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
     return Outcome(
         order.seed, result.ended.outcome, result.ended.message, result.exit_code, result.now_s,
         real.distance_m, real.arcs_m, real.gone,
-        all(state.robot.values[slot] == 0 for slot in engine.robot.safe_zero),
+        all(state.robot.latest[slot] == 0 for slot in engine.robot.safe_zero),
         tuple(notes.states), tuple(notes.faults),
         bool(engine.robot.held[state.robot.configuration]),
         real.torques_nm, slid_m, _short_m(prepared, notes, real.arcs_m),
