@@ -48,7 +48,8 @@ def test_a_robot_that_says_it_holds_and_does_not_is_not_counted(change):
 
 def test_outcomes_are_the_same_for_any_number_of_workers():
     orders = [Order("enter_2d", seed=seed, friction_jitter=0.2) for seed in range(3)]
-    assert run_all(orders, workers=1) == run_all(orders, workers=2)
+    # As text, for NaN (no word was said) is not equal to itself.
+    assert repr(run_all(orders, workers=1)) == repr(run_all(orders, workers=2))
 
 
 def test_values_of_motors_replace_those_of_the_profile():
