@@ -1,6 +1,8 @@
 """The pipe around the robot, derived from its own signals and the detector's words (thesis alg. 5).
 
-- *Diameter*: that of the parts whose clamp is confirmed, h + 2r (eq. 3-2).
+- *Diameter*: that of the parts whose clamp is confirmed, h + 2r (eq. 3-2). In a bend a part counts
+  only if it shows the diameter of the straight before: one that stands askew over the bend
+  shows another, and its axis is not that of the pipe.
 - *Pitch and roll*: the accelerometer's, turned into the axis of the pipe. A clamped part lies
   along the pipe; the link with the accelerometer stands obliquely to it, at the heading that the
   joint angles in between give.
@@ -83,6 +85,7 @@ class Surveyed(NamedTuple):
         in_bend: Whether a word has announced a bend that no word has said to be passed.
         due_s: When to look again.
         outside_until_s: Until when a report from outside is valid.
+        straight_m: The diameter of the last straight; NaN before the first.
     """
 
     reported: Environment = _NOTHING
@@ -92,6 +95,7 @@ class Surveyed(NamedTuple):
     in_bend: bool = False
     due_s: float = -inf
     outside_until_s: float = -inf
+    straight_m: float = nan
 
 
 def nothing_surveyed(*, nominal: bool) -> Surveyed:
@@ -144,8 +148,6 @@ def survey(robot: RobotSpec, state: EngineState, now_s: float) -> tuple[Surveyed
     in_bend = before.in_bend if word is None else word not in robot.words_behind
     held = sorted(confirmed_parts(robot, state.robot))
     walled = [part for part in held if not _is_open(body, part, numbers)]
-    part = walled[0] if walled else -1
-    forces, felt_s = _felt(robot, before, part, numbers, now_s)
     segment = ""
     if word is not None and in_bend:
         segment = JOINT
@@ -153,11 +155,38 @@ def survey(robot: RobotSpec, state: EngineState, now_s: float) -> tuple[Surveyed
         segment = OUT
     elif walled:
         segment = _segment(body, walled, numbers, in_bend)
+    along = _along(body, walled, numbers, before.straight_m)
+    if segment == STRAIGHT:
+        along = along or walled
+    else:
+        walled = along
+    part = before.part if before.part in along else along[0] if along else -1
+    forces, felt_s = _felt(robot, before, part, numbers, now_s)
+    diameter_m = _diameter(body, walled, numbers)
+    known = segment == STRAIGHT and not isnan(diameter_m)
     after = Surveyed(
         before.reported, forces, felt_s, part, in_bend, now_s + SURVEY_EVERY_S,
-        before.outside_until_s,
+        before.outside_until_s, diameter_m if known else before.straight_m,
     )  # fmt: skip
-    return after, Environment(segment, *_attitude(forces), _diameter(body, walled, numbers))
+    return after, Environment(segment, *_attitude(forces), diameter_m)
+
+
+def _along(
+    body: BodySpec, parts: list[int], numbers: Sequence[float], straight_m: float
+) -> list[int]:
+    """Return the parts that lie along the pipe: they show the diameter of the last straight.
+
+    Where that is unknown two parts can be compared with each other only, and one alone shows
+    nothing.
+    """
+    if isnan(straight_m):
+        return parts if len(parts) > 1 else []
+    shown = [(part, body.parts[part].diameter) for part in parts]
+    return [
+        part
+        for part, diameter in shown
+        if diameter >= 0 and abs(numbers[diameter] - straight_m) <= _AGREEING * straight_m
+    ]
 
 
 def _segment(body: BodySpec, walled: Sequence[int], numbers: Sequence[float], in_bend: bool) -> str:

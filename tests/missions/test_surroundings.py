@@ -111,6 +111,7 @@ def test_the_derived_environment_agrees_with_the_truth(
     true = [beside.segment(arcs) for *_, arcs in beside.moments]
     assert [each for each, _ in groupby(known)] == [each for each, _ in groupby(true)]
     wrong = {"segment": 0.0, "diameter": 0.0, "attitude": 0.0}
+    known_s = {"diameter": 0.0, "attitude": 0.0}
     for (now_s, report, arcs), (next_s, *_) in zip(
         beside.moments, beside.moments[1:], strict=False
     ):
@@ -126,10 +127,16 @@ def test_the_derived_environment_agrees_with_the_truth(
                 for roll, pitch in beside.attitudes(arcs)
             )
         )
+        known_s["diameter"] += (next_s - now_s) * (not isnan(report.diameter_m))
+        known_s["attitude"] += (next_s - now_s) * (not isnan(report.pitch_rad))
     assert wrong == pytest.approx(dict.fromkeys(wrong, 0.0), abs=LAG_S)
+    # Unknown is not wrong: no clamp is confirmed at first, a part that moves or stands askew over
+    # the bend shows nothing, and the last part still opens when the robot ends. But 20 of the
+    # 30 s are known.
+    assert min(known_s.values()) > 20
     last = beside.moments[-1][1]
+    assert isnan(last.diameter_m) or abs(last.diameter_m - beside.pipe.diameter) < 3e-3
     ((roll, pitch),) = beside.attitudes(beside.moments[-1][2])
     assert last.segment == "Straight"
-    assert last.diameter_m == pytest.approx(beside.pipe.diameter, abs=3e-3)
     assert (last.roll_rad, last.pitch_rad) == pytest.approx((roll, pitch), abs=radians(3))
     assert beside.reports < 40, "a change is reported, noise is not"
