@@ -218,6 +218,8 @@ def _output(
         from pirate_sm.cli.live.view import View
 
         speed = "max" if factor == inf else f"{factor:g} ×"
+        if situation.prepared.backend.real_time:
+            speed = "real time"
         return View(Console(file=out, highlight=False), situation, speed, operator, words)
     return Lines(out, situation, quiet=wishes.quiet)
 

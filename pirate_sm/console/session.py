@@ -15,7 +15,7 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event
 from pirate_sm.runtime.clock import Clock
-from pirate_sm.runtime.companions import Companion, FirstChoice
+from pirate_sm.runtime.companions import Companion, FirstChoice, LoopWatch
 from pirate_sm.runtime.loop import UNCONFIRMED, MissionRun
 from pirate_sm.runtime.observing import Tap
 from pirate_sm.runtime.outcome import BUG, Result
@@ -207,12 +207,14 @@ class Session:
     def _run(self, kept: Keeping, before: MissionRun | None) -> MissionRun:
         prepared = kept.prepared
         attended = [FirstChoice()] if prepared.attended else []
+        # An operator may do something else where a trace alone would repeat itself.
+        companions = [each for each in prepared.companions if not isinstance(each, LoopWatch)]
         run = MissionRun(
             prepared.engine,
             prepared.backend,
             observers=[self._feed],
             watchers=[self._feed],
-            companions=[*prepared.companions, *kept.companions, *attended, self._feed],
+            companions=[*companions, *kept.companions, *attended, self._feed],
             tap=kept.tap,
             requests=self.quitting.begin(),
             clock=self._clock,

@@ -233,6 +233,9 @@ def _verdict(
     numbers: Numbers,
     diameter_m: float | None,
 ) -> Verdict:
+    gripping = _gripping(robot, body, mark, numbers, diameter_m)
+    if gripping is not None:
+        return gripping
     spec = _spec(robot, states_of(robot, body), mark)
     match spec:
         case HeldSpec():
@@ -247,6 +250,33 @@ def _verdict(
             return Verdict(True, "")
         case AcceptedSpec() | None:
             return Verdict(False, "")
+
+
+def _gripping(
+    robot: RobotSpec, body: RobotState, mark: Mark, numbers: Numbers, diameter_m: float | None
+) -> Verdict | None:
+    """Return what contradicts that no part holds, where one shows that it does; else None.
+
+    A part that was only relaxed may show the same, since a self-locked worm keeps its spring wound.
+    So this is asked only where nothing at all is declared to hold.
+    """
+    if mark.kind != "region" or robot.held[body.configuration]:
+        return None
+    for part, spec in enumerate(robot.sight.parts):
+        if spec is None or mark.which not in robot.part_regions[part]:
+            continue
+        torques = [abs(numbers[joint.torque]) for joint in spec.joints]
+        standing = all(abs(numbers[joint.rate]) < spec.still for joint in spec.joints)
+        off, _ = _span(robot, body, spec, numbers, diameter_m)
+        bears = all(torque >= spec.torque for torque in torques)
+        if bears and standing and not off > spec.span_off:
+            shown = ", ".join(str(round(torque * 1000)) for torque in torques)
+            told = (
+                f"the {robot.parts[part]} part bears {shown} mNm like one that holds, "
+                f"limit {spec.torque * 1000:.0f} mNm"
+            )
+            return Verdict(False, told, spec.for_s)
+    return None
 
 
 def _angles(robot: RobotSpec, spec: AnglesSpec, numbers: Numbers) -> Verdict:

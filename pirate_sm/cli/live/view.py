@@ -143,7 +143,8 @@ class View:
             return []
         if truth is not None:
             return draw(truth, columns, rows)
-        heading = panels.title("setpoints that would be sent", columns)
+        ideal = self._situation.prepared.engine.nominal
+        heading = panels.title("setpoints that would be sent" if ideal else "setpoints", columns)
         return [heading, *panels.setpoints(self._situation.robot, self._memory, rows - 1)]
 
 

@@ -65,6 +65,36 @@ def test_a_clamp_that_is_not_there_refuses_the_start_before_anything_is_sent(dri
     assert "--state" in message
 
 
+NOTHING_HELD = {"BendingState": "Unclamped"}
+RESET = """
+start: go
+phases:
+  go: {do: [{command: Reset, unneeded: skip}], go: out}
+ends: {out: {succeed: Out}}
+"""
+
+
+def test_a_robot_that_holds_is_not_taken_for_one_that_holds_nothing_and_reset(drive):
+    driver = declared(drive, RESET, NOTHING_HELD, **held())
+
+    driver.run(3.2)
+
+    assert driver.of(fx.Setpoints) == []
+    assert driver.faults == [("start.contradicted", "stop")]
+    assert "BendingState is declared Unclamped" in driver.ended.message
+    assert "the front part bears 600, 600 mNm like one that holds" in driver.ended.message
+
+
+def test_a_robot_on_the_bench_may_have_bent_joints(drive):
+    bent = {name: value / 2 for name, value in held().items() if name.startswith("gamma")}
+    driver = declared(drive, RESET, NOTHING_HELD, **bent)
+
+    driver.run(3.2)
+
+    assert driver.faults == []
+    assert ("Reset", "sent") in driver.statuses
+
+
 def test_a_clamp_that_the_sensors_show_is_confirmed_and_the_mission_begins(drive):
     driver = declared(drive, MISSION, **held())
     driver.run(0.5)
