@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from math import inf, isnan, nan
 
 from pirate_sm.diagnosis.facts import BoardFact, ChannelFact, Subject, shown
-from pirate_sm.engine.plausibility import RANGE, Reading, sift, unseen
+from pirate_sm.engine.channels import Reading
+from pirate_sm.engine.plausibility import RANGE, sift, unseen
 from pirate_sm.engine.robot import RobotSpec, WatchedSpec, WatchSpec
 from pirate_sm.engine.sensing import convert
 from pirate_sm.expressions import NumberType

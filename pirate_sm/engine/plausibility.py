@@ -7,15 +7,18 @@ trend), or it belongs to a counter, which may have begun anew. The angle of a jo
 jumped is not believed: nobody can tell which of the two angles is right. It is unknown until it
 jumps back. So is a value outside its range, and one whose sensor is stuck.
 
+A joint behind a spring can snap faster than its motor turns. Then the spring unwinds by as much as
+the joint has turned, and its torque, which another sensor measures, shows it: such an angle is
+believed at once.
+
 Values are SI; unknown is NaN. The thresholds stand in the profile, section ``plausibility``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import inf, isnan, nan
-from typing import NamedTuple
 
+from pirate_sm.engine.channels import Channel, Numbers, Reading, Record
 from pirate_sm.engine.robot import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.model.events import FaultReport
 
@@ -24,88 +27,6 @@ SPIKING = "sensor.spiking"
 RANGE = "sensor.range"
 JUMPED = "sensor.jumped"
 UNASKED = "motion.unasked"
-
-Numbers = Sequence[float]
-
-
-class Channel(NamedTuple):
-    """What is remembered of one sensor; unchanged as long as nothing is special about it.
-
-    Attributes:
-        calm: Whether the last reading was believed and none of the next six fields is in use.
-        good: The last believed value, ``good_s`` when it came, ``seen`` how many had come by then.
-        held: Readings since that were not believed, the last few of them.
-        running: Direction of a trend that is faster than the motor; 0 without one.
-        outside: Whether it has been reported as outside its range; ``jumped`` as having jumped.
-        stuck: The value at which it is stuck; NaN where it is not.
-        hidden: How many spikes have been hidden, ``spikes`` when the last of them were.
-        spiking_s: When it was last reported as spiking.
-        same: What it has shown since ``same_s`` while its motor is driven without load.
-        rest: Where it came to rest after the setpoints changed at ``rest_of_s``.
-        proven: Whether a second reading has confirmed ``rest``.
-        away: How many readings in a row were far from ``rest``.
-        unasked: Whether that motion has been reported.
-    """
-
-    calm: bool = True
-    good: float = nan
-    good_s: float = -inf
-    seen: int = 0
-    held: tuple[float, ...] = ()
-    running: float = 0.0
-    outside: bool = False
-    jumped: bool = False
-    stuck: float = nan
-    hidden: int = 0
-    spikes: tuple[float, ...] = ()
-    spiking_s: float = -inf
-    same: float = nan
-    same_s: float = inf
-    rest: float = nan
-    rest_of_s: float = inf
-    proven: bool = False
-    away: int = 0
-    unasked: bool = False
-
-    @property
-    def doubted(self) -> bool:
-        """Whether the last reading is not believed."""
-        return bool(self.held) or self.jumped or not isnan(self.stuck)
-
-
-class Record(NamedTuple):
-    """What is remembered of the sensors of one board.
-
-    Attributes:
-        seen: How many readings have come, as far as that matters.
-        special: Whether a channel is not calm.
-        doubted: Number indexes that rest on a sensor whose last reading is not believed.
-    """
-
-    channels: tuple[Channel, ...]
-    seen: int = 0
-    special: bool = False
-    doubted: frozenset[int] = frozenset()
-
-
-class Reading(NamedTuple):
-    """The circumstances of one frame of a board.
-
-    Attributes:
-        before: Numbers as they were shown after the board's previous frame.
-        elapsed_s: Since that frame.
-        now_s: When this one came.
-        setpoints: The array that was last sent; empty before the first.
-        since_s: When it was sent.
-        settled: Whether nothing can move any more: no wheel is driven, and the array is old.
-    """
-
-    before: Numbers
-    elapsed_s: float
-    now_s: float
-    setpoints: Numbers = ()
-    since_s: float = inf
-    settled: bool = False
 
 
 def unseen(watched: WatchedSpec) -> Record:
@@ -207,15 +128,41 @@ def _believe(
     """Return the channel after a reading; what is shown of it takes its place in ``shown``."""
     if channel.calm:
         good_s = reading.now_s - reading.elapsed_s
-        channel = channel._replace(good=reading.before[watch.number], good_s=good_s, seen=seen)
+        channel = channel._replace(
+            good=reading.before[watch.number], good_s=good_s, seen=seen,
+            wound=_torque(watch, reading.before),
+        )  # fmt: skip
     value = shown[watch.number]
     if isnan(value):
         return channel._replace(calm=False, held=channel.held if channel.jumped else ())
     if value == channel.stuck:
         return channel
     weigh = _weigh_jumped if channel.jumped else _weigh
+    if not channel.jumped and _snapped(watch, channel, value, shown, reading):
+        return _believed(channel)
     channel, shown[watch.number] = weigh(spec, watch, channel, value, reading, reports)
     return channel
+
+
+def _snapped(
+    watch: WatchSpec, channel: Channel, value: float, numbers: Numbers, reading: Reading
+) -> bool:
+    """Return whether the spring of a joint has unwound by as much as the joint has turned.
+
+    What is left is the turn of the motor before the spring, which nobody can push.
+    """
+    if not watch.low <= value <= watch.high:
+        return False
+    step = value - channel.good
+    if abs(step) <= _reach(watch, channel, reading):
+        return False
+    motor = step + (_torque(watch, numbers) - channel.wound) / watch.stiffness
+    elapsed_s = max(reading.now_s - channel.good_s, reading.elapsed_s)
+    return abs(motor) <= watch.turns * elapsed_s + watch.slack
+
+
+def _torque(watch: WatchSpec, numbers: Numbers) -> float:
+    return numbers[watch.torque] if watch.torque >= 0 else nan
 
 
 def _weigh(
@@ -233,7 +180,9 @@ def _weigh(
     if possible and not abs(step) > _reach(watch, channel, reading):  # or nothing to go by
         return _believed(_count_spike(spec, watch, channel, now_s, reports)), value
     if possible and _goes_on(watch, channel, step):
-        return channel._replace(calm=False, good=value, good_s=now_s, held=(), running=step), value
+        return channel._replace(
+            calm=False, good=value, good_s=now_s, wound=nan, held=(), running=step
+        ), value
     held = (*channel.held, value)[-spec.hold_back - 1 :]
     channel = channel._replace(calm=False, held=held)
     if len(held) <= spec.hold_back and not isnan(channel.good):
@@ -254,8 +203,8 @@ def _weigh(
 def _believed(channel: Channel) -> Channel:
     """Return the channel when its last reading is believed and nothing is pending."""
     return channel._replace(
-        calm=True, good=nan, good_s=-inf, held=(), running=0.0, outside=False, jumped=False,
-        stuck=nan,
+        calm=True, good=nan, good_s=-inf, wound=nan, held=(), running=0.0, outside=False,
+        jumped=False, stuck=nan,
     )  # fmt: skip
 
 
@@ -365,7 +314,7 @@ def _stuck(
         "driven and bears no load: the sensor is stuck, or the motor gets no current"
     )
     reports.append(FaultReport(STUCK, message))
-    return channel._replace(calm=False, good=value, good_s=now_s, stuck=value)
+    return channel._replace(calm=False, good=value, good_s=now_s, wound=nan, stuck=value)
 
 
 def _unasked(

@@ -182,6 +182,9 @@ class WatchSpec(NamedTuple):
         least_duty: Below it, what it measures may stand still though driven.
         load: Index of the current of the same motor; -1 where that is not measured.
         full_load: That current when the motor is stalled at full duty.
+        torque: Index of the torque of the spring behind the motor; -1 where that is not measured.
+        stiffness: Of that spring, per unit of the angle.
+        turns: Speed of the motor without load.
         unit: In which people read it; ``per_unit`` is SI per unit.
     """
 
@@ -198,6 +201,9 @@ class WatchSpec(NamedTuple):
     least_duty: float = inf
     load: int = -1
     full_load: float = 0.0
+    torque: int = -1
+    stiffness: float = inf
+    turns: float = 0.0
     unit: str = ""
     per_unit: float = 1.0
 

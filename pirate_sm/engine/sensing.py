@@ -7,6 +7,7 @@ from math import atan2, hypot, inf, isfinite, isnan, nan, sin, sqrt
 from typing import NamedTuple
 
 from pirate_sm.engine import plausibility
+from pirate_sm.engine.channels import Reading, Record
 from pirate_sm.engine.hearing import loss_after
 from pirate_sm.engine.robot import BoardSpec, RobotSpec, Vector
 from pirate_sm.model.events import FaultReport, SensorFrame
@@ -54,7 +55,7 @@ class Sensing(NamedTuple):
     stale: frozenset[int] = frozenset()
     shares: tuple[float, ...] = ()
     angles: tuple[float, ...] = ()
-    records: tuple[plausibility.Record, ...] = ()
+    records: tuple[Record, ...] = ()
     asked: Asked = Asked()
     loss: float = 0.0
     told: Numbers = ()
@@ -135,7 +136,7 @@ def observe(
     elapsed_s = max(now - sensing.heard_s[board.position], robot.link.period_s)
     asked = _ask(robot, sensing.asked, latest if sent else (), now)
     settled = not asked.driving and now - asked.since_s >= robot.plausibility.settle_s
-    reading = plausibility.Reading(before, elapsed_s, now, *asked[:2], settled)
+    reading = Reading(before, elapsed_s, now, *asked[:2], settled)
     record, reports = plausibility.sift(
         robot.plausibility, board.watched, sensing.records[board.position], numbers, reading
     )

@@ -81,7 +81,10 @@ def _angle(
         return watch
     most = stop + own.beyond_stop
     watch = watch._replace(low=-most, high=most, joint=True, moved=own.joint_moved)
-    load = _load(board.channels, slot, numbers)
+    torque = _of_motor("torque", board.channels, slot, numbers)
+    if torque >= 0 and motor.stiffness is not None and motor.no_load_speed is not None:
+        watch = watch._replace(torque=torque, stiffness=motor.stiffness, turns=motor.no_load_speed)
+    load = _of_motor("current", board.channels, slot, numbers)
     loop, full = motor.position_loop, motor.stall_current
     if load < 0 or loop is None or full is None:
         return watch
@@ -89,10 +92,15 @@ def _angle(
     return watch._replace(load=load, full_load=full, least_duty=least_duty)
 
 
-def _load(channels: tuple[model.Channel, ...], slot: model.Slot, numbers: Mapping[int, int]) -> int:
-    """Return the number of the current of the slot's motor; -1 where it is not measured."""
+def _of_motor(
+    senses: model.Sense,
+    channels: tuple[model.Channel, ...],
+    slot: model.Slot,
+    numbers: Mapping[int, int],
+) -> int:
+    """Return the number of the torque or current of the slot's motor; -1 where it has none."""
     for place, channel in enumerate(channels):
-        if channel.senses == "current" and channel.slot == slot.name:
+        if channel.senses == senses and channel.slot == slot.name:
             return numbers.get(place, -1)
     return -1
 

@@ -134,6 +134,30 @@ def test_a_bend_is_a_joint_from_its_first_word_to_the_one_that_says_it_is_behind
     assert segments == ["Joint", "Joint", "Straight"]
 
 
+@pytest.mark.parametrize(("diameter_m", "known"), [(0.120, True), (0.118, True), (0.102, False)])
+def test_a_part_that_stands_askew_in_a_bend_shows_no_diameter_and_no_pitch(
+    holding: Callable[..., Driver], diameter_m: float, known: bool
+) -> None:
+    driver = holding(FRONT_ONLY, **FRONT, **felt(28))
+    driver.give(ev.DetectorWord("close", 60.0))
+    driver.signals["gamma_1"] = -2 * asin((diameter_m - 0.048) / 0.090)
+    driver.run(driver.now + 3.0)
+    assert last(driver).segment == "Joint"
+    assert isnan(last(driver).diameter_m) != known
+    assert isnan(last(driver).pitch_rad) != known
+
+
+def test_a_part_alone_in_a_bend_shows_nothing_where_no_straight_was_seen_before(
+    holding: Callable[..., Driver],
+) -> None:
+    driver = holding(FRONT_ONLY, 0.1, **FRONT, **felt(28))
+    driver.give(ev.DetectorWord("close", 60.0))
+    driver.run(driver.now + 3.0)
+    assert last(driver).segment == "Joint"
+    assert isnan(last(driver).diameter_m)
+    assert isnan(last(driver).pitch_rad)
+
+
 def test_a_bend_of_which_no_word_is_valid_any_more_is_unknown(
     holding: Callable[..., Driver],
 ) -> None:

@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.engine import plausibility
-from pirate_sm.engine.plausibility import Reading, sift, unseen
+from pirate_sm.engine.channels import Reading
+from pirate_sm.engine.plausibility import sift, unseen
 from pirate_sm.engine.robot import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.loading.robot import load_robot
 
@@ -153,6 +154,48 @@ def test_only_another_jump_leads_back(bench: Bench, end: float, believed: bool) 
         bench.say(500)
 
     assert (bench.say(end) == end) == believed
+
+
+SPRUNG = WatchedSpec((
+    WatchSpec(
+        JOINT, "elbow", (JOINT,), low=-1000, high=1000, rate=240, slack=20, slot=0, joint=True,
+        torque=1, stiffness=0.5, turns=80, unit="deg",
+    ),
+    WatchSpec(1, "torque", (1,), low=-500, high=500, slot=0),
+))  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("angle", "torque", "believed"),
+    [
+        (400, -200, True),  # the spring has unwound by as much as the joint has turned
+        (400, -186, True),
+        (400, -170, False),  # its motor would have had to turn too far
+        (400, 0, False),  # a sensor that jumps alone does not change the torque
+        (400, 200, False),  # the wrong way
+        (400, nan, False),
+        (-400, 200, True),
+        (1100, -550, False),  # beyond its end stop
+    ],
+)
+def test_a_joint_that_snaps_is_believed_as_far_as_its_spring_unwinds(
+    angle: float, torque: float, believed: bool
+) -> None:
+    record, shown, codes = unseen(SPRUNG), [nan, nan], []
+    readings = [(0.0, 0.0)] * 3 + [(angle, torque)] * 4
+    for number, reading in enumerate(readings, 1):
+        numbers = list(reading)
+        # Where the torque is out of its own range that is reported too; it is not what is tested.
+        circumstances = Reading(shown, EVERY_S, number * EVERY_S)
+        record, reports = sift(SPEC, SPRUNG, record, numbers, circumstances)
+        codes += [report.code for report in reports]
+        shown = numbers
+        if number == 4:
+            assert (shown[0] == angle) == believed  # at once, or not
+    if believed:
+        assert (shown[0], codes) == (angle, [])
+    else:
+        assert codes
 
 
 def test_a_jump_to_a_third_place_is_not_believed_either(bench: Bench) -> None:
