@@ -24,7 +24,7 @@ LOOK_EVERY_S = 0.05
 """At 0.1 m/s a robot drives 5 mm in this time."""
 
 _PATIENCE_S = 1.0
-"""For so long nobody is told that a joint has not spoken yet."""
+"""For so long a joint may be silent at the start, or while the hold changes."""
 
 
 class Odometry:
@@ -65,6 +65,7 @@ class Odometry:
         self.due_s = 0.0
         self.reckoned: Reckoned | None = None
         self._warned = False
+        self._placed_s = 0.0
         self._take(robot)
         words = words_of(profile)
         errors = (0.0,) * len(words)
@@ -88,7 +89,7 @@ class Odometry:
         numbers[robot.odometry] = self._odometer.look(state, now_s, wheels)
         held = confirmed_parts(robot, state.robot)
         if self.reckoned is not None:
-            self.reckoned = self._reckoner.look(self.reckoned, numbers, held)
+            self.reckoned = self._follow(self.reckoned, numbers, held, now_s)
         elif any(isnan(angle) for angle in robot.body.angles(numbers)):
             return self._warn(numbers) if now_s >= _PATIENCE_S else ()
         else:
@@ -97,6 +98,24 @@ class Odometry:
         travel = robot.travel(state.robot.values)
         self._word = self._detector.look(now_s, self.reckoned.places_m, travel)
         return self._warn(numbers) if self.reckoned.lost else ()
+
+    def _follow(
+        self, before: Reckoned, numbers: Sequence[float], held: frozenset[int], now_s: float
+    ) -> Reckoned:
+        """Return the reckoning after this look.
+
+        Where a joint is silent at the moment when the hold changes, the old hold stands in until
+        the joint speaks. What the old hold moves in that time is an error.
+        """
+        after = self._reckoner.look(before, numbers, held)
+        if after.lost and not before.lost:
+            stood = self._reckoner.look(before, numbers, frozenset(before.spots) - {WHOLE})
+            after = self._reckoner.look(stood, numbers, held)
+            if after.lost and now_s - self._placed_s < _PATIENCE_S:
+                return stood
+        if not after.lost:
+            self._placed_s = now_s
+        return after
 
     def _warn(self, numbers: Sequence[float]) -> Sequence[Log]:
         """Return, once, a warning that no place is known."""

@@ -8,6 +8,7 @@ import pytest
 
 from pirate_sm.detectors.odometry import Odometry
 from pirate_sm.detectors.reckoning import Reckoned
+from pirate_sm.engine.robot_state import confirmed_parts
 from pirate_sm.errors import UsageError
 from pirate_sm.model.events import DetectorWord
 from pirate_sm.runtime.companions import FirstChoice, Onlooker
@@ -111,3 +112,31 @@ def test_a_place_that_is_lost_is_told_once_and_no_word_is_said_any_more() -> Non
     assert companion.look(state, 20.1) == ()
     assert companion.speak(20.1) == ()
     assert companion.truth() is None
+
+
+@pytest.mark.parametrize(("silent_s", "outcome"), [(0.5, "succeeded"), (2.0, "failed")])
+def test_a_joint_may_be_silent_for_a_moment_while_the_hold_changes(
+    silent_s: float, outcome: str
+) -> None:
+    prepared = prepare(Order("mitre_bend", detector="odometry"))
+    (companion,) = prepared.companions
+    robot, look = prepared.loaded.robot, companion.look
+    joint = robot.vocabulary.numbers.index("gamma_4")
+    held_s: list[float] = []
+
+    def look_with_a_silent_joint(state, now_s: float):
+        """The joint is silent from when the front begins to clamp until after it holds."""
+        numbers = list(state.sensing.numbers)
+        if not held_s and confirmed_parts(robot, state.robot):
+            held_s.append(now_s)
+        clamping = any(mark.kind == "part" for mark in state.robot.marks) and not held_s
+        if clamping or (held_s and now_s < held_s[0] + silent_s):
+            numbers[joint] = nan
+        sensing = state.sensing._replace(numbers=tuple(numbers))
+        return look(state._replace(sensing=sensing), now_s)
+
+    companion.look = look_with_a_silent_joint
+    companions = [companion, FirstChoice()]
+    result = MissionRun(prepared.engine, prepared.backend, companions=companions).execute()
+    assert held_s
+    assert result.ended.outcome == outcome
