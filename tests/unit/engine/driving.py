@@ -67,14 +67,15 @@ class Driver:
         # A part that holds alone while the other bends bears a torque, else it slides.
         wound = {"bend_torque_1": -0.7, "bend_torque_4": 0.7}
         gripping = {name: nm for name, nm in wound.items() if name in robot.vocabulary.numbers}
-        self.signals: dict[str, float] = upright | gripping
+        self.signals: dict[str, float] = upright | ({} if declared else gripping)
         # The robot is where it is said to be: what sensors say of that is tested in test_seeing.
         body = None if declared else at_rest_in(robot, program.start_configuration)
         self.state, effects = self.engine.start(0.0, body=body)
         self.effects: list[fx.Effect] = list(effects)
         names, values = robot.vocabulary.numbers, self.state.robot.values
         for slot, value in zip(robot.slots, values, strict=True):
-            if slot.torque >= 0 and value:  # what holds from the start bears a torque
+            # What holds from the start bears a torque; of what is only declared that is not known.
+            if slot.torque >= 0 and value and not declared:
                 self.signals[names[slot.torque]] = value
 
     # --- what happens ---
