@@ -234,7 +234,7 @@ class Engine:
         due = has_come(now, state.wake_at_s)
         if due:
             state = self._housekeep(state, now, effects)
-        if now >= state.surveyed.due_s and not state.mission.ended:
+        if now >= state.surveyed.due_s and not state.mission.ended:  # nothing follows the end
             state = environment.look_round(self, state, now, effects)
         judged = before
         if state.mission.ending is not None:

@@ -19,7 +19,7 @@ from __future__ import annotations
 from math import inf, isnan, nan
 
 from pirate_sm.engine.channels import Channel, Numbers, Reading, Record
-from pirate_sm.engine.robot import PlausibilitySpec, WatchedSpec, WatchSpec
+from pirate_sm.engine.watched import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.model.events import FaultReport
 
 STUCK = "sensor.stuck"

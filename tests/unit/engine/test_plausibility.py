@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from pirate_sm.engine import plausibility
 from pirate_sm.engine.channels import Reading
 from pirate_sm.engine.plausibility import sift, unseen
-from pirate_sm.engine.robot import PlausibilitySpec, WatchedSpec, WatchSpec
+from pirate_sm.engine.watched import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.loading.robot import load_robot
 
 EVERY_S = 0.125
