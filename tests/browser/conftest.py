@@ -85,6 +85,11 @@ class Opened:
         return float(self.page.locator("#clock").inner_text().split()[0])
 
     @property
+    def end_s(self) -> float:
+        """When the run ends, by the page's slider."""
+        return float(self.page.locator("#slider").get_attribute("max") or "nan")
+
+    @property
     def places(self) -> str:
         """Where the wheels are drawn."""
         return self.page.locator("#scene").get_attribute("data-places") or ""
