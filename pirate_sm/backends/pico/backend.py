@@ -6,6 +6,7 @@ from collections.abc import Collection, Sequence
 from contextlib import suppress
 from math import inf
 
+from pirate_sm.backends.pico.conversation import SILENT_AFTER_S
 from pirate_sm.backends.pico.diagnosis import mute, no_sensors, unanswered
 from pirate_sm.backends.pico.exchange import Exchange
 from pirate_sm.backends.pico.health import LinkHealth, health_of
@@ -25,6 +26,8 @@ SENSORS_WITHIN_S = 3.0
 _LOOK_UP_S = 0.1
 _REOPEN_EVERY_S = 0.5
 _FLUSH_WITHIN_S = 0.8
+_QUIET_S, _RESET_SHOWS_S = 0.1, SILENT_AFTER_S + 0.1
+"""A silence between these may be that of a reset: it is waited for until that is clear."""
 _SAMPLE_BYTES = 4096
 
 
@@ -308,14 +311,18 @@ class SerialBackend:
         self.exchange.wrote(len(data), self.port.now())
 
     def _flush(self) -> None:
-        """The last array has been confirmed, or the safe one has gone out once more.
+        """Wait until the last array is confirmed, else write the safe one once more.
 
-        A robot that is away, for it is being reset or its cable is out, is waited for.
+        The robot must report once more too: one that was reset a moment ago has forgotten what it
+        confirmed. While it is away, being reset or without its cable, it is waited for.
         """
         exchange, now = self.exchange, self.port.now()
-        patient_s, give_up_s = now + self.plan.away_s, now + _FLUSH_WITHIN_S
-        while not exchange.settled and now < give_up_s:
-            self._turn(min(give_up_s, now + _LOOK_UP_S))
+        began_s, patient_s, give_up_s = now, now + self.plan.away_s, now + _FLUSH_WITHIN_S
+        while not exchange.settled or exchange.conversation.heard_s < began_s:
+            quiet_s = now - exchange.conversation.heard_s
+            if now >= give_up_s and not _QUIET_S < quiet_s < _RESET_SHOWS_S:
+                break
+            self._turn(now + _LOOK_UP_S)
             now = self.port.now()
             if exchange.outage is not None and now < patient_s:
                 give_up_s = now + _FLUSH_WITHIN_S
