@@ -26,8 +26,8 @@ SENSORS_WITHIN_S = 3.0
 _LOOK_UP_S = 0.1
 _REOPEN_EVERY_S = 0.5
 _FLUSH_WITHIN_S = 0.8
-_QUIET_S, _RESET_SHOWS_S = 0.1, SILENT_AFTER_S + 0.1
-"""A silence between these may be that of a reset: it is waited for until that is clear."""
+_RESET_SHOWS_S = SILENT_AFTER_S + 0.1
+"""A silence of this length has been noticed: the robot is away."""
 _SAMPLE_BYTES = 4096
 
 
@@ -318,9 +318,11 @@ class SerialBackend:
         """
         exchange, now = self.exchange, self.port.now()
         began_s, patient_s, give_up_s = now, now + self.plan.away_s, now + _FLUSH_WITHIN_S
-        while not exchange.settled or exchange.conversation.heard_s < began_s:
-            quiet_s = now - exchange.conversation.heard_s
-            if now >= give_up_s and not _QUIET_S < quiet_s < _RESET_SHOWS_S:
+        while True:
+            heard_s = exchange.conversation.heard_s
+            if heard_s >= (began_s if exchange.settled else give_up_s):
+                break
+            if now >= give_up_s and now - heard_s >= _RESET_SHOWS_S:
                 break
             self._turn(now + _LOOK_UP_S)
             now = self.port.now()

@@ -230,7 +230,7 @@ def test_a_reset_while_the_mission_ends_is_waited_for(go: Go) -> None:
 
 # Nothing is heard in the last 0.1 s, while the port is closed, and what was sent before the reset
 # may still arrive: later resets than these cannot be noticed.
-@pytest.mark.parametrize("before_s", [0.15, 0.2, 0.3, 0.4, 0.5])
+@pytest.mark.parametrize("before_s", [0.12, 0.15, 0.2, 0.3, 0.4, 0.5])
 @pytest.mark.parametrize("line", [{}, LOSSY], ids=["clean", "lossy"])
 def test_a_reset_just_before_the_port_is_closed_is_noticed(
     go: Go, line: dict[str, Any], before_s: float
