@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from pirate_sm.detectors.words import words_of
 from pirate_sm.model.effects import Detected, Effect, Fault, Setpoints, StateChange
 
-# Clamps that have just been taken settle for so long; then the robot is watched for so long.
+# Clamps that have just been taken settle for this long; then the robot is watched for this long.
 _SETTLING_S, _WATCHED_S = 5.0, 2.0
 
 if TYPE_CHECKING:

@@ -54,7 +54,7 @@ def long_mission(phases: int) -> str:
 
 
 def holding_mission(triggers: int) -> str:
-    """One wait for any of so many conditions to be held."""
+    """One wait for any of ``triggers`` conditions to be held."""
     lines = [
         f"      - {{when: known({name}), held: {n + 1} s, name: t{n}, go: e}}"
         for n, name in enumerate(SIGNALS[:triggers])

@@ -151,7 +151,7 @@ def _busy(wanted: bool) -> Iterator[None]:
 
 
 def _spin(seconds: float) -> None:
-    """The console's own loop is busy for so long."""
+    """The console's own loop is busy for this long."""
     until = perf_counter() + seconds
     while perf_counter() < until:
         sum(range(1_000))

@@ -59,7 +59,7 @@ WATCH_ON_S = 1.0
 AT_ONCE_S = 0.3
 """Wheels that are driven for longer than that may move joints that clamp, too.
 
-The dead man's switch takes at least so long: `stop_after` less `refresh_every`.
+The dead man's switch takes at least this long: `stop_after` less `refresh_every`.
 """
 
 STILL_RAD, HELD_RAD = 0.02, 0.05
@@ -269,7 +269,7 @@ def _signal(number: signal.Signals) -> Callable[..., None]:
 
 
 def _pause(seconds: float, *, everybody: bool) -> Callable[..., None]:
-    """The runner stands still for so long, or the guardian with it, as when the machine does."""
+    """The runner stands still for this long, or the guardian with it, as when the machine does."""
 
     def act(case: Case, runner: subprocess.Popen[bytes], bay: subprocess.Popen[str]) -> None:
         pids = [runner.pid, *(guardians(case.port) if everybody else [])]

@@ -57,7 +57,7 @@ class Firmware:
         switches: What goes wrong.
         cycle_s: Of the bus.
         echo_delay_s: From the reception of an array to its echo.
-        stop_after_s: The dead man's switch trips after so long without a valid array; infinite:
+        stop_after_s: The dead man's switch trips after this long without a valid array; infinite:
             there is no switch.
         now_s: When the set-up is done and the loop begins.
         tell: Takes what happens.

@@ -14,7 +14,7 @@ OVERHEAD = 8
 BUFFER_SIZE = 512
 """Bytes that the device has for one payload; it says so for every topic."""
 
-# A frame not complete so long after its first byte is given up.
+# A frame not complete this long after its first byte is given up.
 _PATIENCE_S = 0.020
 _SYNC = 0xFF
 _REVISION = 0xFE

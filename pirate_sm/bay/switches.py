@@ -29,7 +29,7 @@ class Switches:
             shares hold, so at most half of the frames can be lost.
         corruption: Share of bytes changed on their way, either way.
         delay_s: Further time every frame takes, either way.
-        jitter_s: Up to so much more, drawn evenly per frame; the order stays.
+        jitter_s: Up to this much more, drawn evenly per frame; the order stays.
         reset_at_s: When the firmware starts again.
         reset_every_s: Mean time between further restarts, 0 for none.
         hang_at_s: When the firmware stands still.

@@ -64,7 +64,7 @@ class Finding:
 
     @property
     def order(self) -> tuple[Place, str, str]:
-        """Findings are told by place, then code."""
+        """Findings are ordered by place, then code."""
         return self.place, self.code, self.message
 
     def allow(self, reason: str) -> Finding:

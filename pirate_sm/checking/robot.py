@@ -1,7 +1,7 @@
 """What is wrong with a robot that loads: its chart, its commands and faults, its parts.
 
-Only what the files themselves contradict is told; how well the numbers fit a real robot, nobody can
-tell from them.
+Only what the files themselves contradict is reported. How well the numbers fit a real robot
+they cannot show.
 """
 
 from __future__ import annotations

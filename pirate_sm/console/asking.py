@@ -34,7 +34,7 @@ _WORDS_HEARD_FROM = {"operator", "none"}
 
 
 class Asking(_Base):
-    """The half of the console that acts; every refusal is told with the engine's reason.
+    """The half of the console that acts; every refusal is shown with the engine's reason.
 
     Attributes:
         seen: Number of the last alarm that the operator has seen.

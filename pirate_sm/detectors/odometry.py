@@ -24,7 +24,7 @@ LOOK_EVERY_S = 0.05
 """At 0.1 m/s a robot drives 5 mm in this time."""
 
 _PATIENCE_S = 1.0
-"""For so long a joint may be silent at the start, or while the hold changes."""
+"""For this long a joint may be silent at the start, or while the hold changes."""
 
 
 class Odometry:

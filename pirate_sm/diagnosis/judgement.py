@@ -188,7 +188,7 @@ def _trouble(
 
 
 def _judge_gravity(channels: list[ChannelFact], board: Board) -> None:
-    """An accelerometer that does not feel gravity is told at its first axis."""
+    """An accelerometer that does not feel gravity is reported at its first axis."""
     axes = [
         at for at, known in enumerate(board.channels) if (known.senses or "").startswith("acc_")
     ]

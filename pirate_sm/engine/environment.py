@@ -42,7 +42,7 @@ SURVEY_EVERY_S = 0.2
 """Often enough at 0.1 m/s, and slow beside the cost of looking [decided]."""
 
 _SAMPLES = 9
-"""Of so many accelerations the median counts: a jolt of a motor is not gravity [decided]."""
+"""Of this many accelerations the median counts: a jolt of a motor is not gravity [decided]."""
 
 _GRAVITY_M_S2 = 9.81
 _AT_REST = 0.1

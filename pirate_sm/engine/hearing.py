@@ -10,7 +10,7 @@ _GAIN = 1 / 64
 """Weight of one report: six boards with a period of 0.1 s make 64 in about a second."""
 
 _MOST_MISSED = 8
-"""A longer gap tells of the board rather than of the line, and counts as so many reports."""
+"""A longer gap is the board's silence, not the line's loss, and counts as this many reports."""
 
 _FALSE_ALARM = 1e-6
 """Chance that a board which reports all the time is taken to be silent, per report."""

@@ -23,7 +23,7 @@ def counted(mission: MissionState, clock: float) -> MissionState:
 def too_fast(program: Program, mission: MissionState) -> str:
     """Why the mission may not go on; empty while it may.
 
-    A long mission may begin more phases: those that go round at one moment are told as that.
+    A long mission may begin more phases: those that go round at one moment are reported as that.
     """
     most = max(program.most_phases, MOST_TURNS * len(program.instructions))
     if mission.entered <= most:

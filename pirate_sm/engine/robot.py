@@ -277,7 +277,7 @@ class RobotSpec:
 
     @cached_property
     def wheel_boards(self) -> tuple[int, ...]:
-        """Position of the board that tells of each wheel; -1 where none does."""
+        """Position of the board that reports each wheel; -1 where none does."""
         positions = {
             wheel.place: board.position for board in self.boards.values() for wheel in board.wheels
         }

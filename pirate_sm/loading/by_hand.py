@@ -16,7 +16,7 @@ BY_HAND = "by_hand"
 def by_hand(robot: LoadedRobot, pipe: Pipe | None = None, pipe_name: str = "") -> LoadedMission:
     """One endless wait: only the operator's commands move the robot.
 
-    Faults that a mission may handle are told and nothing else, for the operator is there; those
+    Faults that a mission may handle are reported and nothing else, for the operator is there; those
     that none may handle end it in the safe state. Safety rules that a mission may be allowed to
     break are the operator's own to break.
     """

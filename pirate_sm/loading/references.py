@@ -1,4 +1,4 @@
-"""Files that another file names: what is wrong with them is told, their text only if it is ours."""
+"""Reports what is wrong with files that another file names; quotes them only if they are ours."""
 
 from __future__ import annotations
 

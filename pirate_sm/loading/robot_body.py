@@ -204,7 +204,7 @@ def _must_be(
 ) -> None:
     names = list(valid)
     if len(set(names)) < len(names):
-        return  # one that stands twice is told of, and hides the one that is missing
+        return  # one that stands twice is reported, and hides the one that is missing
     if name not in names:
         problems.add(
             f"robot.{kind.rpartition(' ')[2]}", path, f"there is no {kind} '{name}'",

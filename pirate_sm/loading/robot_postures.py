@@ -107,7 +107,7 @@ def _case(robot: _Robot, name: str, case: PostureCase, at: Path) -> PostureSpec:
 
 
 def _lets_go(robot: _Robot, writes: StageSpec, configuration: int, at: Path) -> bool:
-    """Whether the posture lets go of a part that is held there; then the problem is told."""
+    """Whether the posture lets go of a part that is held there; then the problem is reported."""
     duties = {write.slot: write.value for write in writes if write.how == "set"}
     written = {write.slot for write in writes}
     for part, slot, duty in robot.pressing(configuration):

@@ -24,7 +24,7 @@ class Accepted(Frozen):
 
 
 class Stalled(Frozen):
-    """Done when the joints stand still and each of ``loaded`` bears ``torque``, ``for`` so long.
+    """Done when the joints stand still and each of ``loaded`` bears ``torque`` during ``for``.
 
     Attributes:
         kind: What shows that a command is done.
@@ -46,9 +46,10 @@ class Stalled(Frozen):
 class Reached(Frozen):
     """Done when each joint with an angle to come to is inside its threshold.
 
-    Where ``or_still`` is given, a joint that stands still for ``for`` so long while pushed counts
-    as well: the wall has stopped it. It is pushed while it bears ``loaded`` of the torque that its
-    duty cycle gives at stall, in the direction of the push; a spring that still unwinds does not.
+    Where ``or_still`` is given, a joint that is pushed and stands still for as long as ``for``
+    counts as well: the wall has stopped it. It is pushed while it bears ``loaded`` of the torque
+    that its duty cycle gives at stall, in the direction of the push; a spring that still unwinds
+    does not.
 
     Attributes:
         kind: What shows that a command is done.
@@ -77,7 +78,7 @@ class Turning(Frozen):
 
 
 class Stopped(Frozen):
-    """Done when the wheels that can be heard turn slower than ``below``, ``for`` so long.
+    """Done when the wheels that can be heard turn slower than ``below``, for as long as ``for``.
 
     Of each part at least one wheel must be heard.
 
@@ -107,7 +108,7 @@ class Aligned(Frozen):
 
 
 class Below(Frozen):
-    """Done when all the signals are smaller than ``limit`` in magnitude, ``for`` so long.
+    """Done when all the signals are smaller than ``limit`` in magnitude, for as long as ``for``.
 
     Attributes:
         kind: What shows that a command is done.

@@ -78,7 +78,7 @@ class CallStep(_AnyStep):
 
 
 class RepeatBody(Frozen):
-    """Steps to be done so many times.
+    """Steps to be done this many times.
 
     Attributes:
         times: How often.

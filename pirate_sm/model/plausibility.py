@@ -20,24 +20,24 @@ class Plausibility(Frozen):
     """Limits beyond which a sensor is wrong, whatever the robot does.
 
     Attributes:
-        overspeed: An angle changes at most so many times as fast as its motor turns without load,
+        overspeed: An angle changes at most this many times as fast as its motor turns without load,
             for others may push it.
-        joint_slack: A joint may change by so much more between two readings.
-        wheel_slack: A wheel may change by so much more between two readings.
+        joint_slack: A joint may change by this much more between two readings.
+        wheel_slack: A wheel may change by this much more between two readings.
         beyond_stop: A joint's angle may be so far beyond its end stop.
         overcurrent: A current may be so many times that of the stalled motor.
         overtorque: A torque may be so many times that of the stalled motor, for a spring behind a
             self-locking gear can be wound up from outside.
-        hold_back: An impossible value is replaced by the last believed one for so many readings.
+        hold_back: An impossible value is replaced by the last believed one for this many readings.
         spikes: So many spikes of one sensor within ``spikes_within`` are a fault.
         spikes_within: The time in which spikes are counted.
-        stuck_after: A sensor is stuck when it shows the same value for so long while its motor is
+        stuck_after: A sensor is stuck when it shows the same value for this long while its motor is
             driven and bears no load.
         unloaded: A motor bears no load below this share of the current that it would draw stalled
             at the same duty cycle.
-        surely_driven: A motor surely turns above so many times the least duty cycle of its
+        surely_driven: A motor surely turns above this many times the least duty cycle of its
             position loop.
-        settle: Nothing moves any more so long after the last change of a setpoint.
+        settle: Nothing moves any more this long after the last change of a setpoint.
         joint_moved: A joint that changes by more than this has moved.
         wheel_moved: A wheel that changes by more than this has moved.
         moved_readings: So many readings in a row must show a motion that was not asked for.

@@ -162,9 +162,9 @@ class LinkSettings(Frozen):
         echo_delay: Until a setpoint array is confirmed.
         duty_resolution: Step of a duty cycle on the wire.
         angle_resolution: Step of an angle on the wire.
-        stale_after: A signal not heard for so long is unknown.
-        silent_after: A board not heard for so long is a fault, all of them are a lost link.
-        resend_after: An array of unknown fate is sent again after so long.
+        stale_after: A signal not heard for this long is unknown.
+        silent_after: A board not heard for this long is a fault, all of them are a lost link.
+        resend_after: An array of unknown fate is sent again after this long.
         resend_limit: How often an array of unknown fate is sent again.
     """
 

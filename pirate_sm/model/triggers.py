@@ -27,7 +27,7 @@ class ConditionTrigger(Frozen):
 
 
 class TimeTrigger(Frozen):
-    """Fires when so much time has passed since the wait was armed.
+    """Fires when this much time has passed since the wait was armed.
 
     Attributes:
         after: How long after the wait began.

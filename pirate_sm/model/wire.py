@@ -76,12 +76,12 @@ class Serial(Frozen):
     Attributes:
         baud: Rate of the port.
         boot: How long the boot loader may take after the port has been opened.
-        echo_within: An array not echoed for so long is sent again.
+        echo_within: An array not echoed for this long is sent again.
         recover_within: A controller that has fallen silent, or whose port has gone, must be back
             within so long beyond the boot loader's time; then the link is lost.
         refresh_every: The array in force is written again when nothing else has been written for
             so long, sooner on a line that loses frames. Without it nothing is repeated.
-        stop_after: The firmware has a dead man's switch: without a valid array for so long it
+        stop_after: The firmware has a dead man's switch: without a valid array for this long it
             stops every slot that is not to be held. Without it the firmware has no switch.
         heartbeat_within: The guardian sends the safe array when it has not heard the runner for so
             long.

@@ -14,7 +14,7 @@ from pirate_sm.model.pipe import Pipe, Straight
 from pirate_sm.model.profile import Profile
 
 _PATIENCE_S = 1.0
-"""A joint that has said nothing for so long is taken to be straight."""
+"""A joint that has said nothing for this long is taken to be straight."""
 
 _LONGEST_M = 100.0
 

@@ -15,7 +15,7 @@ from pirate_sm.report.sampling import Samples, over, value_at
 
 _DEGREES = degrees(1.0)
 _BESIDE_S = 0.25
-"""A speed is what was travelled from so long before until so long after."""
+"""A speed is what was travelled from this long before until this long after."""
 
 
 @dataclass(frozen=True)

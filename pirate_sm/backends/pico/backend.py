@@ -27,7 +27,7 @@ _LOOK_UP_S = 0.1
 _REOPEN_EVERY_S = 0.5
 _FLUSH_WITHIN_S = 0.8
 _RESET_SHOWS_S = SILENT_AFTER_S + 0.1
-"""A silence of this length has been noticed: the robot is away."""
+"""A silence of this length has been noticed by then: the robot is away."""
 _SAMPLE_BYTES = 4096
 
 
@@ -128,7 +128,7 @@ class SerialBackend:
         if min(now, self._held_s) >= self._zero_s + until_s:
             self._now_s = until_s
         if self._late and now_s > until_s:
-            return self._now_s, ()  # what has happened by now is told when mission time is there
+            return self._now_s, ()  # reported when mission time is there
         self._late = False
         events, self._events = self._events, []
         return self._now_s, events
@@ -195,7 +195,7 @@ class SerialBackend:
     def _keep_time(self, now: float) -> None:
         """Mission time stands still while the mission is held.
 
-        It catches up with a silence that was none, and leaves out one that is told as a fault.
+        It catches up with a silence that was none, and leaves out one that is reported as a fault.
         """
         outage = self.exchange.outage
         if outage is not None:

@@ -120,7 +120,7 @@ class Conversation:
             now: The time.
             epoch_s: Added to the time it gives what the device is told, seconds since 1970.
             boot_s: How long a boot loader may be listening, to which nothing must be said.
-            silent_s: A device that has said nothing for so long is asked anew.
+            silent_s: A device that has said nothing for this long is asked anew.
         """
         self._wanted = tuple(wanted)
         self._epoch_s = epoch_s

@@ -218,7 +218,7 @@ class Exchange:
         return data
 
     def room_s(self, size: int, now: float) -> float:
-        """When so many bytes may be written."""
+        """When this many bytes may be written."""
         return self._throttle.free_s(size, now)
 
     def wrote(self, size: int, now: float) -> None:

@@ -83,11 +83,11 @@ class Instructions(NamedTuple):
     """What a guardian is told once, when it is started.
 
     Attributes:
-        silence_s: It stops the robot when it has not heard the runner for so long.
+        silence_s: It stops the robot when it has not heard the runner for this long.
         wanted: The robot's topics, in the order of the plan; the guardian asks for them after the
             port was opened anew, because their numbers may differ.
         boot_s: How long the controller's boot loader may run after the port was opened.
-        stay_s: Without a runner it tries so long to have the stop confirmed.
+        stay_s: Without a runner it tries this long to have the stop confirmed.
     """
 
     silence_s: float

@@ -25,7 +25,7 @@ _STOPS_WITHIN_S = 6.0
 """Beyond the boot loader's time; with every second frame lost that is enough."""
 
 _HUNG_AFTER_S = 1.0
-"""A guardian that has not acknowledged a beat for so long hangs. It may wait for half a second
+"""A guardian that has not acknowledged a beat for this long hangs. It may wait for half a second
 while the port takes nothing."""
 
 _MOST_BYTES = 65536

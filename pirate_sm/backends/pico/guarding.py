@@ -25,7 +25,7 @@ REPEAT_EVERY_S = 0.1
 REOPEN_EVERY_S = 0.5
 
 _ASK_AFTER_S = 0.5
-"""A device that confirms nothing for so long is asked for its topics: it may have been reset."""
+"""A device that confirms nothing for this long is asked for its topics: it may have been reset."""
 
 _LATE_ECHO_S = 0.3
 """An echo may come so late: about four times what it takes on a healthy link (76 ms)."""

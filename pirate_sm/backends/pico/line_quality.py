@@ -11,7 +11,7 @@ _BAD = 0.25
 
 _LOSS_GAIN = 1 / 16
 _NOISE_BYTES = 2000
-"""Over so many received bytes the share of damaged ones is taken: half a second of a busy line."""
+"""The share of damaged bytes is taken over this many: half a second of a busy line."""
 
 # How the time to wait for an echo follows what echoes have taken, as TCP's does (RFC 6298).
 _MEAN_GAIN = 1 / 8
@@ -29,8 +29,8 @@ class Refreshing(NamedTuple):
     """How the array in force is repeated for the firmware's dead man's switch.
 
     Attributes:
-        every_s: After so long without a writing; infinite: never.
-        stop_after_s: The switch trips after so long without an array; infinite: there is none.
+        every_s: After this long without a writing; infinite: never.
+        stop_after_s: The switch trips after this long without an array; infinite: there is none.
     """
 
     every_s: float = inf

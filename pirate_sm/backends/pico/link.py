@@ -21,7 +21,7 @@ from pirate_sm.model.events import FaultReport, SubmitResult, SubmitStatus
 Integers = tuple[int, ...]
 
 BUDGET = 8
-"""Times the longest wait for an echo: after so long an array's fate is called unknown."""
+"""Times the longest wait for an echo: after this long an array's fate is called unknown."""
 
 _REPEAT_BUDGET = 5
 """Times as long is tried to confirm again what had been confirmed before."""
@@ -97,7 +97,7 @@ class SetpointLink:
     Args:
         slots: In the order of the wire.
         pack: Makes a payload of a wire id, counts and the mask of slots to be held.
-        echo_within_s: An array not echoed for so long is written again; sooner where echoes have
+        echo_within_s: An array not echoed for this long is written again; sooner where echoes have
             been seen to come sooner.
         spacing_s: The least time between two arrays.
         ids: How many wire ids there are; 0 is left to others.

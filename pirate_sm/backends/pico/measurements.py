@@ -12,8 +12,8 @@ from pirate_sm.model.events import SensorFrame
 class Measurements:
     """Puts boards together.
 
-    Where a message carries one value, a board is told when all its values have come; one that
-    was lost is told with its last value as soon as another comes round again.
+    Where a message carries one value, a board is reported when all its values have come; one that
+    was lost is reported with its last value as soon as another comes round again.
 
     Args:
         channels: How many channels each board has that is to be listened to.

@@ -24,7 +24,7 @@ except ModuleNotFoundError as error:
 _INTEGERS = {"int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64"}
 _NUMBERS = _INTEGERS | {"float32", "float64"}
 _LEAST_NUMBER_BITS = 8
-"""So many bits of an id must count writings: 64 of them are remembered."""
+"""This many bits of an id must count writings: 64 of them are remembered."""
 
 _ARRAYS = (Nodetype.ARRAY, Nodetype.SEQUENCE)
 

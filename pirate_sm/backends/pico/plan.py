@@ -26,7 +26,7 @@ class Plan(NamedTuple):
         channels: How many channels each board has that is listened to.
         modules: What people call these boards.
         safe_zero: Slots that are zero in the safe state.
-        silent_after_s: A board that has not been heard for so long is silent.
+        silent_after_s: A board that has not been heard for this long is silent.
     """
 
     serial: Serial
@@ -40,7 +40,7 @@ class Plan(NamedTuple):
 
     @property
     def away_s(self) -> float:
-        """After its last sign of life the link may be away for so long."""
+        """After its last sign of life the link may be away for this long."""
         return self.serial.boot + self.serial.recover_within
 
 

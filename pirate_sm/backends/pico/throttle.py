@@ -42,12 +42,12 @@ class Throttle:
         return free
 
     def wrote(self, size: int, now: float, busy_s: float = 0.0) -> None:
-        """Take in that so many bytes have just been written.
+        """Take in that this many bytes have just been written.
 
         Args:
             size: How many.
             now: The time.
-            busy_s: For so long after it has read them the device reads nothing.
+            busy_s: For this long after it has read them the device reads nothing.
         """
         arrives = max(now, self._written[-1][0] - _READ_WITHIN_S if self._written else now)
         self._written.append((arrives + size * self._byte_s + _READ_WITHIN_S + busy_s, size))

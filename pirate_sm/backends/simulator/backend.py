@@ -259,7 +259,7 @@ class SimulatorBackend:
             fault = effect.step(self._now)
             if fault is not None:
                 events.append(fault)
-        if turn[2] == turn[3].last:  # values that come one by one are told when all have come
+        if turn[2] == turn[3].last:  # values that come one by one are reported when all have come
             events += self._frame(turn[0], turn[3].first, turn[3].last)
         arcs = world.values("arc")
         fault = self._obstacles.step(world, arcs, self._cycle_s)

@@ -1,4 +1,4 @@
-"""Parameters that nothing uses are told at their names; every way to use one counts."""
+"""Parameters that nothing uses are reported at their names; every way to use one counts."""
 
 from __future__ import annotations
 

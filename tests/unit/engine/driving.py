@@ -154,7 +154,7 @@ class Driver:
             self.obey()
 
     def until_done(self, command: str, times: int = 1) -> None:
-        """The robot obeys until the command is done, for so many times since the start."""
+        """The robot obeys until the command is done, for this many times since the start."""
         self.until(lambda driver: driver.statuses.count((command, "done")) >= times)
 
     def until_sent(self, command: str, times: int = 1) -> None:

@@ -188,7 +188,7 @@ def test_a_wheel_that_tells_nothing_does_not_spoil_the_odometry(drive):
     assert driver.engine.signals(driver.state)["odometry"] == pytest.approx(0.24, rel=0.05)
 
 
-@pytest.mark.parametrize("deaf_s", [0.4, 0.7, 5.0])  # fresh, stale, and silent for so long
+@pytest.mark.parametrize("deaf_s", [0.4, 0.7, 5.0])  # fresh, stale, and silent for this long
 def test_what_is_rolled_while_boards_cannot_be_heard_is_not_lost(drive, deaf_s):
     driver = drive(CARELESS, states=BOTH_CLAMPED)
     driver.report_all(0.1)
