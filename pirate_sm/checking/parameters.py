@@ -104,19 +104,11 @@ def _never(
 
 def _conditions(value: object) -> Iterator[str]:
     """The conditions in a part of a mission."""
-    if isinstance(value, Mapping):
-        for each in value.values():
-            yield from _conditions(each)
-    elif isinstance(value, tuple | list):
-        for each in value:
-            yield from _conditions(each)
-    elif isinstance(value, BaseModel):
-        for name in type(value).model_fields:
-            inner = getattr(value, name)
-            if name in {"when", "condition"} and isinstance(inner, str):
-                yield inner
-            else:
-                yield from _conditions(inner)
+    for name, inner in _inside(value):
+        if name in {"when", "condition"} and isinstance(inner, str):
+            yield inner
+        else:
+            yield from _conditions(inner)
 
 
 def _used(value: object) -> Iterator[str]:
@@ -125,17 +117,21 @@ def _used(value: object) -> Iterator[str]:
         yield value.name
     elif isinstance(value, str):
         yield from _USE.findall(value)
-    elif isinstance(value, Mapping):
-        for each in value.values():
-            yield from _used(each)
-    elif isinstance(value, tuple | list):
-        for each in value:
-            yield from _used(each)
     elif isinstance(value, BaseModel):
         yield from _shown(value)
-        for name in type(value).model_fields:
-            if name not in _PROSE and not (isinstance(value, Mission) and name == "parameters"):
-                yield from _used(getattr(value, name))
+    for name, inner in _inside(value):
+        if name not in _PROSE and not (isinstance(value, Mission) and name == "parameters"):
+            yield from _used(inner)
+
+
+def _inside(value: object) -> Iterator[tuple[str, object]]:
+    """What a part of a mission is made of, with the field of a model that it stands in."""
+    if isinstance(value, Mapping):
+        yield from (("", each) for each in value.values())
+    elif isinstance(value, tuple | list):
+        yield from (("", each) for each in value)
+    elif isinstance(value, BaseModel):
+        yield from ((name, getattr(value, name)) for name in type(value).model_fields)
 
 
 def _shown(value: BaseModel) -> Iterator[str]:

@@ -6,7 +6,7 @@ Schemas take it from there (:mod:`pirate_sm.schemas`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
@@ -14,6 +14,7 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Discriminator,
     GetJsonSchemaHandler,
     StringConstraints,
 )
@@ -28,6 +29,31 @@ FaultCode = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*(\.[a-z0-
 
 DEFINED = "x-defined"
 """Key of a JSON Schema that stands for a definition which the schemas' writer knows by name."""
+
+
+def by_key(
+    keys: Sequence[str], *, custom_error_type: str, custom_error_message: str
+) -> Discriminator:
+    """Return a discriminator: the first of these keys that a value has is the tag of its model.
+
+    Args:
+        keys: The tags.
+        custom_error_type: The error's type where a value has none of them.
+        custom_error_message: Its message.
+    """
+
+    def kind_of(value: Any) -> str | None:
+        return next((key for key in keys if _has(value, key)), None)
+
+    return Discriminator(
+        kind_of,
+        custom_error_type=custom_error_type,
+        custom_error_message=custom_error_message,
+    )
+
+
+def _has(value: Any, key: str) -> bool:
+    return key in value if isinstance(value, dict) else hasattr(value, key)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, TypeAlias
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Field, Tag
 
-from pirate_sm.model.base import Frozen, Name
+from pirate_sm.model.base import Frozen, Name, by_key
 
 
 class Conversion(Frozen):
@@ -109,13 +109,6 @@ DERIVED_KINDS = (
 )  # fmt: skip
 
 
-def _kind_of_derived(value: Any) -> str | None:
-    for kind in DERIVED_KINDS:
-        if (isinstance(value, dict) and kind in value) or hasattr(value, kind):
-            return kind
-    return None
-
-
 Derived: TypeAlias = Annotated[
     Annotated[RateOf, Tag("rate_of")]
     | Annotated[TorqueOf, Tag("torque_of")]
@@ -125,8 +118,8 @@ Derived: TypeAlias = Annotated[
     | Annotated[DiameterOf, Tag("diameter_of")]
     | Annotated[OdometryOf, Tag("odometry_of")]
     | Annotated[SpeedOf, Tag("speed_of")],
-    Discriminator(
-        _kind_of_derived,
+    by_key(
+        DERIVED_KINDS,
         custom_error_type="derived",
         custom_error_message="expected a mapping with one of " + ", ".join(DERIVED_KINDS),
     ),

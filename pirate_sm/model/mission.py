@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, TypeAlias, TypeVar
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from pirate_sm.model.base import (
@@ -19,6 +19,7 @@ from pirate_sm.model.base import (
     Format,
     Frozen,
     Name,
+    by_key,
 )
 from pirate_sm.model.parameters import ParameterDefinition, ParameterValue
 from pirate_sm.model.pipe import Pipe
@@ -174,13 +175,6 @@ def _bare_command(value: Any) -> Any:
     return {"command": value} if isinstance(value, str) else value
 
 
-def _kind_of_step(value: Any) -> str | None:
-    for kind in _STEP_KINDS:
-        if (isinstance(value, dict) and kind in value) or hasattr(value, kind):
-            return kind
-    return None
-
-
 Step: TypeAlias = Annotated[
     Annotated[
         Annotated[CommandStep, Tag("command")]
@@ -190,13 +184,11 @@ Step: TypeAlias = Annotated[
         | Annotated[AskStep, Tag("ask")]
         | Annotated[LogStep, Tag("log")]
         | Annotated[WaitStep, Tag("wait")],
-        Discriminator(
-            _kind_of_step,
+        by_key(
+            _STEP_KINDS,
             custom_error_type="step",
-            custom_error_message=(
-                "expected a step: a command's name, or a mapping with one of command, call, "
-                "repeat, choose, ask, log, wait"
-            ),
+            custom_error_message="expected a step: a command's name, or a mapping with one of "
+            + ", ".join(_STEP_KINDS),
         ),
     ],
     BeforeValidator(_bare_command),

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, TypeAlias
 
-from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic import AfterValidator, Field, Tag
 
-from pirate_sm.model.base import Format, Frozen, Name
+from pirate_sm.model.base import Format, Frozen, Name, by_key
 from pirate_sm.model.quantities import Angle, Duration, Length, range_fault
 from pirate_sm.model.simulation import Friction
 
@@ -48,17 +48,10 @@ class Mitre(Frozen):
     mitre: Annotated[Angle, _within(120)]
 
 
-def _kind_of_segment(value: Any) -> str | None:
-    for kind in ("straight", "mitre"):
-        if (isinstance(value, dict) and kind in value) or hasattr(value, kind):
-            return kind
-    return None
-
-
 Segment: TypeAlias = Annotated[
     Annotated[Straight, Tag("straight")] | Annotated[Mitre, Tag("mitre")],
-    Discriminator(
-        _kind_of_segment,
+    by_key(
+        ("straight", "mitre"),
         custom_error_type="segment",
         custom_error_message="expected a segment, {straight: 1.0 m} or {mitre: 90 deg}",
     ),

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, TypeAlias
 
-from pydantic import Discriminator, Tag
+from pydantic import Tag
 
-from pirate_sm.model.base import Condition, Frozen, Name
+from pirate_sm.model.base import Condition, Frozen, Name, by_key
 from pirate_sm.model.quantities import DurationOrParameter
 
 
@@ -54,22 +54,12 @@ class OperatorTrigger(Frozen):
     name: Name | None = None
 
 
-_TRIGGER_KINDS = ("when", "after", "operator")
-
-
-def _kind_of_trigger(value: Any) -> str | None:
-    for kind in _TRIGGER_KINDS:
-        if (isinstance(value, dict) and kind in value) or hasattr(value, kind):
-            return kind
-    return None
-
-
 Trigger: TypeAlias = Annotated[
     Annotated[ConditionTrigger, Tag("when")]
     | Annotated[TimeTrigger, Tag("after")]
     | Annotated[OperatorTrigger, Tag("operator")],
-    Discriminator(
-        _kind_of_trigger,
+    by_key(
+        ("when", "after", "operator"),
         custom_error_type="trigger",
         custom_error_message="expected a trigger: a mapping with one of when, after, operator",
     ),

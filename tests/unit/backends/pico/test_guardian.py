@@ -71,6 +71,13 @@ def _driven(bench: Bench, runner: subprocess.Popen[str]) -> int:
     return guardian
 
 
+def _leave_alone(runner: subprocess.Popen[str]) -> None:
+    """Kill the runner, and wait until its guardian has noted that it is alone."""
+    runner.kill()
+    runner.wait()
+    _await_file()
+
+
 def _reopen(port: GuardedPort) -> None:
     give_up_s = port.now() + PATIENCE_S
     while not port.reopen():
@@ -267,9 +274,7 @@ def test_a_cable_that_is_back_only_when_nobody_but_the_guardian_is_there(
 ) -> None:
     guardian = _driven(bench, runner)
     bench.hears = False
-    runner.kill()
-    runner.wait()
-    _await_file()
+    _leave_alone(runner)
     bench.hears = True
 
     bench.hear(b"safe")
@@ -333,9 +338,7 @@ def test_a_new_run_gets_the_port_from_the_guardian_and_the_stop_comes_first(
 ) -> None:
     guardian = _driven(bench, runner)
     bench.hears = False
-    runner.kill()
-    runner.wait()
-    _await_file()
+    _leave_alone(runner)
     bench.plug()
     bench.hears = True
     bench.applied.clear()
@@ -356,9 +359,7 @@ def test_a_new_run_does_not_begin_while_the_robot_of_the_old_one_confirms_nothin
     monkeypatch.setattr("pirate_sm.backends.pico.guarded_port._STOPS_WITHIN_S", 0.5)
     _driven(bench, runner)
     bench.echoes = False
-    runner.kill()
-    runner.wait()
-    _await_file()
+    _leave_alone(runner)
     with pytest.raises(BackendError, match=r"confirms none now; cut the robot's power.*`kill"):
         GuardedPort(bench.name, 57600, INSTRUCTIONS).open()
 
@@ -372,9 +373,7 @@ def test_a_new_run_that_finds_no_port_leaves_a_guardian_as_the_old_one_did(
     """A second attempt while the cable is out must not take the last one away who can stop it."""
     guardian = _driven(bench, runner)
     bench.unplug()
-    runner.kill()
-    runner.wait()
-    _await_file()
+    _leave_alone(runner)
     with pytest.raises(BackendError, match=r"there is no port .*; cut the robot's power"):
         GuardedPort(bench.name, 57600, INSTRUCTIONS).open()
 
@@ -390,9 +389,7 @@ def test_a_run_for_another_robot_does_not_get_the_port(
 ) -> None:
     guardian = _driven(bench, runner)
     bench.echoes = False
-    runner.kill()
-    runner.wait()
-    _await_file()
+    _leave_alone(runner)
     others = INSTRUCTIONS._replace(wanted=tuple(each._replace(md5="other") for each in WANTED))
     with pytest.raises(BackendError, match="in use by another program"):
         GuardedPort(bench.name, 57600, others).open()
@@ -407,9 +404,7 @@ def test_a_guardian_that_is_alone_ends_when_an_operator_wants_it_to(
 ) -> None:
     guardian = _driven(bench, runner)
     bench.echoes = False
-    runner.kill()
-    runner.wait()
-    _await_file()
+    _leave_alone(runner)
     os.kill(guardian, signal.SIGTERM)
 
     assert _gone(guardian)
