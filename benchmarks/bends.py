@@ -24,7 +24,8 @@ from benchmarks.rounds import Port, guardians, start_bay, start_runner, wait_unt
 from benchmarks.witness import driven_now
 
 FAULTS = {3, 4}
-"""Exit codes of a fault of the backend or the link, and of one in the program."""
+"""Exit codes of a fault of the backend or the link, and of one in the program; those of the robot
+end with the outcome ``fault`` instead."""
 
 PATIENCE_S = 180.0
 
@@ -75,19 +76,22 @@ def run(number: int, port: Port) -> Bend:
             runner.kill()
         code = runner.wait()
         wait_until(lambda: not guardians(port), PATIENCE_S)
-        wrong = "it ended in a fault" if code in FAULTS or code < 0 else ""
+        end = _end(port)
+        in_fault = end.get("outcome") == "fault" or code in FAULTS or code < 0
+        wrong = "it ended in a fault" if in_fault else ""
         if driven_now(port.link):
             wrong = "wheels are driven"
-        return Bend(number, code, _said(port), wrong)
+        message = str(end.get("message") or port.err.read_text().strip())
+        return Bend(number, code, message, wrong)
     finally:
         bay.kill()
         bay.communicate()
 
 
-def _said(port: Port) -> str:
+def _end(port: Port) -> dict[str, object]:
+    """What the runner wrote last; empty where it wrote nothing."""
     lines = [line for line in port.out.read_text().splitlines() if line.endswith("}")]
-    last = json.loads(lines[-1]) if lines else {}
-    return str(last.get("message") or port.err.read_text().strip())
+    return dict(json.loads(lines[-1])) if lines else {}
 
 
 if __name__ == "__main__":
