@@ -26,7 +26,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from itertools import cycle, islice
-from math import degrees
+from math import degrees, nan
 from pathlib import Path
 from random import Random
 from statistics import median
@@ -39,6 +39,7 @@ from benchmarks.witness import (
     CABLE_OUT_S,
     NO_DEAD_MAN,
     SAMPLE_EVERY_S,
+    Sample,
     driven_now,
     samples_of,
 )
@@ -56,11 +57,8 @@ PATIENCE_S = 60.0
 WATCH_ON_S = 1.0
 """Longer than the dead man's switch takes."""
 
-AT_ONCE_S = 0.3
-"""Wheels that are driven for longer than that may move joints that clamp, too.
-
-The dead man's switch takes at least this long: `stop_after` less `refresh_every`.
-"""
+AT_ONCE_S = 0.5
+"""Wheels that are driven for longer than that may move joints that clamp, too."""
 
 STILL_RAD, HELD_RAD = 0.02, 0.05
 """A joint that moved less in a second of the same duty clamped; one that moved less since held."""
@@ -243,17 +241,31 @@ def _judge_truth(case: Case, acted_s: float) -> None:
     if any(after[-1].wheels) == case.stops and any(before[-1].wheels):
         case.broken.append("wheels are driven" if case.stops else "somebody stopped the wheels")
     second = before[max(0, len(before) - round(1.0 / SAMPLE_EVERY_S)) :]
-    moved = [
-        abs(after[-1].bends_rad[at] - before[-1].bends_rad[at])
+    moved = {
+        at: abs(after[-1].bends_rad[at] - before[-1].bends_rad[at])
         for at, duty in enumerate(before[-1].joints)
         if duty
         and all(sample.joints[at] == duty for sample in second)
         and abs(before[-1].bends_rad[at] - second[0].bends_rad[at]) < STILL_RAD
-    ]
+    }
     if moved:
-        case.moved_deg = degrees(max(moved))
-        if max(moved) > HELD_RAD and (case.stopped_s or 0.0) < AT_ONCE_S:
-            case.broken.append(f"a clamped joint moved by {case.moved_deg:.0f} deg")
+        joint = max(moved, key=lambda at: moved[at])
+        case.moved_deg = degrees(moved[joint])
+        if moved[joint] > HELD_RAD and (case.stopped_s or 0.0) < AT_ONCE_S:
+            duties = _course(joint, [before[-1], *after], acted_s)
+            case.broken.append(f"clamped joint {joint} moved by {case.moved_deg:.0f} deg: {duties}")
+
+
+def _course(joint: int, samples: list[Sample], acted_s: float) -> str:
+    """Return the duties that a joint had since the event, with its angle when each began."""
+    words = []
+    duty = nan
+    for sample in samples:
+        if sample.joints[joint] != duty:
+            duty = sample.joints[joint]
+            angle_deg = degrees(sample.bends_rad[joint])
+            words.append(f"duty {duty:g} at {sample.at_s - acted_s:.2f} s ({angle_deg:.0f} deg)")
+    return ", ".join(words)
 
 
 # --- what happens -------------------------------------------------------------------------------

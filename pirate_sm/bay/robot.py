@@ -120,10 +120,9 @@ class Robot:
         for effect in self._effects:
             # A restart of the boards is the only thing that a defect reports.
             restarted = effect.step(now_s) is not None or restarted
-        arcs = self.world.values("arc")
-        self._obstacles.step(self.world, arcs, self._cycle_s)
+        self._obstacles.step(self.world, self._cycle_s)
         if self._cycles % _GONE_EVERY == 0:
-            self.world.check_gone(arcs)
+            self.world.check_gone()
         return restarted
 
     def read(self, now_s: float, turn: Turn) -> list[float] | None:
@@ -167,7 +166,7 @@ class Robot:
         world = self.world
         return Truth(
             tuple((float(x), float(y)) for x, y in world.state.position),
-            tuple(world.values("arc")),
+            tuple(world.arcs()),
             self._middle() - self._start_m,
             tuple(world.state.bend.tolist()),
             tuple(world.state.roll.tolist()),
@@ -175,5 +174,5 @@ class Robot:
         )
 
     def _middle(self) -> float:
-        arcs = self.world.values("arc")
+        arcs = self.world.arcs()
         return sum(arcs) / len(arcs)

@@ -312,9 +312,10 @@ class Engine:
     def _obeyed_words(self, state: EngineState) -> Words:
         """What rules for faults see: wheels that a pause or a fault has stopped are not stuck."""
         robot = state.robot
-        stopped = any(mark.command == robot_state.STOPPED for mark in robot.marks)
-        if state.mission.before_pause is None and not stopped:
-            return state.words
+        if state.mission.before_pause is None:
+            marks = robot.marks  # mostly none: do not begin to look
+            if not marks or all(mark.command != robot_state.STOPPED for mark in marks):
+                return state.words
         return (*robot_state.obeyed(self.robot, robot), *state.words[-2:])
 
     def _housekeep(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:

@@ -27,8 +27,8 @@ def loss_after(loss: float, elapsed_s: float, period_s: float) -> float:
         elapsed_s: Since the same board's last report.
         period_s: Between two reports of one board where nothing is lost.
     """
-    missed = round(min(elapsed_s / period_s - 1, _MOST_MISSED))
-    if missed > 0:
+    if elapsed_s > 1.5 * period_s:
+        missed = round(min(elapsed_s / period_s - 1, _MOST_MISSED))
         loss = 1 - (1 - loss) * (1 - _GAIN) ** missed
     return loss * (1 - _GAIN)
 

@@ -16,6 +16,7 @@ Values are SI; unknown is NaN. The thresholds stand in the profile, section ``pl
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf, isnan, nan
 
 from pirate_sm.engine.channels import Channel, Numbers, Reading, Record
@@ -70,22 +71,24 @@ def sift(
     reports: list[FaultReport] = []
     channels: list[Channel] | None = None
     shown = numbers
+    remembered: Sequence[Channel] = record.channels
     if record.special or not _plain(watched, numbers, reading):
         shown = list(numbers)
         channels = [
             _believe(spec, watch, channel, record.seen, shown, reading, reports)
-            for watch, channel in zip(watched.sensors, record.channels, strict=True)
+            for watch, channel in zip(watched.sensors, remembered, strict=True)
         ]
-    if reading.setpoints:
+        remembered = channels
+    setpoints, settled = reading.setpoints, reading.settled
+    if setpoints:
         for at, slot, least_duty in watched.moving:
-            channel = (channels or record.channels)[at]
-            driven = abs(reading.setpoints[slot]) > least_duty
-            if reading.settled or driven or channel.same_s < inf:
+            channel = remembered[at]
+            if settled or abs(setpoints[slot]) > least_duty or channel.same_s < inf:
                 after = _moved(spec, watched.sensors[at], channel, numbers, reading, reports)
                 if after is not channel:
-                    channels = channels or list(record.channels)
+                    remembered = channels = channels or list(remembered)
                     channels[at] = after
-    seen = min(record.seen, spec.hold_back) + 1  # more makes no difference
+    seen = record.seen if record.seen > spec.hold_back else record.seen + 1  # no need of more
     if channels is None:
         return (record if seen == record.seen else record._replace(seen=seen)), reports
     for watch, channel in zip(watched.sensors, channels, strict=True):

@@ -136,7 +136,7 @@ def observe(
     elapsed_s = max(now - sensing.heard_s[board.position], robot.link.period_s)
     asked = _ask(robot, sensing.asked, latest if sent else (), now)
     settled = not asked.driving and now - asked.since_s >= robot.plausibility.settle_s
-    reading = Reading(before, elapsed_s, now, *asked[:2], settled)
+    reading = Reading(before, elapsed_s, now, asked.setpoints, asked.since_s, settled)
     record, reports = plausibility.sift(
         robot.plausibility, board.watched, sensing.records[board.position], numbers, reading
     )
@@ -224,9 +224,10 @@ def _roll_on(
     for wheel in board.wheels:
         angles[wheel.place] = numbers[wheel.angle]
     sharing = 0
-    for wheel, position in zip(robot.wheels, robot.wheel_boards, strict=True):
-        if driven[wheel.slot] and not isnan(angles[wheel.place]):
-            sharing += position == board.position or sensing.heard_s[position] > limit_s
+    if any(driven[wheel.slot] for wheel in board.wheels):
+        for wheel, position in zip(robot.wheels, robot.wheel_boards, strict=True):
+            if driven[wheel.slot] and not isnan(angles[wheel.place]):
+                sharing += position == board.position or sensing.heard_s[position] > limit_s
     for wheel in board.wheels:
         share = 1 / sharing if sharing and driven[wheel.slot] else 0.0
         old, shares[wheel.place] = shares[wheel.place], share

@@ -77,7 +77,7 @@ class _Wire:
     @property
     def due_s(self) -> float:
         """When the next result is to be told."""
-        return min((due for due, _ in self.results), default=math.inf)
+        return min([due for due, _ in self.results]) if self.results else math.inf
 
     def take(self, now: float) -> list[Event]:
         """The results that are due, oldest first."""
@@ -159,7 +159,7 @@ class SimulatorBackend:
             tuple(press > _TOUCHING_N for press in world.values("press")),
             world.machine.chain.wheel_radius_m,
             (world.pipe.wall_a, world.pipe.wall_b),
-            tuple(world.values("arc")),
+            tuple(world.arcs()),
             self._middle() - self._start,
             tuple(world.values("bend_torque")),
             tuple(world.state.roll.tolist()),
@@ -174,7 +174,7 @@ class SimulatorBackend:
     @property
     def arcs_m(self) -> list[float]:
         """Place of each wheel along the pipe: of the truth what a detector needs often."""
-        return self._world.values("arc")
+        return self._world.arcs()
 
     @property
     def crossings_m(self) -> tuple[float, ...]:
@@ -182,7 +182,7 @@ class SimulatorBackend:
         return self._world.pipe.crossings_m
 
     def _middle(self) -> float:
-        arcs = self._world.values("arc")
+        arcs = self._world.arcs()
         return sum(arcs) / len(arcs)
 
     def open(self) -> Sequence[Event]:
@@ -261,12 +261,11 @@ class SimulatorBackend:
                 events.append(fault)
         if turn[2] == turn[3].last:  # values that come one by one are reported when all have come
             events += self._frame(turn[0], turn[3].first, turn[3].last)
-        arcs = world.values("arc")
-        fault = self._obstacles.step(world, arcs, self._cycle_s)
+        fault = self._obstacles.step(world, self._cycle_s)
         if fault is not None:
             events.append(fault)
         if self._cycles % _GONE_EVERY == 0:
-            world.check_gone(arcs)
+            world.check_gone()
         return events
 
     def _frame(self, board: int, first: int, last: int) -> list[Event]:

@@ -38,9 +38,14 @@ class Obstacles:
         self._pushed_s = 0.0
         self._reported: set[float] = set()
 
-    def step(self, world: World, arcs: Sequence[float], cycle_s: float) -> FaultReport | None:
-        """Obstacles are where they should be at this time; the fault of an impassable bend."""
-        fault = self._out_of_plane(world, arcs)
+    def step(self, world: World, cycle_s: float) -> FaultReport | None:
+        """Move obstacles to where they should be now; return the fault of an impassable bend."""
+        rolls: list[float] = world.state.roll.tolist()
+        in_plane = max(map(abs, rolls[1:])) < _OUT_OF_PLANE_RAD
+        if in_plane and not self._waiting and self._standing is None:
+            return None
+        arcs = world.arcs()
+        fault = self._out_of_plane(world, rolls, arcs)
         if self._standing is None and self._waiting:
             self._put(world, arcs)
         if self._standing is not None:
@@ -70,10 +75,11 @@ class Obstacles:
             self._standing = None
             world.unblock()
 
-    def _out_of_plane(self, world: World, arcs: Sequence[float]) -> FaultReport | None:
+    def _out_of_plane(
+        self, world: World, rolls: Sequence[float], arcs: Sequence[float]
+    ) -> FaultReport | None:
         """A part that is not in the plane of the bend it comes to is stopped there."""
         split = world.machine.chain.roll_link
-        rolls: list[float] = world.state.roll.tolist()
         for part in (1, 2):
             off = math.remainder(rolls[part], 2.0 * math.pi)
             if abs(off) < _OUT_OF_PLANE_RAD:

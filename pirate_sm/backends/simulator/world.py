@@ -70,6 +70,7 @@ class World:
         self.pipe = pipe
         self.machine = machine
         self.layout = Layout(n)
+        self._arc_block = self.layout.block("arc")
         self.body: Floats = body_array(machine.chain, (friction,) * n)
         self.state = ChainState(n)
         self.command: Floats = np.zeros(2 * n)
@@ -127,6 +128,11 @@ class World:
     def values(self, quantity: str) -> list[float]:
         """A quantity of every wheel after the last cycle, see `chain.Layout`."""
         found: list[float] = self.out[self.layout.block(quantity)].tolist()
+        return found
+
+    def arcs(self) -> list[float]:
+        """Return where each wheel is along the pipe, m."""
+        found: list[float] = self.out[self._arc_block].tolist()
         return found
 
     def value(self, quantity: str) -> float:
@@ -188,8 +194,9 @@ class World:
         )  # fmt: skip
         self.time_s += steps * self._world[kernel.DT]
 
-    def check_gone(self, arcs: Sequence[float]) -> None:
+    def check_gone(self) -> None:
         """A robot far outside the pipe has come to rest; nothing moves any more."""
+        arcs = self.arcs()
         outside = max(-max(arcs), min(arcs) - self.pipe.length_m)
         if self.gone or outside < _GONE_M:
             return

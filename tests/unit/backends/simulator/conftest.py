@@ -79,7 +79,7 @@ class Driver:
 
     @property
     def middle(self) -> float:
-        arcs = self.world.values("arc")
+        arcs = self.world.arcs()
         return sum(arcs) / len(arcs)
 
 

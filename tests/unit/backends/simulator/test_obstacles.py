@@ -17,7 +17,7 @@ def run(robot: Driver, obstacles: Obstacles, seconds: float) -> list[str]:
     faults = []
     for _ in range(round(seconds / CYCLE_S)):
         robot.world.advance(0, 0)
-        fault = obstacles.step(robot.world, robot.world.values("arc"), CYCLE_S)
+        fault = obstacles.step(robot.world, CYCLE_S)
         if fault is not None:
             faults.append(f"{fault.code}: {fault.message}")
     return faults
@@ -55,13 +55,13 @@ def test_an_obstacle_comes_at_its_time(place: Place) -> None:
     robot.clamp(1, 2, 3, 4)
     robot.drive(1.0)
     run(robot, obstacles, 4.0)
-    assert robot.world.values("arc")[0] < 1.15
+    assert robot.world.arcs()[0] < 1.15
     late = place(straight(), at=1.0)
     obstacles = Obstacles([Obstacle(1.05, from_s=2.0)])
     late.clamp(1, 2, 3, 4)
     late.drive(1.0)
     run(late, obstacles, 1.9)
-    assert late.world.values("arc")[0] > 1.1
+    assert late.world.arcs()[0] > 1.1
 
 
 def test_a_bend_out_of_the_plane_of_a_part_is_impassable(place: Place) -> None:
@@ -72,7 +72,7 @@ def test_a_bend_out_of_the_plane_of_a_part_is_impassable(place: Place) -> None:
     faults = run(robot, obstacles, 5.0)
     assert len(faults) == 1
     assert "pipe.impassable: bend 1 lies 90 deg out of the plane of wheel 1" in faults[0]
-    assert robot.world.values("arc")[0] < 1.0
+    assert robot.world.arcs()[0] < 1.0
 
 
 def test_a_bend_in_plane_is_no_fault(place: Place) -> None:

@@ -97,9 +97,9 @@ def test_an_unclamped_robot_falls_out_and_comes_to_rest(place: Place) -> None:
     assert felt < 3.0  # free fall but for friction
     for _ in range(100):
         robot.run(0.05)
-        robot.world.check_gone(robot.world.values("arc"))
+        robot.world.check_gone()
     assert robot.world.gone
-    assert max(robot.world.values("arc")) < 0.0
+    assert max(robot.world.arcs()) < 0.0
     assert robot.world.value("acc_z") == pytest.approx(9.81)
 
 
@@ -142,16 +142,16 @@ def test_wheels_slip_against_an_obstacle_where_friction_is_low(place: Place) -> 
     robot.world.block(0, 1.1, ahead=True)
     robot.drive(1.0)
     robot.run(3.0)
-    held = robot.world.values("arc")[0]
+    held = robot.world.arcs()[0]
     wheels = robot.world.values("wheel")
     robot.run(2.0)
-    assert robot.world.values("arc")[0] == pytest.approx(held, abs=2e-3)
+    assert robot.world.arcs()[0] == pytest.approx(held, abs=2e-3)
     assert held == pytest.approx(1.1 - 0.024, abs=3e-3)
     turned = [abs(b - a) for a, b in zip(wheels, robot.world.values("wheel"), strict=True)]
     assert max(turned) > 1.0  # they turn on, the robot does not move
     robot.world.unblock()
     robot.run(2.0)
-    assert robot.world.values("arc")[0] > held + 0.1
+    assert robot.world.arcs()[0] > held + 0.1
 
 
 def test_the_sign_of_a_joint_turns_the_body_ahead_to_side_a(place: Place) -> None:
@@ -274,13 +274,13 @@ def test_a_part_that_holds_with_its_apex_alone_stays_where_it_is_in_a_vertical_p
     robot.clamp(*ALL_JOINTS, duty=0.7)
     robot.run(2.0)
     apex, half = (1, _APEX_DEG / 2) if held == (1, 2) else (4, -_APEX_DEG / 2)
-    start = robot.world.values("arc")[apex]
+    start = robot.world.arcs()[apex]
     loose = {f"at_{wheel}": 0.0 for wheel in ALL_JOINTS if wheel not in held}
     beside = next(wheel for wheel in held if wheel != apex)
     _bring(robot, 6.0, **loose, **{f"at_{beside}": half})
     _turn(robot, math.pi / 2, 10.0)
     assert abs(robot.world.state.roll[0]) == pytest.approx(math.pi / 2)
-    assert robot.world.values("arc")[apex] == pytest.approx(start, abs=2e-3)
+    assert robot.world.arcs()[apex] == pytest.approx(start, abs=2e-3)
 
 
 def test_a_part_that_lies_in_the_pipe_turns_against_its_friction(place: Place) -> None:
