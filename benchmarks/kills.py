@@ -5,8 +5,8 @@
 Runner, its guardian and the emulated bay are processes of their own, in real time. At a random
 moment one of them or two are killed, told to end, stopped for a while or for good, or the cable is
 out, for longer than anybody waits too. The bay writes down its truth; once the line is back the
-wheels must stand, clamped joints must stay where they were when the wheels stopped, the runner
-must have ended with the exit code that is documented and with one sentence, no process may be
+wheels must stand, clamped joints must stay where they came to rest when the wheels stopped, the
+runner must have ended with the exit code that is documented and with one sentence, no process may be
 left, and a second program must get the port.
 
 The bay's firmware has the dead man's switch of the profile, which stops wheels when nobody else
@@ -56,6 +56,9 @@ DIES_AFTER_S = 0.3
 PATIENCE_S = 60.0
 WATCH_ON_S = 1.0
 """Longer than the dead man's switch takes."""
+
+SETTLES_S = 0.5
+"""What the wheels have pushed settles for so long after they were stopped."""
 
 STILL_RAD, HELD_RAD = 0.02, 0.05
 """A joint that moved less in a second of the same duty clamped; one that moved less since held."""
@@ -228,9 +231,9 @@ def _judge_words(case: Case, out: str, err: str) -> None:
 
 
 def _judge_truth(case: Case, acted_s: float) -> None:
-    """Wheels stand, and joints that clamped are where they were when the last wheel stopped.
+    """Wheels stand, and joints that clamped stay where they are once the last wheel has stopped.
 
-    Wheels that are driven until then move joints, too.
+    Wheels that are driven until then move joints, too, and what they pushed settles.
     """
     samples = list(samples_of(case.port.link))
     before = [sample for sample in samples if sample.at_s <= acted_s]
@@ -242,7 +245,9 @@ def _judge_truth(case: Case, acted_s: float) -> None:
         case.broken.append("wheels are driven" if case.stops else "somebody stopped the wheels")
     if KINDS[case.kind].goes_on and case.code == 0:
         return  # the mission has moved joints as it should
-    stood = next((each for each in after if not driven or each.at_s > driven[-1]), after[-1])
+    stood = before[-1]
+    if driven:
+        stood = next((each for each in after if each.at_s > driven[-1] + SETTLES_S), after[-1])
     second = before[max(0, len(before) - round(1.0 / SAMPLE_EVERY_S)) :]
     moved = {
         at: abs(after[-1].bends_rad[at] - stood.bends_rad[at])
