@@ -6,8 +6,8 @@ Runner, its guardian and the emulated bay are processes of their own, in real ti
 moment one of them or two are killed, told to end, stopped for a while or for good, or the cable is
 out, for longer than anybody waits too. The bay writes down its truth; once the line is back the
 wheels must stand, clamped joints must stay where they came to rest when the wheels stopped, the
-runner must have ended with the exit code that is documented and with one sentence, no process may be
-left, and a second program must get the port.
+runner must have ended with the exit code that is documented and with one sentence, no process may
+be left, and a second program must get the port.
 
 The bay's firmware has the dead man's switch of the profile, which stops wheels when nobody else
 does. `--no-dead-man` leaves it out, to judge what runner and guardian do by themselves.

@@ -12,6 +12,7 @@ from math import inf, isnan, nan
 from typing import NamedTuple, TypeAlias
 
 from pirate_sm.backends.pico.framing import LONGEST_PAYLOAD, Decoder, Frame, encode
+from pirate_sm.backends.pico.patience import Patience
 from pirate_sm.backends.pico.topics import (
     FIRST_OF_THE_DEVICE,
     LOG,
@@ -36,6 +37,9 @@ SILENT_AFTER_S = 0.4
 
 TIME_PERIOD_S = 2.5
 """A configured device asks for the time so often, and falls silent when 11 s bring no answer."""
+
+_LOOKS = 4
+"""So often a device that says nothing is looked at before it counts as silent."""
 
 _TIME_COPIES = 3
 _TIME_AGAIN_S = 0.4
@@ -120,11 +124,14 @@ class Conversation:
             now: The time.
             epoch_s: Added to the time it gives what the device is told, seconds since 1970.
             boot_s: How long a boot loader may be listening, to which nothing must be said.
-            silent_s: A device that has said nothing for this long is asked anew.
+            silent_s: A device that has said nothing for this long is asked anew. The time in
+                which this program stood still does not count.
         """
         self._wanted = tuple(wanted)
         self._epoch_s = epoch_s
         self._silent_s = silent_s
+        self._patience = Patience(silent_s / _LOOKS)
+        self._patience.hear(now)
         self._decoder = Decoder()
         self._numbers: dict[int, int] = {}
         self._rooms: dict[int, int] = {}
@@ -168,14 +175,15 @@ class Conversation:
     @property
     def due_s(self) -> float:
         """When there will be something to write, if nothing comes before."""
-        due = self._ask_s if self.asking else self.heard_s + self._silent_s
+        due = self._ask_s if self.asking else self._patience.due_s(self._silent_s)
         return min(due, self._time_s)
 
     def write(self, now: float) -> bytes:
         """The next frame to be written at this time; empty when there is none."""
+        silent = self._patience.look(now) >= self._silent_s
         if now >= self._time_s:
             return self._tell_time()
-        if self._known and not self._again and now >= self.heard_s + self._silent_s:
+        if self._known and not self._again and silent:
             self._again = True
             self._fresh.clear()
             self._ask_s = now
@@ -245,6 +253,7 @@ class Conversation:
             yield Message(at, payload)
             return
         self._silence_s, self.heard_s = max(self._silence_s, now - self.heard_s), now
+        self._patience.hear(now)
         if at is not None:
             if not (self._again and self._fresh):
                 self._silence_s = 0.0

@@ -83,7 +83,8 @@ class Exchange:
         self.stopped = Stopped(plan.safe_zero)
         self._measurements = Measurements(plan.channels)
         advice = sensors_off(plan.serial.advice.no_sensors)
-        self._recovery = Recovery(BRIEF * plan.silent_after_s, plan.away_s, advice)
+        self.brief_s = BRIEF * plan.silent_after_s
+        self._recovery = Recovery(self.brief_s, plan.away_s, advice)
         self._events: list[Event] = []
         self._held: tuple[int, ...] | None = None
         self._safe_from: tuple[int, ...] | None = None

@@ -385,6 +385,24 @@ def test_mission_time_stands_still_when_this_program_did_while_the_cable_went(
     assert now_s == pytest.approx(1.4, abs=0.05)
 
 
+@pytest.mark.parametrize("queued", [True, False])
+def test_a_standstill_of_this_program_is_no_silence_of_the_controller(
+    backend: SerialBackend, port: VirtualPort, queued: bool
+) -> None:
+    """A mission ended with `firmware.reset` when the whole computer had stood still for 1 s."""
+    backend.open()
+    run(backend, 1.0)
+    port.wait(port.now() + 1.2)
+    if not queued:  # the guardian had stood still as well, and nothing was kept
+        while port.read(port.now()):
+            pass
+    now_s, events = backend.advance(10.0)
+    assert now_s == pytest.approx(1.75, abs=0.05), "no board is silent for so long"
+    told = run(backend, 4.0)
+
+    assert not faults([(now_s, event) for event in events] + told)
+
+
 def test_nothing_is_told_of_sensors_before_the_reset_is(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
@@ -446,7 +464,8 @@ def test_a_second_reset_while_the_first_is_looked_into_is_one_fault(
     assert device.applied[-1][2][4:8] == (-700, 1000, 700, -1000)
 
 
-@pytest.mark.parametrize("silence_s", [0.45, 0.7])
+# Not just before the device is asked again: one that answers may have been reset.
+@pytest.mark.parametrize("silence_s", [0.45, 0.58])
 def test_a_line_that_is_silent_for_a_moment_is_no_fault_and_takes_no_mission_time(
     backend: SerialBackend, port: VirtualPort, silence_s: float
 ) -> None:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import struct
 
+import pytest
+
 from pirate_sm.backends.pico.conversation import Conversation, Wanted
 from pirate_sm.backends.pico.framing import Decoder, encode
-from pirate_sm.backends.pico.topics import PUBLISHER, SUBSCRIBER, TIME
+from pirate_sm.backends.pico.topics import PUBLISHER, REQUEST_TOPICS, SUBSCRIBER, TIME
 
 STATE = Wanted("state", "some_msgs/State", "0" * 32, "publishes")
 NUMBER = 125
@@ -124,3 +126,28 @@ def test_an_echo_alone_does_not_end_a_silence() -> None:
         conversation.write(0.1 + turn / 10)
 
     assert conversation.asking
+
+
+def quiet_until(conversation: Conversation, since_s: float, until_s: float) -> list[float]:
+    """When the device was asked for its topics, as nothing came from it meanwhile."""
+    asked, now = [], since_s
+    while now < until_s:
+        now = min(conversation.due_s, until_s)
+        if conversation.write(now) == encode(REQUEST_TOPICS):
+            asked.append(now)
+    return asked
+
+
+def test_a_device_is_asked_once_it_was_silent_while_this_program_was_awake() -> None:
+    conversation = short_frames()
+    list(conversation.receive(encode(NUMBER, b"x"), 1.0))
+
+    assert quiet_until(conversation, 1.0, 2.0)[0] == pytest.approx(1.4, abs=0.01)
+
+
+def test_a_standstill_of_this_program_is_not_counted_as_silence_of_the_device() -> None:
+    conversation = short_frames()
+    list(conversation.receive(encode(NUMBER, b"x"), 1.0))
+
+    assert conversation.write(2.2) != encode(REQUEST_TOPICS)
+    assert quiet_until(conversation, 2.2, 3.0)[0] == pytest.approx(2.6, abs=0.01)
