@@ -16,6 +16,10 @@ def meet(
     mission = state.mission
     if mission.ended:
         return state
+    if fault.denies:
+        state = state._replace(
+            robot=machine.deny(setting.robot, state.robot, fault.denies, effects)
+        )
     if mission.ending:
         effects.append(Fault(fault.code, fault.message, "stop"))
         return state

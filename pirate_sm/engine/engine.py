@@ -23,7 +23,15 @@ from pirate_sm.engine import (
 )
 from pirate_sm.engine.diverting import divert, meet
 from pirate_sm.engine.ending import end, finish
-from pirate_sm.engine.faults import ANEW, Found, begin_anew, listen, look, no_faults, unsettle
+from pirate_sm.engine.faults import (
+    ANEW,
+    Found,
+    begin_anew,
+    listen,
+    look,
+    no_faults,
+    unsettle,
+)
 from pirate_sm.engine.interpreter import advance, next_deadline, spoken
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.program import Program
@@ -290,8 +298,9 @@ class Engine:
 
     def _watch(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
         robot, finished = machine.watch(
-            self.robot, state.robot, state.sensing, now, self.nominal, effects
-        )
+            self.robot, state.robot, state.sensing, now, self.nominal, effects,
+            denied=self.robot.denied_by(state.faults.raised),
+        )  # fmt: skip
         if robot is not state.robot:
             state = self._moved(state, robot)
         return self._finished(state, finished)

@@ -146,7 +146,8 @@ def survey(robot: RobotSpec, state: EngineState, now_s: float) -> tuple[Surveyed
     before, numbers, body = state.surveyed, state.sensing.numbers, robot.body
     word = state.words[-2]
     in_bend = before.in_bend if word is None else word not in robot.words_behind
-    held = sorted(confirmed_parts(robot, state.robot))
+    opened = robot.held[state.robot.configuration] & robot.denied_by(state.faults.raised).keys()
+    held = sorted(confirmed_parts(robot, state.robot) | opened)
     walled = [part for part in held if not _is_open(body, part, numbers)]
     segment = ""
     if word is not None and in_bend:

@@ -17,11 +17,12 @@ ANEW = frozenset({"firmware.reset", "link.interrupted"})
 
 
 class Found(NamedTuple):
-    """A fault that has just come to be."""
+    """A fault that has just come to be, and the parts whose clamps it shows not to hold."""
 
     code: str
     message: str
     catchable: bool
+    denies: frozenset[int] = frozenset()
 
 
 def no_faults(robot: RobotSpec) -> FaultState:
@@ -60,7 +61,7 @@ def look(
             since[index] = began = now
         if index not in raised and has_come(now, began + rule.held_s):
             raised |= {index}
-            found.append(Found(rule.code, rule.message, rule.catchable))
+            found.append(Found(rule.code, rule.message, rule.catchable, rule.denies))
     blind, unseen = _blind(robot, faults.blind, board, sensing)
     found += unseen
     silent = faults.silent - {board.position} if faults.silent else faults.silent

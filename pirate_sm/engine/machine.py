@@ -7,7 +7,9 @@ unconfirmed clamp is no clamp.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import inf, isnan, nan
+from types import MappingProxyType
 
 from pirate_sm.engine import seeing
 from pirate_sm.engine.criteria import AcceptedSpec
@@ -15,6 +17,7 @@ from pirate_sm.engine.done import Loop, must_hold_s, told
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import (
+    DENIED,
     POSTURE,
     STOPPED,
     Finished,
@@ -24,6 +27,7 @@ from pirate_sm.engine.robot_state import (
     Numbers,
     Purpose,
     RobotState,
+    confirmed_parts,
     criterion_of,
     made_by,
     posture_of,
@@ -42,6 +46,8 @@ from pirate_sm.engine.stages import (
 )
 from pirate_sm.model.effects import CommandStatus, Effect, Setpoints
 from pirate_sm.model.events import SubmitResult
+
+_NOTHING_DENIED: Mapping[int, str] = MappingProxyType({})
 
 
 def begin(
@@ -120,6 +126,8 @@ def watch(
     now: float,
     nominal: bool,
     effects: list[Effect],
+    *,
+    denied: Mapping[int, str] = _NOTHING_DENIED,
 ) -> tuple[RobotState, Finished | None]:
     """The command under way has been held against the signals and its deadline.
 
@@ -134,6 +142,8 @@ def watch(
         now: Time in seconds.
         nominal: Take the command as done after its nominal duration instead of by signals.
         effects: Taken along and added to.
+        denied: Parts that do not hold, and the words of the fault that shows it. A command that
+            clamps one is not done.
 
     Returns:
         The new state, and how the command ended if it did.
@@ -148,7 +158,8 @@ def watch(
             return _complete(robot, state, sensing, "nominal duration has passed", effects)
         return state, None
     since_s, done = motion.since_s, criterion_of(robot, motion)
-    if is_done(robot, state, motion, done, sensing):
+    why_not = _why_not_clamped(state, motion, denied) if denied else ""
+    if not why_not and is_done(robot, state, motion, done, sensing):
         since_s = now if isnan(since_s) else since_s
         held_s = must_hold_s(done, sensing.numbers, state.loops)
         if free and has_come(now, since_s + held_s):
@@ -158,6 +169,7 @@ def watch(
         since_s = nan
     if free and (motion.blind or has_come(now, motion.deadline_s)):
         reason = motion.blind or why_late(robot, state, motion, sensing)
+        reason = f"{reason}: {why_not}" if why_not else reason
         return fail(robot, state, reason, effects), Finished(False, reason)
     if since_s is not motion.since_s:
         state = state._replace(motion=motion._replace(since_s=since_s))
@@ -201,7 +213,7 @@ def doubt_grip(robot: RobotSpec, state: RobotState) -> RobotState:
         return state
     if posture_of(robot, motion) is None:
         return state
-    marks = {Mark("part", part, -1) for part in robot.held[state.configuration]}
+    marks = {Mark("part", part, DENIED) for part in robot.held[state.configuration]}
     return state._replace(marks=state.marks | marks)
 
 
@@ -234,7 +246,25 @@ def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
     return state._replace(marks=state.marks | stopped)
 
 
+def deny(
+    robot: RobotSpec, state: RobotState, parts: frozenset[int], effects: list[Effect]
+) -> RobotState:
+    """Mark the clamps of these parts as unconfirmed where they have been confirmed."""
+    lost = confirmed_parts(robot, state) & parts
+    if lost:
+        marks = state.marks | {Mark("part", part, DENIED) for part in lost}
+        state = state._replace(marks=marks)
+        effects.append(state_change(robot, state))
+    return state
+
+
 # --- inside ---------------------------------------------------------------------------------
+
+
+def _why_not_clamped(state: RobotState, motion: Motion, denied: Mapping[int, str]) -> str:
+    """Return why a part that the command under way is to clamp does not hold; else empty."""
+    own = [mark for mark in sorted(state.marks) if mark.command == motion.command]
+    return next((denied[m.which] for m in own if m.kind == "part" and m.which in denied), "")
 
 
 def _send(

@@ -141,13 +141,18 @@ class CommandSpec:
 
 @dataclass(frozen=True)
 class FaultSpec:
-    """A condition on signals that is a fault once it has held."""
+    """A condition on signals that is a fault once it has held.
+
+    Attributes:
+        denies: Parts whose clamps it shows not to hold.
+    """
 
     code: str
     message: str
     when: Expression
     held_s: float
     catchable: bool
+    denies: frozenset[int] = frozenset()
 
 
 class WheelSpec(NamedTuple):
@@ -282,6 +287,14 @@ class RobotSpec:
             wheel.place: board.position for board in self.boards.values() for wheel in board.wheels
         }
         return tuple(positions.get(wheel.place, -1) for wheel in self.wheels)
+
+    def denied_by(self, faults: frozenset[int]) -> dict[int, str]:
+        """Return the parts whose clamps these fault rules, given by index, show not to hold.
+
+        Each comes with the words of the rule.
+        """
+        rules = [self.faults[index] for index in sorted(faults)]
+        return {part: rule.message for rule in rules for part in rule.denies}
 
     def travel(self, values: Sequence[float]) -> int:
         """Return which way setpoints drive the wheels, in this polarity.

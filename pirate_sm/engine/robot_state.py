@@ -26,11 +26,15 @@ DECLARED = -2
 """In place of a mark's command: a person or a file has said so."""
 
 
+DENIED = -3
+"""In place of a mark's command: sensors have shown that it is not so, or may be so no more."""
+
+
 class Mark(NamedTuple):
     """A region's state, or a part's clamp, that is not confirmed.
 
     Attributes:
-        command: The command that made it, or ``STOPPED`` or ``DECLARED``.
+        command: The command that made it, or ``STOPPED``, ``DECLARED`` or ``DENIED``.
     """
 
     kind: Literal["region", "part"]

@@ -182,7 +182,7 @@ def _resolve(
     actuation = resolve_actuation(profile, table, signals, slots, polarity, problems)
     postures = resolve_postures(profile, table, signals, slots, polarity, held, actuation, problems)
     commands, unneeded = resolve_commands(profile, table, held, signals, postures, problems)
-    faults = resolve_faults(profile, signals, problems)
+    faults = resolve_faults(profile, signals, parts, problems)
     zero = tuple(
         slots.index(name, ("safe_state", "zero", number))
         for number, name in enumerate(profile.safe_state.zero)

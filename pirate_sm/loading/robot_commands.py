@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from pirate_sm.engine.chart_table import ChartTable
 from pirate_sm.engine.criteria import (
@@ -93,7 +93,7 @@ def resolve_commands(
 
 
 def resolve_faults(
-    profile: model.Profile, signals: Signals, problems: Problems
+    profile: model.Profile, signals: Signals, parts: Sequence[str], problems: Problems
 ) -> tuple[FaultSpec, ...]:
     """Return one rule per fault and, with ``for_each``, per number that is written out in it.
 
@@ -102,6 +102,7 @@ def resolve_faults(
     rules: list[FaultSpec] = []
     stops = {f"{j.name}_stop": Quantity(j.end_stop, ANGLE) for j in profile.body.joints}
     for number, fault in enumerate(profile.faults):
+        denies = frozenset(_denied(fault, number, parts, problems))
         for index in fault.for_each or (None,):
             when, message = fault.when, fault.message
             if index is not None:
@@ -112,8 +113,25 @@ def resolve_faults(
                 problems.add_expression(("faults", number, "when"), error)
                 break
             _check_catchable(fault, number, rules, problems)
-            rules.append(FaultSpec(fault.code, message, condition, fault.held, fault.catchable))
+            rules.append(
+                FaultSpec(fault.code, message, condition, fault.held, fault.catchable, denies)
+            )
     return tuple(rules)
+
+
+def _denied(
+    fault: model.FaultRule, number: int, parts: Sequence[str], problems: Problems
+) -> Iterator[int]:
+    """Yield the indexes of the parts whose clamps the fault denies."""
+    for place, name in enumerate(fault.denies):
+        if name in parts:
+            yield parts.index(name)
+            continue
+        problems.add(
+            "robot.name", ("faults", number, "denies", place),
+            f"the robot has no part '{name}' that a chart state holds",
+            expected=one_of(sorted(parts)), suggestion=nearest(name, parts) or "",
+        )  # fmt: skip
 
 
 def _check_catchable(

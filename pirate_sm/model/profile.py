@@ -234,6 +234,8 @@ class FaultRule(Frozen):
         message: What people read.
         catchable: ``false`` for what no mission may handle.
         for_each: The rule is written out for each of these numbers, in place of ``{i}``.
+        denies: Parts whose clamps it shows not to hold: as long as it is true they are not
+            confirmed, whatever a command's criterion says.
     """
 
     code: FaultCode
@@ -242,6 +244,7 @@ class FaultRule(Frozen):
     message: str
     catchable: Flag = True
     for_each: tuple[Count, ...] = ()
+    denies: tuple[Name, ...] = ()
 
 
 class DetectorPoint(Frozen):

@@ -498,3 +498,41 @@ def test_a_fault_rule_still_sees_the_states_that_drive_no_wheel(drive):
     driver.run(3.0)
 
     assert driver.faults == [("clamp.lost", "stop")], "the clamp is commanded during a pause too"
+
+
+OPENED = math.radians(119)
+"""Of gamma_1: nearer to its end stop than a clamp in a pipe can be."""
+
+LOSING = f"on_fault: [{{fault: clamp.lost, then: continue}}]\n{IDLE}"
+
+
+def test_a_clamp_that_a_fault_denies_is_confirmed_no_more(drive):
+    driver = drive(LOSING, states=BOTH_CLAMPED)
+    driver.show(gamma_1=math.radians(-100), gamma_4=math.radians(-100))
+    assert driver.unconfirmed == set()
+
+    driver.signals["gamma_1"] = -OPENED
+    driver.run(driver.now + 1.5)
+
+    assert driver.faults == [("clamp.lost", "continue")]
+    assert "BendingState" in driver.unconfirmed
+    command(driver, "RelaxRear")
+    assert driver.last_status.status == "refused"
+    assert "the last confirmed clamp (rear)" in driver.last_status.reason
+
+
+def test_a_clamp_is_not_confirmed_while_the_fault_that_denies_it_lasts(drive):
+    driver = drive(LOSING, states=BOTH_CLAMPED)
+    driver.show(gamma_1=-OPENED, gamma_4=math.radians(-100))
+    driver.run(driver.now + 1.5)
+
+    command(driver, "ClampFront")
+    for _ in range(30):
+        driver.obey()
+    assert ("ClampFront", "accepted") in driver.statuses
+    assert ("ClampFront", "done") not in driver.statuses
+
+    driver.signals["gamma_1"] = math.radians(-100)
+    driver.until_done("ClampFront")
+
+    assert driver.unconfirmed == set()
