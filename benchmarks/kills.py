@@ -233,7 +233,9 @@ def _judge_words(case: Case, out: str, err: str) -> None:
 def _judge_truth(case: Case, acted_s: float) -> None:
     """Wheels stand, and joints that clamped stay where they are once the last wheel has stopped.
 
-    Wheels that are driven until then move joints, too, and what they pushed settles.
+    Wheels that are driven until then move joints, too, and what they pushed settles. A joint that
+    kept its duty was not let go of, however it moved, and opening the port resets the bay: then
+    every duty is zero until the last array is sent again. What moved so is told all the same.
     """
     samples = list(samples_of(case.port.link))
     before = [sample for sample in samples if sample.at_s <= acted_s]
@@ -259,7 +261,9 @@ def _judge_truth(case: Case, acted_s: float) -> None:
     if moved:
         joint = max(moved, key=lambda at: moved[at])
         case.moved_deg = degrees(moved[joint])
-        if moved[joint] > HELD_RAD:
+        duty = before[-1].joints[joint]
+        let_go = any(sample.joints[joint] != duty and any(sample.joints) for sample in after)
+        if moved[joint] > HELD_RAD and let_go:
             duties = _course(joint, [before[-1], *after], acted_s)
             case.broken.append(f"clamped joint {joint} moved by {case.moved_deg:.0f} deg: {duties}")
 

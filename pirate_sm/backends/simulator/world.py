@@ -81,7 +81,12 @@ class World:
         self._channels = machine.channels.copy()
         self._rng: Words = np.array([seed], dtype=np.uint64)
         self._steps = max(1, round(cycle_s / STEP_S))
-        self._world = _constants(machine, pipe, cycle_s / self._steps)
+        self._step_s = cycle_s / self._steps
+        self._world = _constants(machine, pipe, self._step_s)
+        self._arrays = (
+            self.state.array, self.command, self.body, pipe.wall_array, pipe.leg_array,
+            self._world, self._channels, self.out, self.raw, self._rng,
+        )  # fmt: skip
         _place(self.state, machine, pipe, pose)
         self.settle()
 
@@ -122,7 +127,7 @@ class World:
         if not self.gone:
             self._run(self._steps, first, last)
             return
-        self.time_s += self._steps * self._world[kernel.DT]
+        self.time_s += self._steps * self._step_s
         kernel.read_channels(self._channels, first, last, self.out, self.raw, self._rng)
 
     def values(self, quantity: str) -> list[float]:
@@ -188,11 +193,8 @@ class World:
             self._channels[row, kernel.C_OFFSET] += count
 
     def _run(self, steps: int, first: int, last: int) -> None:
-        kernel.advance(
-            self.state.array, self.command, self.body, self.pipe.wall_array, self.pipe.leg_array,
-            self._world, self._channels, self.out, self.raw, self._rng, steps, first, last,
-        )  # fmt: skip
-        self.time_s += steps * self._world[kernel.DT]
+        kernel.advance(*self._arrays, steps, first, last)
+        self.time_s += steps * self._step_s
 
     def check_gone(self) -> None:
         """A robot far outside the pipe has come to rest; nothing moves any more."""
