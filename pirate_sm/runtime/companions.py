@@ -76,8 +76,8 @@ class Firing(NamedTuple):
 
     Attributes:
         trigger: Name of the trigger, or ``within`` to let the time limit pass.
-        after_s: How long after the wait was armed; None: before time ends the wait otherwise, and
-            after ``FIRST_TRIGGER_AFTER_S`` at the latest.
+        after_s: How long after the wait was armed. None: at the trigger's own time if it has one,
+            else before time ends the wait otherwise, at the latest ``FIRST_TRIGGER_AFTER_S`` later.
         phase: Only in this phase; empty for any.
     """
 
@@ -146,11 +146,14 @@ class TriggerScript:
 
 
 def _before_time(wait: Wait, chosen: str) -> float:
-    """Return when to fire the chosen trigger so that no other one comes first by time alone."""
-    others = [
-        each.after_s for each in wait.triggers if each.after_s is not None and each.name != chosen
-    ]
-    return min(FIRST_TRIGGER_AFTER_S, min([wait.within_s, *others]) / 2)
+    """Return when to fire the chosen trigger so that no other one comes first by time alone.
+
+    One that time itself makes true comes at its time.
+    """
+    times = {each.name: each.after_s for each in wait.triggers if each.after_s is not None}
+    own_s = times.pop(chosen, inf)
+    limit_s = min([wait.within_s, *times.values()])
+    return own_s if own_s < limit_s else min(FIRST_TRIGGER_AFTER_S, limit_s / 2)
 
 
 class LoopWatch:

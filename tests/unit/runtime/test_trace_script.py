@@ -74,6 +74,16 @@ def test_a_trigger_of_time_does_not_fire_in_place_of_the_first(tmp_path: Path, a
     assert played.ended.outcome == "succeeded"
 
 
+@pytest.mark.parametrize("script", [(), (Firing("rest"),)])
+def test_a_trigger_of_time_fires_at_its_time(tmp_path: Path, script: tuple[Firing, ...]) -> None:
+    body = """
+start: p
+phases:
+  p: {wait: [{after: 3 s, name: rest, go: passed}], within: {time: 5 s, go: late}}
+"""
+    assert play(tmp_path, body, *script).fired == [(3.0, "rest")]
+
+
 def test_a_trigger_of_time_does_not_fire_in_place_of_one_that_the_script_names(
     tmp_path: Path,
 ) -> None:
