@@ -61,8 +61,6 @@ class SerialBackend:
         self.exchange = Exchange(plan, port.now(), port.epoch_s, self._baud)
         self._zero_s = 0.0
         self._held_s = inf
-        self._turned_s = inf
-        self._slept_s = 0.0
         self._late = False
         self._told = False
         self._trips = 0
@@ -94,7 +92,7 @@ class SerialBackend:
         except BaseException:
             self.close()
             raise
-        self._zero_s = self._turned_s = self.port.now()
+        self._zero_s = self.port.now()
         self.exchange.watch()
         return events
 
@@ -197,12 +195,11 @@ class SerialBackend:
     def _keep_time(self, now: float) -> None:
         """Mission time stands still while the mission is held.
 
-        It catches up with a silence that was none, and leaves out one that is reported as a fault.
-        Where this program itself has stood still no more of it passes than in a short silence:
-        every board would seem to be silent, though their reports wait to be read.
+        It catches up with a silence that was none, but for what this program stood still for in it,
+        and leaves out one that is reported as a fault.
         """
         outage = self.exchange.outage
-        standstill_s = self._slept_s - self.exchange.brief_s
+        self._zero_s += self.exchange.take_left_out_s()
         if outage is not None:
             self._held_s = min(self._held_s, outage.since_s)
         elif self._held_s < inf:
@@ -211,15 +208,12 @@ class SerialBackend:
             else:
                 self._zero_s += now - self._held_s
             self._held_s = inf
-        elif standstill_s > 0:
-            self._zero_s += standstill_s
 
     def _turn(self, until_s: float) -> None:
         """Everything due has been written, and what came by then has been taken in."""
         if self._lost_s < inf:
             self._retry(self.port.now())
         now = self.port.now()
-        self._slept_s, self._turned_s = now - self._turned_s, now
         able = self._lost_s == inf
         try:
             while data := self.exchange.write(now, able):

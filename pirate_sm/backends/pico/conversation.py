@@ -105,6 +105,8 @@ class Conversation:
         frames: How many have come.
         words: The last lines of the firmware.
         heard_s: When the last frame came that was no mere answer.
+        silence_s: How long nothing had come before it, while this program was awake; where the
+            device is being asked anew, before any frame since the silence began.
         offered: Every topic that the device has introduced, by direction and name.
         strange: How many frames there were on topics that nobody introduced.
     """
@@ -146,6 +148,7 @@ class Conversation:
         self._fresh: set[int] = set()
         self._silence_s = 0.0
         self.heard_s = now
+        self.silence_s = 0.0
         self.frames = 0
         self.strange = 0
         self.words: deque[LogLine] = deque(maxlen=_WORDS_KEPT)
@@ -253,6 +256,7 @@ class Conversation:
             yield Message(at, payload)
             return
         self._silence_s, self.heard_s = max(self._silence_s, now - self.heard_s), now
+        self.silence_s = max(self.silence_s if self._again else 0.0, self._patience.look(now))
         self._patience.hear(now)
         if at is not None:
             if not (self._again and self._fresh):

@@ -83,8 +83,8 @@ class Exchange:
         self.stopped = Stopped(plan.safe_zero)
         self._measurements = Measurements(plan.channels)
         advice = sensors_off(plan.serial.advice.no_sensors)
-        self.brief_s = BRIEF * plan.silent_after_s
-        self._recovery = Recovery(self.brief_s, plan.away_s, advice)
+        self._recovery = Recovery(BRIEF * plan.silent_after_s, plan.away_s, advice)
+        self._left_out_s = 0.0
         self._events: list[Event] = []
         self._held: tuple[int, ...] | None = None
         self._safe_from: tuple[int, ...] | None = None
@@ -172,6 +172,15 @@ class Exchange:
         events, self._events = self._events, []
         return events
 
+    def take_left_out_s(self) -> float:
+        """Return how much longer this program stood still than a short silence lasts, once, s.
+
+        In the mission that time does not pass: every board would seem to be silent, though their
+        reports wait to be read.
+        """
+        left_out_s, self._left_out_s = self._left_out_s, 0.0
+        return left_out_s
+
     # --- out --------------------------------------------------------------------------------
 
     def due_s(self, now: float) -> float:
@@ -205,6 +214,7 @@ class Exchange:
             data = self.conversation.write(now)
             if self.conversation.asking:
                 busy_s = _INTRODUCTION_S if data else 0.0
+            if self.conversation.asking or now >= self.conversation.heard_s + self._silent_s:
                 self._hold(now)
         if self.outage is not None:
             self._judge(self.outage, now)
@@ -297,9 +307,11 @@ class Exchange:
             self._given_up = False
         elif not outage.back:
             outage.return_(now, self.heard, bool(self.safe_frame()))
-            self.brief = self._recovery.is_brief(outage)
+            self.brief = self._recovery.is_brief(outage, self.conversation.silence_s)
             if self.brief:
                 self.outage = None
+                most_s = self._recovery.brief_s - self._silent_s
+                self._left_out_s += max(0.0, now - outage.since_s - most_s)
 
     def _judge(self, outage: Outage, now: float) -> None:
         """An outage of which it is clear what it was has been told."""
@@ -362,7 +374,8 @@ class Exchange:
     def _know(self, known: Known, now: float) -> None:
         if self.outage is not None:
             self.outage.anew = True
-            self.outage.silence_s = known.silence_s
+            if not self.outage.gone:  # else it was silent since before the port was opened again
+                self.outage.silence_s = known.silence_s
         elif known.again or self.link.in_force is not None:
             # It may have forgotten what it was told.
             self.link.reassert(now)

@@ -107,12 +107,17 @@ class Recovery:
 
     def __init__(self, brief_s: float, within_s: float, advice: str) -> None:
         self._advice = advice
-        self._brief_s = brief_s
+        self.brief_s = brief_s
         self._within_s = within_s
 
-    def is_brief(self, outage: Outage) -> bool:
-        """Whether nothing has happened but a silence too short to matter."""
-        return not (outage.gone or outage.anew) and outage.silence_s < self._brief_s
+    def is_brief(self, outage: Outage, awake_s: float) -> bool:
+        """Whether nothing has happened but a silence too short to matter.
+
+        Args:
+            outage: What is known of it.
+            awake_s: How long it was while this program was awake.
+        """
+        return not (outage.gone or outage.anew) and awake_s < self.brief_s
 
     def wants_safe(self, outage: Outage, now: float) -> bool:
         """Whether the safe array is to be written now."""

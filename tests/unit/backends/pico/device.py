@@ -152,6 +152,7 @@ class VirtualPort:
         self.mail: list[tuple[float, int, str, bytes]] = []
         self.count = 0
         self.written: list[tuple[float, bytes]] = []
+        self.deaf_until_s = -inf
         self.plugged = True
         self.opened = 0
         self.closed = self.stopped = False
@@ -209,7 +210,7 @@ class VirtualPort:
         starts = max(self.time_s, self.free_s[whom])
         arrives = self.free_s[whom] = starts + len(data) * self.byte_s
         arrives += self.random.uniform(0.0, self.jitter_s)
-        if self.random.random() < self.loss:
+        if self.random.random() < self.loss or self.time_s < self.deaf_until_s:
             return
         if self.damage:
             data = bytes(
