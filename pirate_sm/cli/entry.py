@@ -110,7 +110,9 @@ def run(
     states: Annotated[
         list[str] | None,
         typer.Option(
-            "--state", metavar="REGION=STATE", help="The robot is in this state. Repeatable."
+            "--state",
+            metavar="REGION=STATE",
+            help="The robot is in this state, in place of starts_in.",
         ),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of everything random.")] = 0,

@@ -79,5 +79,11 @@ def _declared(table: ChartTable, states: Mapping[str, str]) -> int:
         wanted[region] = state
     index = table.index_of(tuple(wanted.values()))
     if index is None:
-        raise UsageError("no commands lead to the states that were declared")
+        filled = ", ".join(
+            f"{region} {state}" for region, state in wanted.items() if region not in states
+        )
+        message = f"no commands lead to {', '.join(' '.join(each) for each in states.items())}"
+        if filled:
+            message += f" with {filled}: regions that are not declared are in their initial state"
+        raise UsageError(message)
     return index

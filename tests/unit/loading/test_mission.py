@@ -270,7 +270,10 @@ def test_the_printed_sequence_is_refused_for_its_three_reasons(capsys):
         ({"start_phase": "e"}, "the mission has no phase 'e': expected a"),
         ({"states": {"Bend": "x"}}, "there is no region 'Bend'"),
         ({"states": {"LightingState": "off"}}, "LightingState has no state 'off'"),
-        ({"states": {"FrontWheelsState": "Fixed"}}, "no commands lead to the states"),
+        (
+            {"states": {"FrontWheelsState": "Fixed"}},
+            "no commands lead to FrontWheelsState Fixed with RearWheelsState Free, .* not declared",
+        ),
     ],
 )
 def test_an_argument_that_does_not_fit_is_refused(load, options, message):
