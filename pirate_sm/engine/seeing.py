@@ -327,7 +327,7 @@ def _held(
     if all(torque < spec.slack for torque in borne):
         names = ", ".join(robot.vocabulary.numbers[joint.torque] for joint in spec.joints)
         shown = ", ".join(str(round(torque * 1000)) for torque in borne)
-        against.append(f"{names} show {shown} mNm, limit {spec.slack * 1000:.0f} mNm")
+        against.append(f"{names} show {shown} mNm, less than {spec.slack * 1000:.0f} mNm")
     return Verdict(loaded and standing and off <= spec.span, "; ".join(against), spec.for_s)
 
 

@@ -61,7 +61,7 @@ def test_a_clamp_that_is_not_there_refuses_the_start_before_anything_is_sent(dri
     assert driver.faults == [("start.contradicted", "stop")]
     message = driver.ended.message
     assert "the front part is declared to hold (BendingState DoubleClamped), but" in message
-    assert "bend_torque_1, bend_torque_2 show 0, 0 mNm, limit 100 mNm" in message
+    assert "bend_torque_1, bend_torque_2 show 0, 0 mNm, less than 100 mNm" in message
     assert "--state" in message
 
 
