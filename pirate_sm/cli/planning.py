@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -41,5 +42,32 @@ def plan(
         from pirate_sm.cli.plan import PlanWishes, run_plan
 
         return run_plan(PlanWishes(robot, from_ or [], to or [], to_phase, json))
+
+    raise typer.Exit(guarded(work, debug))
+
+
+def robot(
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="ROBOT", help="A shipped robot, or its folder; the first shipped."),
+    ] = None,
+    html: Annotated[
+        bool, typer.Option("--html", help="One HTML file in place of Markdown.")
+    ] = False,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="OUT", help="Write to this file.")
+    ] = None,
+    debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
+) -> None:
+    """Write a robot's page: what each command means, what it needs, where it leads.
+
+    Exit codes: 0 written, 2 invalid files or arguments.
+    """
+    from pirate_sm.cli.guard import guarded
+
+    def work() -> int:
+        from pirate_sm.cli.robot import write_page
+
+        return write_page(name, output, html=html)
 
     raise typer.Exit(guarded(work, debug))
