@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf
+from threading import Lock
 from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.model.effects import CommandStatus, Effect, Ended, Fault, Log
@@ -63,6 +64,7 @@ class Giver:
 
     def __init__(self) -> None:
         self.series: Series | None = None
+        self._lock = Lock()  # a wish to stop must not be lost while the next command is given
         self._busy = True
         self._due_s = -inf
 
@@ -70,14 +72,16 @@ class Giver:
 
     def give(self, commands: Sequence[str], then: GoTo) -> None:
         """Begin with a series; one that is under way is given up."""
-        self._due_s = -inf
-        self.series = Series(tuple(commands), then)
+        with self._lock:
+            self._due_s = -inf
+            self.series = Series(tuple(commands), then)
 
     def stop(self, why: str = BY_OPERATOR) -> None:
         """Give no further command; one that is under way goes on until it is done."""
-        series = self.series
-        if series is not None and series.active:
-            self.series = series._replace(stopped=why)
+        with self._lock:
+            series = self.series
+            if series is not None and series.active:
+                self.series = series._replace(stopped=why)
 
     # --- from the run's thread ----------------------------------------------------------------
 
@@ -93,8 +97,8 @@ class Giver:
             if series is None or not series.active:
                 return
             match effect:
-                case CommandStatus(name=series.current, place=""):
-                    self._note(series, effect)
+                case CommandStatus(name=series.current, place="") if series.given:
+                    self._note(effect)
                 case Fault():
                     self.stop(f"{effect.code}: {effect.message}")
                 case Ended():
@@ -112,20 +116,22 @@ class Giver:
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Return the next command once the one before is done, at the end the hand-back."""
-        series = self.series
-        if series is None or not series.active or series.given or self._busy:
-            return ()
-        if series.current:
-            self.series = series._replace(given=True)
-            return (OperatorCommand(series.current),)
-        self.series = series._replace(handed_back=True)
-        return (series.then,)
+        with self._lock:
+            series = self.series
+            if series is None or not series.active or series.given or self._busy:
+                return ()
+            if series.current:
+                self.series = series._replace(given=True)
+                return (OperatorCommand(series.current),)
+            self.series = series._replace(handed_back=True)
+            return (series.then,)
 
-    def _note(self, series: Series, status: CommandStatus) -> None:
-        if not series.given:
-            return
+    def _note(self, status: CommandStatus) -> None:
         if status.status == "done":
-            self.series = series._replace(done=series.done + 1, given=False)
+            with self._lock:
+                series = self.series
+                if series is not None and series.given:
+                    self.series = series._replace(done=series.done + 1, given=False)
         elif status.status in ("failed", "refused", "skipped"):
             reason = f": {status.reason}" if status.reason else ""
             self.stop(f"{status.name} {status.status}{reason}")

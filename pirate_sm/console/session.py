@@ -10,7 +10,7 @@ from typing import Protocol
 
 from pirate_sm.console.anatomy import anatomy_of
 from pirate_sm.console.feed import Feed
-from pirate_sm.console.giving import Giver
+from pirate_sm.console.giving import RUN_OVER, Giver
 from pirate_sm.console.snapshot import Scene, Snapshot
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
@@ -162,8 +162,12 @@ class Session:
         self._feed.tell(event)
 
     def give(self, commands: Sequence[str], then: GoTo) -> None:
-        """The commands are given one after the other, each awaited; then the mission goes on."""
-        self.giver.give(commands, then)
+        """The commands are given one after the other, each awaited; then the mission goes on.
+
+        Nothing is given any more in a run that has been asked to stop, nor in the one after it.
+        """
+        if self.quitting.run.stop is None:
+            self.giver.give(commands, then)
 
     def stop(self) -> None:
         """The robot goes to its safe state, now; its mission can be handed back afterwards."""
@@ -213,6 +217,7 @@ class Session:
             self.prepared = again(self.prepared, loaded)
 
     def _run(self, kept: Keeping, before: MissionRun | None) -> MissionRun:
+        self.giver.stop(RUN_OVER)
         prepared = kept.prepared
         attended = [FirstChoice()] if prepared.attended else []
         # An operator may do something else where a trace alone would repeat itself.

@@ -130,6 +130,20 @@ def test_the_stop_stops_them_too() -> None:
     played(story)
 
 
+def test_nothing_is_given_after_a_stop_nor_in_the_run_that_follows() -> None:
+    async def story() -> None:
+        async with operator(with_mission("enter_2d", backend="trace")) as me:
+            me.session.stop()
+            me.session.give(("ClampFront",), THEN)
+            assert me.session.giver.series is None
+            me.session.giver.give(("ClampFront",), THEN)  # as if the stop had come between
+            me.wait(3.0)
+            assert me.session.giver.series.stopped
+            assert me.states[2] == "Unclamped"
+
+    played(story)
+
+
 def test_a_no_gives_nothing() -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend", backend="trace")) as me:
