@@ -19,9 +19,10 @@ from pirate_sm.model.profile import Command, Profile, Slot
 NOTHING = "–"
 
 _GENERAL = (
-    "Where a command is taken is said for a robot whose clamps are all confirmed. In addition, no "
-    "command that opens a part is taken unless another part, whose clamp is confirmed, goes on "
-    "holding, and wheels are driven only with a confirmed clamp."
+    "What a command needs is said for a robot whose clamps are all confirmed. Where they are not, "
+    "no command that opens a part is taken unless another part, whose clamp is confirmed, goes on "
+    "holding, except for one that lets go and says so; and wheels are driven only with a confirmed "
+    "clamp."
 )
 
 
