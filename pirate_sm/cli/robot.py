@@ -11,6 +11,7 @@ from pirate_sm.drawing.robot_page import robot_page
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import load_robot
+from pirate_sm.showing.visible import visible
 
 
 def write_page(name: str | None, output: Path | None, *, html: bool = False) -> int:
@@ -31,7 +32,7 @@ def write_page(name: str | None, output: Path | None, *, html: bool = False) -> 
     note = f"Written by `pirate robot {loaded.profile.robot}` from the robot's profile and chart."
     text = as_html(blocks) if html else markdown(blocks, note)
     if output is None:
-        sys.stdout.write(text)
+        sys.stdout.write(visible(text, lines=True))
         return 0
     try:
         output.write_text(text, encoding="utf-8")

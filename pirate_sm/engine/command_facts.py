@@ -8,7 +8,7 @@ from math import prod
 from typing import NamedTuple, TypeAlias
 
 from pirate_sm.engine.robot import RobotSpec, StageSpec
-from pirate_sm.engine.robot_state import at_rest_in, refusal
+from pirate_sm.engine.robot_state import RobotState, refusal
 
 States: TypeAlias = tuple[str, ...]
 
@@ -52,7 +52,7 @@ def taken_in(robot: RobotSpec, command: int) -> tuple[int, ...]:
     return tuple(
         index
         for index in range(len(robot.table.configurations))
-        if not refusal(robot, at_rest_in(robot, index), command)
+        if not refusal(robot, RobotState(index, ()), command)  # whatever the setpoints are
     )
 
 

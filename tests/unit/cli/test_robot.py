@@ -41,3 +41,14 @@ def test_misuse_is_told_in_a_sentence(pirate: Any, arguments: list[Any], says: s
 
     assert result.exit_code == 2
     assert says in result.stderr
+
+
+def test_no_text_of_a_file_commands_the_terminal(pirate: Any, tmp_path: Path) -> None:
+    for name in ("chart.yaml", "profile.yaml"):
+        text = (NEWT / name).read_text("utf-8")
+        text = text.replace("description: Newt", 'description: "\\u202eNewt\\u200b" #')
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    result = pirate("robot", tmp_path)
+
+    assert "\\u202eNewt\\u200b" in result.stdout
+    assert "\u202e" not in result.stdout
