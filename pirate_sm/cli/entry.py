@@ -20,6 +20,7 @@ from pirate_sm.cli.emulating import bay
 from pirate_sm.cli.encoding import degrade
 from pirate_sm.cli.keeping import compare, export, replay
 from pirate_sm.cli.operating import console
+from pirate_sm.cli.planning import plan, robot
 from pirate_sm.cli.reporting import report
 
 
@@ -274,6 +275,8 @@ commands.command("check")(check)
 commands.command("explain")(explain)
 commands.command("diff")(diff)
 commands.command("graph")(graph)
+commands.command("plan")(plan)
+commands.command("robot")(robot)
 commands.command("console")(console)
 commands.command("doctor")(doctor)
 commands.command("calibrate")(calibrate)

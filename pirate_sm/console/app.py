@@ -15,7 +15,7 @@ from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Footer
 
-from pirate_sm.console import panels, reasons
+from pirate_sm.console import panels, reasons, restoring
 from pirate_sm.console.asking import Asking
 from pirate_sm.console.body import body, travelled
 from pirate_sm.console.dialogs import Help
@@ -174,7 +174,8 @@ class Console(Asking, App[None]):
         self.on_base(Lines, "header").show([panels.header(snapshot, self.size.width)])
         self._show_bar("alarm", panels.alarm(snapshot, self.seen))
         self.on_base(Lines, "alarm").set_class(panels.shows_success(snapshot, self.seen), "good")
-        self._show_bar("question", panels.question(snapshot))
+        series = restoring.bar(self.session.giver.series)
+        self._show_bar("question", series or panels.question(snapshot))
         self.on_base(Lines, "pages").show([_tabs(self._page)])
         self._show_rows(snapshot)
         paged = not self.is_visible("#body")

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 from textual.app import SystemCommand
 from textual.worker import Worker, WorkerState
 
-from pirate_sm.console import reasons
+from pirate_sm.console import reasons, restoring
 from pirate_sm.console.dialogs import Choice, Confirm, Pick
 from pirate_sm.console.driver import STOP_KEY
 from pirate_sm.console.shelf import Listed, load_listed, shelf
 from pirate_sm.console.snapshot import Snapshot
+from pirate_sm.engine.planning import Plan
 from pirate_sm.errors import PirateError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import Answer, DetectorWord, Event, OperatorCommand, Pause, Skip, Step
@@ -48,6 +49,9 @@ class Asking(_Base):
     _situation: reasons.Situation | None = None
     _entries: reasons.Entries | None = None
     _picking: Pick | None = None
+    _ways: restoring.Ways | None = None
+    _looking_for: tuple[object, ...] | None = None
+    _reported: object = None
     _wants_to_go = False
 
     # --- the stop -----------------------------------------------------------------------------
@@ -82,7 +86,8 @@ class Asking(_Base):
         (self.action_command if known else self.action_control)(name)
 
     def action_command(self, name: str) -> None:
-        """The robot has the command, if the engine takes it."""
+        """The robot has the command, if the engine takes it; a series of commands ends."""
+        self.session.giver.stop()
         snapshot = self.session.latest
         reason = reasons.command_reason(snapshot, name)
         if reason:
@@ -115,7 +120,8 @@ class Asking(_Base):
     # --- the mission --------------------------------------------------------------------------
 
     def action_control(self, name: str) -> None:
-        """The mission starts, pauses, goes on, as far as it can."""
+        """The mission starts, pauses, goes on, as far as it can; a series of commands ends."""
+        self.session.giver.stop()
         snapshot = self.session.latest
         control = next(
             each for each in reasons.controls(snapshot, self.entries(snapshot)) if each.name == name
@@ -136,38 +142,70 @@ class Asking(_Base):
             self._move(events.get(name) or reasons.going_on(snapshot))
 
     def _choose_phase(self, snapshot: Snapshot) -> None:
-        pick = Pick("Hand back at", self._phase_choices(snapshot), wide=22)
+        choices = self._phase_choices(snapshot)
+        pick = Pick("Hand back at", choices, max(len(each.label) for each in choices))
         self._picking = pick
         self.push_screen(pick, self._hand_back)
 
     def _phase_choices(self, snapshot: Snapshot) -> list[Choice]:
         entries, phases = self.entries(snapshot), snapshot.scene.loaded.mission.phases
-        return [
-            Choice(
-                name,
-                name,
-                getattr(phases.get(name), "description", ""),
-                reasons.phase_reason(snapshot, name, entries),
-            )
-            for name in snapshot.scene.loaded.program.phases
-        ]
+        found = []
+        for name in snapshot.scene.loaded.program.phases:
+            about = getattr(phases.get(name), "description", "")
+            reason = reasons.phase_reason(snapshot, name, entries)
+            choice = Choice(name, name, about, reason)
+            plan = self._plan(snapshot, name) if reason else None
+            found.append(restoring.with_way(snapshot.scene.robot, choice, plan))
+        return found
+
+    def _plan(self, snapshot: Snapshot, phase: str) -> Plan | None:
+        """What restores a phase that cannot run as the robot is, as far as that is known."""
+        ways = self._ways
+        known = ways is not None and ways.situation == reasons.situation_of(snapshot)
+        return ways.plans.get(phase) if ways is not None and known else None
 
     def _hand_back(self, phase: str | None) -> None:
         self._picking = None
-        if phase is not None:
-            self._move(reasons.hand_back(self.session.latest, phase))
+        snapshot = self.session.latest
+        if phase is None or snapshot.state is None:
+            return
+        reason = reasons.phase_reason(snapshot, phase, self.entries(snapshot))
+        plan = self._plan(snapshot, phase)
+        if not reason:
+            self._move(reasons.hand_back(snapshot, phase))
+        elif plan is None or plan.hindered is not None:
+            self._refuse(phase, reason)
+        else:
+            robot, body = snapshot.scene.robot, snapshot.state.robot
+            text = restoring.question(robot, phase, plan, body)
+            give = partial(self._give, phase, plan)
+            self.push_screen(Confirm(text, "Give"), lambda yes: give() if yes else None)
+
+    def _give(self, phase: str, plan: Plan) -> None:
+        """The commands are given, if the robot is still as it was looked at."""
+        snapshot = self.session.latest
+        robot = snapshot.scene.robot
+        if self._plan(snapshot, phase) is not plan:
+            self._refuse(phase, "the robot is not any more as it was looked at")
+            return
+        then = restoring.hand_back(robot, phase, plan)
+        self._agree(partial(self.session.give, restoring.names(robot, plan), then))
 
     def _move(self, event: Event) -> None:
         """The engine has the event, once somebody has agreed that the robot may move at all."""
+        self._agree(partial(self.session.tell, event))
+
+    def _agree(self, move: Callable[[], None]) -> None:
+        """The robot moves, once somebody has agreed that it may."""
         question = self.session.prepared.confirmation
         if self._agreed or not question:
-            self.session.tell(event)
+            move()
             return
 
         def answered(yes: bool | None) -> None:
             self._agreed = bool(yes)
             if yes:
-                self.session.tell(event)
+                move()
 
         self.push_screen(Confirm(f"{question}. Is it free to?", "It is free"), answered)
 
@@ -189,7 +227,34 @@ class Asking(_Base):
             look = partial(reasons.look_at_entries, snapshot.scene, snapshot.state.robot)
             self.run_worker(look, thread=True, group="entries", exclusive=True, exit_on_error=False)
         if self._picking is not None and self._picking.is_mounted:
+            self._look_for_ways(snapshot)
             self._picking.replace(self._phase_choices(snapshot))
+        self._report_series()
+
+    def _look_for_ways(self, snapshot: Snapshot) -> None:
+        """What restores the phases that cannot run as the robot is, is being looked for, once."""
+        situation, entries = reasons.situation_of(snapshot), self.entries(snapshot)
+        if situation is None or entries is None or snapshot.state is None:
+            return
+        if self._looking_for == (situation, snapshot.scene):
+            return
+        self._looking_for = (situation, snapshot.scene)
+        blocked = tuple(phase for phase, reason in entries.items() if reason)
+        look = partial(
+            restoring.look_for_ways,
+            snapshot.scene, situation, snapshot.state, blocked, self._ways,
+        )  # fmt: skip
+        self.run_worker(look, thread=True, group="ways", exclusive=True, exit_on_error=False)
+
+    def _report_series(self) -> None:
+        """Say once why a series of commands has been stopped, and what was not given."""
+        series = self.session.giver.series
+        if series is None or not series.stopped or series is self._reported:
+            return
+        self._reported = series
+        rest = ", ".join(series.commands[series.done + series.given :]) or "nothing more"
+        text = f"not handed back at {series.then.phase}: {series.stopped}; not given: {rest}"
+        self.notify(text, severity="warning", timeout=10, markup=False)
 
     def on_worker_state_changed(self, event: Worker.StateChanged) -> None:
         """What was looked at is known, or a mission has been loaded."""
@@ -207,6 +272,8 @@ class Asking(_Base):
             if self._wants_to_go:
                 self._wants_to_go = False
                 self.action_control("go")
+        elif what == "ways":
+            self._ways = found
         elif what == "missions":
             self._choose_mission(found)
         elif what == "load":
@@ -253,7 +320,11 @@ class Asking(_Base):
             self.notify(text, severity="warning", timeout=8, markup=False)
 
     def action_seen(self) -> None:
-        """Take down what the bar shows: first how a mission ended, then what is wrong."""
+        """Give no more of a series; else take down how a mission ended, then what is wrong."""
+        series = self.session.giver.series
+        if series is not None and series.active:
+            self.session.giver.stop()
+            return
         story = self.session.latest.story
         if story.banner is not None and story.banner.number > self.seen:
             self.seen = story.banner.number

@@ -17,7 +17,7 @@ _ALWAYS = (
     ("1 … 9", "Answer what the mission asks."),
     ("Tab", "Next page, where the terminal is too small for all at once."),
     ("PgUp PgDn", "Earlier and later lines of the log."),
-    ("Esc", "The warning has been seen; leave a dialog."),
+    ("Esc", "The warning has been seen; no more of a series of commands; leave a dialog."),
     ("^p", "Command palette: everything by name."),
     ("^t", "Light or dark."),
     ("q", "Safe state, then leave."),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import dataclass
 from threading import Thread
@@ -10,10 +10,11 @@ from typing import Protocol
 
 from pirate_sm.console.anatomy import anatomy_of
 from pirate_sm.console.feed import Feed
+from pirate_sm.console.giving import RUN_OVER, Giver
 from pirate_sm.console.snapshot import Scene, Snapshot
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
-from pirate_sm.model.events import Event
+from pirate_sm.model.events import Event, GoTo
 from pirate_sm.runtime.clock import Clock
 from pirate_sm.runtime.companions import Companion, FirstChoice, LoopWatch
 from pirate_sm.runtime.loop import UNCONFIRMED, MissionRun
@@ -116,6 +117,7 @@ class Session:
 
     Attributes:
         quitting: What ends the session.
+        giver: Gives a series of commands that the operator has agreed to.
         result: How the last run ended; None before.
     """
 
@@ -128,6 +130,7 @@ class Session:
         keep: Keep = unkept,
     ) -> None:
         self.quitting = Quitting()
+        self.giver = Giver()
         self.result: Result | None = None
         self.prepared = prepared
         self._factor = factor
@@ -154,8 +157,17 @@ class Session:
         return not self._thread.is_alive()
 
     def tell(self, event: Event) -> None:
-        """The engine is about to be given the event."""
+        """The engine is about to be given the event; a series of commands ends with it."""
+        self.giver.stop()
         self._feed.tell(event)
+
+    def give(self, commands: Sequence[str], then: GoTo) -> None:
+        """The commands are given one after the other, each awaited; then the mission goes on.
+
+        Nothing is given any more in a run that has been asked to stop, nor in the one after it.
+        """
+        if self.quitting.run.stop is None:
+            self.giver.give(commands, then)
 
     def stop(self) -> None:
         """The robot goes to its safe state, now; its mission can be handed back afterwards."""
@@ -205,6 +217,7 @@ class Session:
             self.prepared = again(self.prepared, loaded)
 
     def _run(self, kept: Keeping, before: MissionRun | None) -> MissionRun:
+        self.giver.stop(RUN_OVER)
         prepared = kept.prepared
         attended = [FirstChoice()] if prepared.attended else []
         # An operator may do something else where a trace alone would repeat itself.
@@ -214,7 +227,7 @@ class Session:
             prepared.backend,
             observers=[self._feed],
             watchers=[self._feed],
-            companions=[*companions, *kept.companions, *attended, self._feed],
+            companions=[*companions, *kept.companions, *attended, self._feed, self.giver],
             tap=kept.tap,
             requests=self.quitting.begin(),
             clock=self._clock,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from pirate_sm.engine.chart_table import ChartTable
 from pirate_sm.errors import UsageError
@@ -68,16 +68,37 @@ def _check(table: ChartTable, region: str, state: str, path: Path, problems: Pro
     return True
 
 
-def _declared(table: ChartTable, states: Mapping[str, str]) -> int:
-    wanted = dict(zip(table.regions, table.configurations[table.initial], strict=True))
+def read_states(table: ChartTable, states: Mapping[str, str]) -> dict[int, str]:
+    """Return states that a person has named, by the index of their region.
+
+    Raises:
+        UsageError: The chart does not have all of them; each is said, with what was meant.
+    """
+    found: dict[int, str] = {}
+    wrong = []
     for region, state in states.items():
-        if region not in wanted:
-            raise UsageError(f"there is no region '{region}': {one_of(table.regions)}")
-        names = table.states[table.regions.index(region)]
-        if state not in names:
-            raise UsageError(f"{region} has no state '{state}': {one_of(names)}")
+        if region not in table.regions:
+            wrong.append(f"there is no region '{region}'{_meant(region, table.regions)}")
+            continue
+        index = table.regions.index(region)
+        if state not in table.states[index]:
+            wrong.append(f"{region} has no state '{state}'{_meant(state, table.states[index])}")
+        found[index] = state
+    if wrong:
+        raise UsageError("\n".join(wrong))
+    return found
+
+
+def _meant(word: str, names: Collection[str]) -> str:
+    close = nearest(word, names)
+    return f"; did you mean '{close}'?" if close else f": {one_of(names)}"
+
+
+def _declared(table: ChartTable, states: Mapping[str, str]) -> int:
+    wanted = list(table.configurations[table.initial])
+    for region, state in read_states(table, states).items():
         wanted[region] = state
-    index = table.index_of(tuple(wanted.values()))
+    index = table.index_of(tuple(wanted))
     if index is None:
         filled = ", ".join(
             f"{region} {state}" for region, state in wanted.items() if region not in states

@@ -1,0 +1,124 @@
+"""The way to states that somebody names, or why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from itertools import combinations
+from typing import NamedTuple
+
+from pirate_sm.engine.chart_table import ChartTable, Configuration
+from pirate_sm.engine.planning import Plan, plans
+from pirate_sm.engine.program import Program
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot_state import RobotState, refusal
+
+Wanted = Mapping[int, str]
+"""By the index of a region the state that it shall come to; the others do not matter."""
+
+
+class Way(NamedTuple):
+    """What was found.
+
+    Attributes:
+        plan: The commands; None where there are none to be given.
+        reason: Why there are none.
+    """
+
+    plan: Plan | None
+    reason: str = ""
+
+
+def way_to(robot: RobotSpec, program: Program, body: RobotState, wanted: Wanted) -> Way:
+    """Return the fewest commands that lead to the states.
+
+    Args:
+        robot: The robot.
+        program: Its safety rules are in force.
+        body: The robot as it is, with nothing under way.
+        wanted: Where it shall come to.
+    """
+    conflict = _conflict(robot.table, wanted)
+    if conflict:
+        return Way(None, conflict)
+    seen: set[int] = set()
+    for plan in plans(robot, program, body):
+        seen.add(plan.body.configuration)
+        if _has(robot.table.configurations[plan.body.configuration], wanted):
+            return Way(None, hindered(robot, plan)) if plan.hindered else Way(plan)
+    return Way(None, _unreached(robot, body, wanted, seen))
+
+
+def hindered(robot: RobotSpec, plan: Plan) -> str:
+    """Return why a plan is not to be followed; empty where nothing speaks against it."""
+    step = plan.hindered
+    if step is None:
+        return ""
+    name = robot.commands[step.command].name
+    return f"no safe way leads there; the shortest takes {name}: {step.hindrance}"
+
+
+def _has(configuration: Configuration, wanted: Wanted) -> bool:
+    return all(configuration[region] == state for region, state in wanted.items())
+
+
+def _conflict(table: ChartTable, wanted: Wanted) -> str:
+    """Return which of the states exclude each other in the chart, the fewest; empty: none do."""
+    if any(_has(each, wanted) for each in table.configurations):
+        return ""
+    for size in range(1, len(wanted) + 1):
+        for regions in combinations(wanted, size):
+            some = {region: wanted[region] for region in regions}
+            if not any(_has(each, some) for each in table.configurations):
+                return _exclusion(table, some)
+    raise AssertionError("all of them together are excluded")
+
+
+def _exclusion(table: ChartTable, wanted: Wanted) -> str:
+    *others, region = wanted
+    rest = {other: wanted[other] for other in others}
+    beside = {each[region] for each in table.configurations if _has(each, rest)}
+    names = [name for name in table.states[region] if name in beside]
+    beside_them = f"with {_said(table, rest)}, " if rest else ""
+    return (
+        f"no commands ever lead to {_said(table, wanted)}: {beside_them}{table.regions[region]} is "
+        f"{_either(names)}"
+    )
+
+
+def _unreached(robot: RobotSpec, body: RobotState, wanted: Wanted, seen: Collection[int]) -> str:
+    """Return which of the states cannot be reached from here, and what stands in the way."""
+    table = robot.table
+    for region, state in wanted.items():
+        if any(table.configurations[each][region] == state for each in seen):
+            continue
+        makers = _makers(table, region, state)
+        why = "; ".join(
+            f"{table.commands[command]}, now {reason}"
+            for command in makers
+            if (reason := refusal(robot, body, command))
+        )
+        told = f"; it is made by {why}" if why else ""
+        return f"no commands lead from here to {_said(table, {region: state})}{told}"
+    return f"no commands lead from here to all of {_said(table, wanted)} at once"
+
+
+def _makers(table: ChartTable, region: int, state: str) -> list[int]:
+    """Return the commands that bring the region into the state from anywhere."""
+    return [
+        command
+        for command in range(len(table.commands))
+        if any(
+            states[region] != state
+            and table.configurations[table.follow(index, command)][region] == state
+            for index, states in enumerate(table.configurations)
+        )
+    ]
+
+
+def _said(table: ChartTable, wanted: Wanted) -> str:
+    return " and ".join(f"{table.regions[region]} {state}" for region, state in wanted.items())
+
+
+def _either(names: Iterable[str]) -> str:
+    *rest, last = names
+    return f"{', '.join(rest)} or {last}" if rest else last

@@ -1,0 +1,114 @@
+"""What restores the configuration that a phase needs: found beside everything else, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from textual.content import Content
+
+from pirate_sm.checking.restoring import Beginnings, beginnings, restoring
+from pirate_sm.console.dialogs import Choice
+from pirate_sm.console.giving import Series
+from pirate_sm.console.panels import Part, line
+from pirate_sm.console.reasons import Situation
+from pirate_sm.console.snapshot import Scene
+from pirate_sm.engine.planning import Plan
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot_state import RobotState, state_change
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.events import GoTo
+
+
+class Ways(NamedTuple):
+    """The plans for the phases at which the mission cannot be handed back as the robot is.
+
+    Attributes:
+        scene: The mission that they are for.
+        situation: That of the robot.
+        begun_in: Where the phases of the mission begin.
+        plans: By phase.
+    """
+
+    scene: Scene
+    situation: Situation
+    begun_in: Beginnings
+    plans: Mapping[str, Plan]
+
+
+def look_for_ways(
+    scene: Scene,
+    situation: Situation,
+    state: EngineState,
+    blocked: tuple[str, ...],
+    known: Ways | None,
+) -> Ways:
+    """Return what restores each blocked phase; takes some tenths of a second.
+
+    Args:
+        scene: The mission.
+        situation: That of the robot.
+        state: The engine's.
+        blocked: Phases that cannot run as the robot is.
+        known: What was found before, perhaps for another situation.
+    """
+    same = known is not None and known.scene is scene
+    begun_in = known.begun_in if known is not None and same else beginnings(scene.loaded)
+    found = restoring(scene.loaded, blocked, state.robot, begun_in, state.rules)
+    return Ways(scene, situation, begun_in, found)
+
+
+def names(robot: RobotSpec, plan: Plan) -> tuple[str, ...]:
+    """Return the names of the plan's commands."""
+    return tuple(robot.commands[step.command].name for step in plan.steps)
+
+
+def with_way(robot: RobotSpec, choice: Choice, plan: Plan | None) -> Choice:
+    """Return the line of a phase that cannot run as the robot is, with what would restore it."""
+    if plan is None:
+        return choice
+    step = plan.hindered
+    if step is None:
+        return choice._replace(detail=f"first {', '.join(names(robot, plan))}", reason="")
+    name = robot.commands[step.command].name
+    return choice._replace(reason=f"only {name} leads there: {step.hindrance}; {choice.reason}")
+
+
+def question(robot: RobotSpec, phase: str, plan: Plan, body: RobotState) -> str:
+    """Return what the operator is asked before the commands are given."""
+    given = names(robot, plan)
+    each = "It is awaited" if len(given) == 1 else "Each is awaited"
+    return (
+        f"{phase} needs {_needed(robot, plan, body)}. Give {', '.join(given)}, then hand back "
+        f"there? {each}. A failure ends the series, and so do Esc and whatever else you ask for; "
+        "Space stops the robot."
+    )
+
+
+def hand_back(robot: RobotSpec, phase: str, plan: Plan) -> GoTo:
+    """Return the event that hands the mission back, if the robot has then come where it should."""
+    change = state_change(robot, plan.body)
+    return GoTo(phase, change.states, change.unconfirmed)
+
+
+def _needed(robot: RobotSpec, plan: Plan, body: RobotState) -> str:
+    """Return the states that are not so yet, or not confirmed."""
+    now, then = state_change(robot, body), state_change(robot, plan.body)
+    doubted = set(now.unconfirmed) - set(then.unconfirmed)
+    each = zip(robot.regions, now.states, then.states, strict=True)
+    return ", ".join(
+        f"{region} {after}" + (" confirmed" if before == after else "")
+        for region, before, after in each
+        if before != after or region in doubted
+    )
+
+
+def bar(series: Series | None) -> Content | None:
+    """Return how far a series of commands has come; None while there is none."""
+    if series is None or not series.active:
+        return None
+    parts: list[Part] = [(f" ▶ for {series.then.phase}:  ", "bold")]
+    for number, name in enumerate(series.commands):
+        sign = "✓" if number < series.done else "…" if number == series.done else " "
+        parts.append((f"{name} {sign}  ", "bold" if sign == "…" else ""))
+    return line(*parts, "  (Esc: no more)")

@@ -1,0 +1,103 @@
+"""What shows that a command is done, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import degrees
+from typing import assert_never
+
+from pirate_sm.model.criteria import (
+    Accepted,
+    Aligned,
+    Below,
+    Criterion,
+    Reached,
+    Stalled,
+    Stopped,
+    Turning,
+)
+from pirate_sm.model.profile import Profile
+from pirate_sm.units import ANGLE, Quantity, format_quantity
+
+
+def done_when(profile: Profile, criterion: Criterion) -> str:
+    """Return what shows that a command with this criterion is done."""
+    match criterion:
+        case Accepted():
+            return "its setpoints are accepted: no sensor shows more"
+        case Stalled():
+            return (
+                f"{_joints(criterion.joints)} still, slower than {_rate(criterion.still)}, and "
+                f"{_bearing(criterion)} more than {criterion.torque:g} Nm"
+                f"{_lasting(criterion.for_s)}"
+            )
+        case Reached():
+            return f"every joint has come to its angle{_or_stopped(criterion)}"
+        case Turning():
+            return (
+                f"a driven wheel turns the way it is driven, faster than {criterion.above:g} rad/s"
+            )
+        case Stopped():
+            return (
+                f"no wheel that can be heard turns faster than {criterion.below:g} rad/s"
+                f"{_lasting(criterion.for_s)}"
+            )
+        case Aligned():
+            rolls = {slot.name: slot.roll or slot.name for slot in profile.slots}
+            names = listed(rolls[name] for name in criterion.slots)
+            return f"{names} is within {angle(criterion.within)} of its setpoint"
+        case Below():
+            return (
+                f"{listed(criterion.signals)} are within {_quantity(criterion.limit)} of zero"
+                f"{_lasting(criterion.for_s)}"
+            )
+    assert_never(criterion)
+
+
+def listed(names: Iterable[str], word: str = "and") -> str:
+    """Return ``a``, ``a and b`` or ``a, b and c``."""
+    *rest, last = [*names] or [""]
+    return f"{', '.join(rest)} {word} {last}" if rest else last
+
+
+def angle(value_rad: float) -> str:
+    """Return an angle in degrees."""
+    return f"{round(degrees(value_rad), 3):g}°"
+
+
+def seconds(value_s: float) -> str:
+    """Return a time in seconds."""
+    return f"{value_s:g} s"
+
+
+def _joints(names: Sequence[str]) -> str:
+    return f"{listed(names)} stand{'s' if len(names) == 1 else ''}"
+
+
+def _bearing(criterion: Stalled) -> str:
+    if criterion.loaded == criterion.joints:
+        return "bears" if len(criterion.joints) == 1 else "each bear"
+    return f"{listed(criterion.loaded)} {'bears' if len(criterion.loaded) == 1 else 'each bear'}"
+
+
+def _or_stopped(criterion: Reached) -> str:
+    if criterion.or_still is None:
+        return _lasting(criterion.for_s)
+    return (
+        f", or is stopped by the wall: pushed with {criterion.loaded * 100:g} % of its stall torque"
+        f" and slower than {_rate(criterion.or_still)}{_lasting(criterion.for_s)}"
+    )
+
+
+def _lasting(for_s: float) -> str:
+    return f", for {seconds(for_s)}" if for_s else ""
+
+
+def _rate(value: float) -> str:
+    return f"{angle(value)}/s"
+
+
+def _quantity(quantity: Quantity) -> str:
+    if quantity.dimension == ANGLE:
+        return angle(quantity.value)
+    return format_quantity(quantity.value, quantity.dimension)

@@ -1,0 +1,241 @@
+"""Handing back where the robot does not stand as the phase needs it: commands are offered."""
+
+from __future__ import annotations
+
+import pytest
+from textual.widgets import OptionList
+
+from pirate_sm.console.dialogs import Confirm
+from pirate_sm.console.giving import BY_OPERATOR, Giver
+from pirate_sm.model import effects as fx
+from pirate_sm.model.events import GoTo, OperatorCommand
+
+from .driving import Operator, confirming, operator, played, with_mission
+from .test_looks import text_of
+
+
+async def paused_and_braked(me: Operator) -> None:
+    """The mission has driven in; then the operator takes over and brakes."""
+    await me.look()
+    await me.press("R")
+    me.until(lambda: me.states[0] == "DrivingForward" and me.latest.story.wait)
+    await me.press("P")
+    me.until(lambda: me.latest.state.mission.paused)
+    me.wait(0.5)
+    await me.command("Brake")
+
+
+async def listed(me: Operator) -> dict[str, str]:
+    """Every line of the list of phases; those that cannot be chosen begin with a cross."""
+    await me.look()
+    await me.press("H")
+    for _ in range(3):
+        await me.look()
+    options = me.app.screen.query_one(OptionList).options
+    found = {str(each.id): str(each.prompt) for each in options}
+    assert all(each.disabled == found[str(each.id)].startswith("✕") for each in options)
+    return found
+
+
+async def choose(me: Operator, phase: str) -> None:
+    """The phase is chosen; the question is open."""
+    options = [each.id for each in me.app.screen.query_one(OptionList).options]
+    me.app.screen.query_one(OptionList).highlighted = options.index(phase)
+    await me.press("enter")
+    await me.look()
+    assert isinstance(me.app.screen, Confirm)
+
+
+def sent(me: Operator) -> list[str]:
+    return [each for each in me.told() if each.startswith("command") and "sent" in each]
+
+
+def test_the_list_says_which_commands_restore_a_phase_and_which_would_let_go() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            await paused_and_braked(me)
+            lines = await listed(me)
+
+            assert "first DriveForward" in lines["prepare"]
+            assert "first RelaxFront, BendInto, DriveForward" in lines["pass"]
+            assert lines["enter"].startswith("✕")
+            assert "only Reset leads there: it lets go of front and rear" in lines["enter"]
+
+    played(story)
+
+
+def test_on_one_key_they_are_given_one_by_one_and_the_mission_goes_on() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            await paused_and_braked(me)
+            await listed(me)
+            await choose(me, "pass")
+            assert "Give RelaxFront, BendInto," in text_of(me)
+            assert me.latest.state.robot.motion is None  # nothing before a yes
+
+            await me.press("y")
+            await me.look()
+            assert "RelaxFront …" in text_of(me)
+            assert "Esc: no more" in text_of(me)
+            me.until(lambda: me.latest.story.phase.phase.startswith("pass"))
+
+            assert any("handed back at pass" in each for each in me.told())
+            series = me.session.giver.series
+            assert (series.done, series.handed_back, series.stopped) == (3, True, "")
+            await me.look()
+            assert "Esc: no more" not in text_of(me)
+
+    played(story)
+
+
+@pytest.mark.parametrize("key", ["escape", "brake"])
+def test_the_operator_stops_them_by_any_other_wish(key: str) -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            await paused_and_braked(me)
+            await listed(me)
+            await choose(me, "pass")
+            await me.press("y")
+            me.until(lambda: me.session.giver.series.done == 1)
+            await me.press(me.app.letters["Brake"] if key == "brake" else key)
+            me.wait(4.0)
+            await me.look()
+
+            assert me.session.giver.series.stopped == BY_OPERATOR
+            assert me.latest.state.mission.paused
+            assert me.states[2] == "RearClampedFrontBending"  # that one was under way
+            assert me.wheels_stand()
+            notes = [each.message for each in me.app._notifications]
+            assert any("not given: DriveForward" in each for each in notes)
+
+    played(story)
+
+
+def test_the_stop_stops_them_too() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            await paused_and_braked(me)
+            await listed(me)
+            await choose(me, "pass")
+            await me.press("y")
+            me.until(lambda: me.session.giver.series.done == 1)
+            await me.press("space")
+            me.wait(4.0)
+
+            assert me.session.giver.series.stopped
+            assert me.latest.state.mission.paused
+            assert me.wheels_stand()
+            assert me.session.giver.series.done == 1
+
+    played(story)
+
+
+def test_nothing_is_given_after_a_stop_nor_in_the_run_that_follows() -> None:
+    async def story() -> None:
+        async with operator(with_mission("enter_2d", backend="trace")) as me:
+            me.session.stop()
+            me.session.give(("ClampFront",), THEN)
+            assert me.session.giver.series is None
+            me.session.giver.give(("ClampFront",), THEN)  # as if the stop had come between
+            me.wait(3.0)
+            assert me.session.giver.series.stopped
+            assert me.states[2] == "Unclamped"
+
+    played(story)
+
+
+def test_a_no_gives_nothing() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            await paused_and_braked(me)
+            await listed(me)
+            await choose(me, "pass")
+            await me.press("n")
+            me.wait(2.0)
+            assert me.session.giver.series is None
+            assert me.states[2] == "DoubleClamped"
+
+    played(story)
+
+
+def test_a_real_robot_is_asked_for_first_if_nothing_has_moved_yet() -> None:
+    async def story() -> None:
+        mission = confirming(with_mission("prepare_bend", backend="trace"), "It will move")
+        async with operator(mission) as me:
+            await me.look()
+            assert me.latest.state.mission.paused
+            me.session.tell(OperatorCommand("Brake"))  # as nobody at the console has asked for it
+            me.wait(2.0)
+            await listed(me)
+            await choose(me, "bend")
+            await me.press("y")
+            await me.look()
+            assert "It will move. Is it free to?" in text_of(me)
+            await me.press("n")
+            me.wait(2.0)
+            assert me.session.giver.series is None
+            assert me.wheels_stand()
+
+    played(story)
+
+
+THEN = GoTo("there", ("A",))
+
+
+class Watched:
+    """A giver as the loop would have it, in a robot that is free or not."""
+
+    def __init__(self) -> None:
+        self.giver = Giver()
+        self.giver.give(("One", "Two"), THEN)
+
+    def asked(self, *, busy: bool = False) -> tuple[object, ...]:
+        self.giver._busy = busy
+        return tuple(self.giver.speak(0.0))
+
+    def hears(self, *effects: fx.Effect) -> None:
+        self.giver.react(effects, 0.0)
+
+
+def test_a_command_follows_when_the_one_before_is_done() -> None:
+    me = Watched()
+
+    assert me.asked(busy=True) == ()
+    assert me.asked() == (OperatorCommand("One"),)
+    assert me.asked() == ()
+    me.hears(fx.CommandStatus("One", "sent"), fx.CommandStatus("One", "accepted"))
+    assert me.asked() == ()
+    me.hears(fx.CommandStatus("One", "done"))
+    assert me.asked() == (OperatorCommand("Two"),)
+    me.hears(fx.CommandStatus("Two", "done"))
+    assert me.asked(busy=True) == ()
+    assert me.asked() == (THEN,)
+    assert me.asked() == ()
+
+
+@pytest.mark.parametrize(
+    ("effect", "why"),
+    [
+        (fx.CommandStatus("One", "failed", "timed out"), "One failed: timed out"),
+        (fx.CommandStatus("One", "refused", "impossible: so"), "One refused: impossible: so"),
+        (fx.CommandStatus("One", "skipped"), "One skipped"),
+        (fx.Fault("robot.stuck", "it does not move", "continue"), "robot.stuck: it does not move"),
+        (fx.Ended("interrupted", "stopped"), "the run has ended"),
+    ],
+)
+def test_whatever_goes_wrong_stops_them(effect: fx.Effect, why: str) -> None:
+    me = Watched()
+    me.asked()
+    me.hears(effect)
+
+    assert me.giver.series.stopped == why
+    assert me.asked() == ()
+
+
+def test_what_the_mission_itself_has_given_does_not_count() -> None:
+    """A command that the pause had suspended fails when the first of the series takes over."""
+    me = Watched()
+    me.asked()
+    me.hears(fx.CommandStatus("One", "failed", "the operator took over", "mission.yaml:3:5"))
+
+    assert me.giver.series.active
