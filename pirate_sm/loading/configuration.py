@@ -101,7 +101,9 @@ def _declared(table: ChartTable, states: Mapping[str, str]) -> int:
     index = table.index_of(tuple(wanted))
     if index is None:
         filled = ", ".join(
-            f"{region} {state}" for region, state in wanted.items() if region not in states
+            f"{region} {state}"
+            for region, state in zip(table.regions, wanted, strict=True)
+            if region not in states
         )
         message = f"no commands lead to {', '.join(' '.join(each) for each in states.items())}"
         if filled:
