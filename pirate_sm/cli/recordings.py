@@ -12,6 +12,7 @@ from pirate_sm.expressions import NumberType
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.model.effects import Effect
+from pirate_sm.recording.header import RunHeader
 from pirate_sm.recording.reader import Recording, read_recording
 from pirate_sm.recording.reloading import as_recorded, recorded_mission
 from pirate_sm.recording.replay import Difference, replay
@@ -65,13 +66,17 @@ def run_compare(first: str, second: str) -> int:
     """
     from pirate_sm.recording.compare import compare, course_of
 
-    courses, loadeds = [], []
+    courses, loadeds, headers = [], [], []
     for path in (first, second):
         recording = _read(path)
+        headers.append(recording.header)
         with recorded_mission(recording.header) as loaded:
             courses.append(course_of(recording, loaded))
             loadeds.append(loaded)
         _say(f"{'B' if len(courses) > 1 else 'A'}: {_headline(recording)}")
+    _say("")
+    for line in _told_apart(*headers):
+        _say(line)
     result = compare(*courses)
     _say("")
     _say(f"{'what the mission comes to':<42} {'A':>9} {'B':>9} {'B - A':>9}   lasted A, B")
@@ -98,6 +103,20 @@ def run_compare(first: str, second: str) -> int:
             f"most after '{each.where}' at {each.at_s:.2f} s of A: {a} and {b}"
         )
     return DIFFERENT if result.parted is not None else SAME
+
+
+def _told_apart(first: RunHeader, second: RunHeader) -> Iterator[str]:
+    """What the two runs were not alike in, a line each."""
+    from pirate_sm.recording.circumstances import unlike
+
+    found = unlike(first, second)
+    if not found:
+        yield "A and B were made with the same seed, parameters and files"
+        return
+    names, ones = (max(len(each[column]) for each in found) for column in (0, 1))
+    yield f"{'what differed':<{max(names, 13)}}  {'A':<{max(ones, 1)}}  B"
+    for each in found:
+        yield f"{each.name:<{max(names, 13)}}  {each.first:<{max(ones, 1)}}  {each.second}"
 
 
 def run_export(path: str, csv: str | None, urdf: str | None) -> int:
