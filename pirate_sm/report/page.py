@@ -14,7 +14,8 @@ from typing import Any, TypeAlias
 
 from pirate_sm import __version__
 from pirate_sm.errors import UsageError
-from pirate_sm.report.model import Chart, Lane, Light, Report, Scene, Series, Wheel
+from pirate_sm.report.model import Chart, Lane, Light, Report, Scene, Sentence, Series, Wheel
+from pirate_sm.report.strip import strip
 
 Json: TypeAlias = dict[str, Any]
 
@@ -52,10 +53,11 @@ def html(report: Report) -> str:
         sign=sign,
         short=escape(report.summary[0] if report.summary else ""),
         style=f"{style}\n{(folder / 'page.css').read_text('utf-8')}",
-        summary="\n".join(f"<p>{escape(line)}</p>" for line in report.summary[1:]),
+        summary="\n".join(_summary(report)),
         warnings="\n".join(_warning(line) for line in report.warnings),
         story="\n".join(_told(report)),
         robot=_robot(report.scene),
+        strip=strip(report),
         diagram=report.diagram,
         facts="\n".join(_facts(report)),
         duration=f"{report.duration_s:.3f}",
@@ -84,6 +86,23 @@ def _library() -> Path:
 
 def _warning(line: str) -> str:
     return f'<p class="warning"><span aria-hidden="true">!</span> {escape(line)}</p>'
+
+
+def _summary(report: Report) -> Iterable[str]:
+    """How it ended, right behind that why, then the rest; the header has the first sentence."""
+    lines = [f"<p>{escape(line)}</p>" for line in report.summary[1:]]
+    return [*lines[:1], _failure(report.failure), *lines[1:]]
+
+
+def _failure(failure: Sentence | None) -> str:
+    if failure is None:
+        return ""
+    where = f"in <b>{escape(failure.topic)}</b>: " if failure.topic else ""
+    return (
+        f'<p class="cause"><button type="button" data-at="{failure.at_s:.3f}">'
+        f'{failure.at_s:.2f} s</button> <span><span class="sign" aria-hidden="true">✗</span> '
+        f"{where}{escape(failure.text)}</span></p>"
+    )
 
 
 def _told(report: Report) -> Iterable[str]:
@@ -155,6 +174,7 @@ def report_json(report: Report) -> Json:
     clocks = _Clocks()
     found = {
         "duration": _seconds(report.duration_s),
+        "opens": _seconds(report.opens_at_s),
         "lanes": [_lane(each) for each in report.lanes],
         "charts": [_chart(each, clocks) for each in report.charts],
         "scene": _scene(report.scene, clocks) if report.scene else None,

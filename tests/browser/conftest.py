@@ -22,7 +22,7 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 
 RUNS = {
     "bend": ("mitre_bend",),
-    "dead": ("mitre_bend", "--defect", "wheels_3_4_dead"),
+    "dead": ("mitre_bend", "--defect", "wheels_3_4_dead", "--defect", "gamma_2_stiff"),
     "trace": ("mitre_bend", "--backend", "trace"),
     "patrol": (str(PATROL),),
 }
