@@ -19,13 +19,15 @@ from pirate_sm.report.strip import strip
 
 Json: TypeAlias = dict[str, Any]
 
-_SIGNS = {
+SIGNS = {
     "succeeded": ("✓", "Succeeded"),
     "failed": ("✗", "Failed"),
     "interrupted": ("■", "Interrupted"),
     "fault": ("!", "Ended by a fault"),
     "unfinished": ("…", "Unfinished"),
 }
+"""How a run ended, as a sign and in words."""
+
 _STORY_SIGNS = {"phase": "", "trouble": "!", "person": "☺", "end": "■"}
 _SPEEDS = (0.25, 0.5, 1, 2, 4, 8, 16)
 _SCRIPTS = ("base.js", "scene.js", "timeline.js", "plots.js", "player.js")
@@ -42,7 +44,7 @@ def html(report: Report) -> str:
     """
     library = _library()
     folder = files("pirate_sm.report") / "page"
-    sign, outcome = _SIGNS[report.outcome]
+    sign, outcome = SIGNS[report.outcome]
     script = "\n".join((folder / name).read_text("utf-8") for name in _SCRIPTS)
     style = (library / "uPlot.min.css").read_text("utf-8")
     return Template((folder / "page.html").read_text("utf-8")).substitute(
