@@ -33,6 +33,16 @@ class Changed:
     pipe: str | None = None
 
 
+@dataclass(frozen=True)
+class Wanted:
+    """What a recording is exported to: a folder of tables, and files."""
+
+    csv: str | None = None
+    urdf: str | None = None
+    lichtblick: str | None = None
+    plotjuggler: str | None = None
+
+
 def run_replay(path: str, changed: Changed) -> int:
     """The recording has been executed again, and it has been said how that went.
 
@@ -119,31 +129,42 @@ def _told_apart(first: RunHeader, second: RunHeader) -> Iterator[str]:
         yield f"{each.name:<{max(names, 13)}}  {each.first:<{max(ones, 1)}}  {each.second}"
 
 
-def run_export(path: str, csv: str | None, urdf: str | None) -> int:
-    """The recording's topics are tables, its robot a URDF, as was asked for.
+def run_export(path: str, wanted: Wanted) -> int:
+    """The recording's topics are tables, its robot a URDF, and so on, as was asked for.
 
     Raises:
-        RecordingError: The recording cannot be read, or a file cannot be written.
-        UsageError: Nothing was asked for.
+        RecordingError: The recording cannot be read, or a folder cannot be written.
+        UsageError: Nothing was asked for, or a file cannot be written.
     """
-    if csv is None and urdf is None:
-        raise UsageError("say what to export: --csv DIR, --urdf FILE")
+    if wanted == Wanted():
+        raise UsageError("say what to export: --csv DIR, --urdf, --lichtblick, --plotjuggler FILE")
     recording = _read(path)
     with recorded_mission(recording.header) as loaded:
-        if csv is not None:
+        if wanted.csv is not None:
             from pirate_sm.recording.tables import write_tables
 
-            for file in write_tables(recording, loaded, Path(csv)):
+            for file in write_tables(recording, loaded, Path(wanted.csv)):
                 _say(str(file))
-        if urdf is not None:
-            from pirate_sm.recording.urdf import urdf as text_of
-
+        for place, text in _texts(loaded, wanted):
             try:
-                Path(urdf).write_text(text_of(loaded.loaded_robot.profile), encoding="utf-8")
+                Path(place).write_text(text, encoding="utf-8")
             except OSError as error:
-                raise UsageError(f"{urdf} cannot be written: {error.strerror}") from None
-            _say(urdf)
+                raise UsageError(f"{place} cannot be written: {error.strerror}") from None
+            _say(place)
     return 0
+
+
+def _texts(loaded: LoadedMission, wanted: Wanted) -> Iterator[tuple[str, str]]:
+    """Each file that was asked for with its text."""
+    from pirate_sm.recording import layouts
+    from pirate_sm.recording.urdf import urdf
+
+    if wanted.urdf is not None:
+        yield wanted.urdf, urdf(loaded.loaded_robot.profile)
+    if wanted.lichtblick is not None:
+        yield wanted.lichtblick, layouts.lichtblick_layout(loaded)
+    if wanted.plotjuggler is not None:
+        yield wanted.plotjuggler, layouts.plotjuggler_layout(loaded)
 
 
 def _read(path: str) -> Recording:
