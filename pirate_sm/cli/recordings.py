@@ -139,18 +139,20 @@ def run_export(path: str, wanted: Wanted) -> int:
     if wanted == Wanted():
         raise UsageError("say what to export: --csv DIR, --urdf, --lichtblick, --plotjuggler FILE")
     recording = _read(path)
+    written: list[str] = []
     with recorded_mission(recording.header) as loaded:
         if wanted.csv is not None:
             from pirate_sm.recording.tables import write_tables
 
-            for file in write_tables(recording, loaded, Path(wanted.csv)):
-                _say(str(file))
+            written += map(str, write_tables(recording, loaded, Path(wanted.csv)))
         for place, text in _texts(loaded, wanted):
             try:
                 Path(place).write_text(text, encoding="utf-8")
             except OSError as error:
                 raise UsageError(f"{place} cannot be written: {error.strerror}") from None
-            _say(place)
+            written.append(place)
+    for file in written:
+        _say(file)
     return 0
 
 

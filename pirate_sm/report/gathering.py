@@ -27,6 +27,9 @@ from pirate_sm.report.scene import Following, Holding, Poses, scene_of, travel_o
 from pirate_sm.report.timeline import Timeline
 from pirate_sm.report.words import Course, Ending, Story, summary
 
+_MOST_CAUSES = 3
+"""Of what went wrong so many things are told, the last ones."""
+
 
 @dataclass(frozen=True)
 class About:
@@ -85,7 +88,7 @@ class _Run:
         self._at_s = 0.0
         self._doubt = ""
         self._ended: fx.Ended | None = None
-        self._cause = Sentence(0.0, "", "trouble")
+        self._causes: list[Sentence] = []
         self._told = {
             board.id: tuple({*board.numbers, *(n for n in (robot.odometry, robot.speed) if n >= 0)})
             if board.wheels
@@ -128,8 +131,8 @@ class _Run:
 
     def _note_cause(self, cause: str, at_s: float) -> None:
         """What the engine takes for the last thing that went wrong is known, and where that was."""
-        if cause != self._cause.text:
-            self._cause = Sentence(at_s, cause, "trouble", self._timeline.phase)
+        if cause and (not self._causes or cause != self._causes[-1].text):
+            self._causes.append(Sentence(at_s, cause, "trouble", self._timeline.phase))
 
     def report(self, seen: Poses | None) -> Report:
         """What is to be told of it."""
@@ -138,7 +141,7 @@ class _Run:
         poses = seen or self._following.poses
         travel = travel_of(poses, loaded.pipe)
         measured = Measured(profile, robot, self._signals, self._setpoints, until_s, travel)
-        ending, failure = self._ending(), self._failure()
+        ending = self._ending()
         lanes = self._timeline.lanes(until_s)
         scene = scene_of(
             poses, profile, robot, walls_of(loaded.pipe), self._signals, self._setpoints,
@@ -158,7 +161,7 @@ class _Run:
             diagram=svg(graph),
             facts=about.facts,
             files=about.files,
-            failure=failure,
+            failures=self._failures(),
         )
 
     def _ending(self) -> Ending:
@@ -166,11 +169,13 @@ class _Run:
             return Ending("unfinished", "", self._at_s)
         return Ending(self._ended.outcome, self._ended.message, self._at_s)
 
-    def _failure(self) -> Sentence | None:
+    def _failures(self) -> tuple[Sentence, ...]:
         """What made the run fail; the end itself where the engine names no cause."""
         if self._ended is None or self._ended.outcome not in ("failed", "fault"):
-            return None
-        return self._cause if self._cause.text else Sentence(self._at_s, self._ended.message, "end")
+            return ()
+        if not self._causes:
+            return (Sentence(self._at_s, self._ended.message, "end"),)
+        return tuple(self._causes[-_MOST_CAUSES:])
 
     def _course(self, ending: Ending, travel: Travel | None) -> Course:
         loaded, story, robot = self._loaded, self._story, self._loaded.robot

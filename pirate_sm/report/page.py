@@ -93,12 +93,10 @@ def _warning(line: str) -> str:
 def _summary(report: Report) -> Iterable[str]:
     """How it ended, right behind that why, then the rest; the header has the first sentence."""
     lines = [f"<p>{escape(line)}</p>" for line in report.summary[1:]]
-    return [*lines[:1], _failure(report.failure), *lines[1:]]
+    return [*lines[:1], *map(_failure, report.failures), *lines[1:]]
 
 
-def _failure(failure: Sentence | None) -> str:
-    if failure is None:
-        return ""
+def _failure(failure: Sentence) -> str:
     where = f"in <b>{escape(failure.topic)}</b>: " if failure.topic else ""
     return (
         f'<p class="cause"><button type="button" data-at="{failure.at_s:.3f}">'

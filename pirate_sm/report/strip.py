@@ -51,10 +51,9 @@ class Picture(NamedTuple):
 def pictures(report: Report) -> tuple[Picture, ...]:
     """The moments of a run that are worth a picture, in order."""
     found = [Picture(0.0, "start", "start", weight=float("inf"))]
-    failure = report.failure
-    if failure is not None:
-        text = failure.text.partition(":")[0] if failure.topic else "failed"
-        found.append(Picture(failure.at_s, text, "failed", failure.topic, float("inf")))
+    for at_s, text, _, phase in report.failures:
+        short = text.partition(":")[0].partition(" (")[0] if phase else "failed"
+        found.append(Picture(at_s, short, "failed", phase, float("inf")))
     phases, commands = (_lane(report, name) for name in (PHASE, COMMANDS))
     for start_s, end_s, name, *_ in phases.spans:
         at_s = max(start_s, end_s - _JUST_BEFORE_S) if end_s < report.duration_s else end_s

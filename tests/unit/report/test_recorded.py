@@ -54,6 +54,15 @@ def test_what_made_it_fail_is_told_with_its_time_and_phase_and_is_where_one_begi
     assert found.failure.topic == "prepare"
 
 
+def test_what_led_to_the_failure_is_told_before_it(report: Reports) -> None:
+    found = report("twice")
+
+    assert len(found.failures) > 1
+    assert found.failures[-1] == found.failure
+    assert found.opens_at_s == found.failures[-1].at_s > found.failures[0].at_s
+    assert [each.topic for each in found.failures][-1] == "regrip"
+
+
 @pytest.mark.parametrize("name", ["bend", "trace", "patrol"])
 def test_a_run_that_went_well_begins_at_its_beginning(report: Reports, name: str) -> None:
     found = report(name)

@@ -66,6 +66,15 @@ def test_of_a_failed_run_the_failure_is_shown_and_marked(report: Reports) -> Non
     assert strip(found).count('<li class="failed">') == 1
 
 
+def test_everything_that_led_to_a_failure_is_marked_by_what_failed(report: Reports) -> None:
+    found = report("twice")
+    failed = [each for each in pictures(found) if each.kind == "failed"]
+
+    assert [each.at_s for each in failed] == [each.at_s for each in found.failures]
+    assert (failed[-1].title, failed[-1].about) == ("ClampFront", "regrip")
+    assert all("(" not in each.title for each in failed)
+
+
 def test_of_very_many_phases_the_longest_stay(with_lanes: Callable[..., Report]) -> None:
     phases = [phase(2.0 * number, 2.0 * number + 2, f"p{number}") for number in range(99)]
     phases.append(phase(198.0, 258.0, "long"))
