@@ -65,14 +65,21 @@ def export(
     urdf: Annotated[
         str | None, typer.Option(metavar="FILE", help="The robot, from its profile.")
     ] = None,
+    lichtblick: Annotated[
+        str | None,
+        typer.Option(metavar="FILE", help="A layout for Lichtblick and Foxglove, for this robot."),
+    ] = None,
+    plotjuggler: Annotated[
+        str | None, typer.Option(metavar="FILE", help="A layout for PlotJuggler, for this robot.")
+    ] = None,
     debug: Annotated[bool, _DEBUG] = False,
 ) -> None:
     """Write a recording for other programs."""
     from pirate_sm.cli.guard import guarded
 
     def work() -> int:
-        from pirate_sm.cli.recordings import run_export
+        from pirate_sm.cli.recordings import Wanted, run_export
 
-        return run_export(recording, csv, urdf)
+        return run_export(recording, Wanted(csv, urdf, lichtblick, plotjuggler))
 
     raise typer.Exit(guarded(work, debug))

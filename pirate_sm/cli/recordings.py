@@ -12,6 +12,7 @@ from pirate_sm.expressions import NumberType
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.model.effects import Effect
+from pirate_sm.recording.header import RunHeader
 from pirate_sm.recording.reader import Recording, read_recording
 from pirate_sm.recording.reloading import as_recorded, recorded_mission
 from pirate_sm.recording.replay import Difference, replay
@@ -30,6 +31,16 @@ class Changed:
     mission: str | None = None
     robot: str | None = None
     pipe: str | None = None
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a recording is exported to: a folder of tables, and files."""
+
+    csv: str | None = None
+    urdf: str | None = None
+    lichtblick: str | None = None
+    plotjuggler: str | None = None
 
 
 def run_replay(path: str, changed: Changed) -> int:
@@ -65,13 +76,17 @@ def run_compare(first: str, second: str) -> int:
     """
     from pirate_sm.recording.compare import compare, course_of
 
-    courses, loadeds = [], []
+    courses, loadeds, headers = [], [], []
     for path in (first, second):
         recording = _read(path)
+        headers.append(recording.header)
         with recorded_mission(recording.header) as loaded:
             courses.append(course_of(recording, loaded))
             loadeds.append(loaded)
         _say(f"{'B' if len(courses) > 1 else 'A'}: {_headline(recording)}")
+    _say("")
+    for line in _told_apart(*headers):
+        _say(line)
     result = compare(*courses)
     _say("")
     _say(f"{'what the mission comes to':<42} {'A':>9} {'B':>9} {'B - A':>9}   lasted A, B")
@@ -100,31 +115,58 @@ def run_compare(first: str, second: str) -> int:
     return DIFFERENT if result.parted is not None else SAME
 
 
-def run_export(path: str, csv: str | None, urdf: str | None) -> int:
-    """The recording's topics are tables, its robot a URDF, as was asked for.
+def _told_apart(first: RunHeader, second: RunHeader) -> Iterator[str]:
+    """What the two runs were not alike in, a line each."""
+    from pirate_sm.recording.circumstances import unlike
+
+    found = unlike(first, second)
+    if not found:
+        yield "A and B were made with the same seed, parameters and files"
+        return
+    names, ones = (max(len(each[column]) for each in found) for column in (0, 1))
+    yield f"{'what differed':<{max(names, 13)}}  {'A':<{max(ones, 1)}}  B"
+    for each in found:
+        yield f"{each.name:<{max(names, 13)}}  {each.first:<{max(ones, 1)}}  {each.second}"
+
+
+def run_export(path: str, wanted: Wanted) -> int:
+    """The recording's topics are tables, its robot a URDF, and so on, as was asked for.
 
     Raises:
-        RecordingError: The recording cannot be read, or a file cannot be written.
-        UsageError: Nothing was asked for.
+        RecordingError: The recording cannot be read, or a folder cannot be written.
+        UsageError: Nothing was asked for, or a file cannot be written.
     """
-    if csv is None and urdf is None:
-        raise UsageError("say what to export: --csv DIR, --urdf FILE")
+    if wanted == Wanted():
+        raise UsageError("say what to export: --csv DIR, --urdf, --lichtblick, --plotjuggler FILE")
     recording = _read(path)
+    written: list[str] = []
     with recorded_mission(recording.header) as loaded:
-        if csv is not None:
+        if wanted.csv is not None:
             from pirate_sm.recording.tables import write_tables
 
-            for file in write_tables(recording, loaded, Path(csv)):
-                _say(str(file))
-        if urdf is not None:
-            from pirate_sm.recording.urdf import urdf as text_of
-
+            written += map(str, write_tables(recording, loaded, Path(wanted.csv)))
+        for place, text in _texts(loaded, wanted):
             try:
-                Path(urdf).write_text(text_of(loaded.loaded_robot.profile), encoding="utf-8")
+                Path(place).write_text(text, encoding="utf-8")
             except OSError as error:
-                raise UsageError(f"{urdf} cannot be written: {error.strerror}") from None
-            _say(urdf)
+                raise UsageError(f"{place} cannot be written: {error.strerror}") from None
+            written.append(place)
+    for file in written:
+        _say(file)
     return 0
+
+
+def _texts(loaded: LoadedMission, wanted: Wanted) -> Iterator[tuple[str, str]]:
+    """Each file that was asked for with its text."""
+    from pirate_sm.recording import layouts
+    from pirate_sm.recording.urdf import urdf
+
+    if wanted.urdf is not None:
+        yield wanted.urdf, urdf(loaded.loaded_robot.profile)
+    if wanted.lichtblick is not None:
+        yield wanted.lichtblick, layouts.lichtblick_layout(loaded)
+    if wanted.plotjuggler is not None:
+        yield wanted.plotjuggler, layouts.plotjuggler_layout(loaded)
 
 
 def _read(path: str) -> Recording:

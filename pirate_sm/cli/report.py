@@ -1,35 +1,103 @@
-"""`pirate report`: a recording as one page."""
+"""`pirate report`: a recording as one page, many as a list with a page for each."""
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from urllib.parse import quote
 
-from pirate_sm.errors import UsageError
-from pirate_sm.recording.reader import read_recording
+from pirate_sm import __version__
+from pirate_sm.cli.guard import say
+from pirate_sm.errors import RecordingError, UsageError
+from pirate_sm.recording.reader import Recording, read_recording
+from pirate_sm.report.index import index_html
+from pirate_sm.report.listing import Listed, listed, unreadable
 from pirate_sm.report.page import html
 from pirate_sm.report.recorded import report_of
 from pirate_sm.showing.visible import visible
 
+_INDEX = "index.html"
+_HEAD = 2_000
+"""So many characters of a page hold the name of what made it."""
 
-def write_report(recording: str, output: Path | None) -> int:
-    """The page stands in the file.
+
+def write_reports(places: Sequence[str], output: Path | None) -> int:
+    """The page of a recording stands in a file; of several, or of a folder, a list besides.
 
     Args:
-        recording: The recording.
-        output: The file; None: beside the recording, with ``.html`` in place of its ending.
+        places: Recordings, and folders with recordings.
+        output: The file, of the list where there is one; None: beside the recordings.
 
     Raises:
-        RecordingError: The recording cannot be read.
-        UsageError: The page cannot be written, or what plots is not installed.
+        RecordingError: The recording cannot be read; of several: none can.
+        UsageError: A page cannot be written, or what plots is not installed.
     """
-    path = Path(recording)
+    paths = tuple(dict.fromkeys(found for place in places for found in _recordings(Path(place))))
+    if len(places) == 1 and paths == (Path(places[0]),):
+        return _write_report(paths[0], output)
+    return _write_index(paths, output or paths[0].parent / _INDEX)
+
+
+def _recordings(place: Path) -> Iterator[Path]:
+    """The recordings in a folder; a file is its own."""
+    if not place.is_dir():
+        yield place
+        return
+    found = sorted(place.glob("*.mcap"))
+    if not found:
+        raise UsageError(f"there is no recording (*.mcap) in the folder '{place}'")
+    yield from found
+
+
+def _write_report(path: Path, output: Path | None) -> int:
     place = output or path.with_suffix(".html")
     if place.resolve() == path.resolve():
         raise UsageError(f"'{place}' is the recording itself")
-    text = html(report_of(read_recording(path)))
+    _write(place, html(report_of(read_recording(path))))
+    return 0
+
+
+def _write_index(paths: Sequence[Path], index: Path) -> int:
+    for path in paths:
+        if index.resolve() in (path.resolve(), path.with_suffix(".html").resolve()):
+            raise UsageError(f"'{index}' is '{path}' or its page; name the list with --output")
+    runs = [_one(path, index) for path in paths]
+    if all(run.outcome == "unreadable" for run in runs):
+        raise RecordingError("none of the recordings can be read")
+    _write(index, index_html(runs))
+    return 0
+
+
+def _one(path: Path, index: Path) -> Listed:
+    """The run as the list has it; its own page is there."""
+    page = path.with_suffix(".html")
+    link = quote(Path(os.path.relpath(page.resolve(), index.resolve().parent)).as_posix())
+    try:
+        recording = read_recording(path)
+        run = listed(recording, link)
+        if not _is_fresh(page, recording):
+            _write(page, html(report_of(recording)))
+    except RecordingError as error:
+        say(str(error))
+        return unreadable(path, str(error))
+    return run
+
+
+def _is_fresh(page: Path, recording: Recording) -> bool:
+    """Whether this version of the program made the page after the recording."""
+    try:
+        if page.stat().st_mtime < recording.path.stat().st_mtime:
+            return False
+        with page.open(encoding="utf-8", errors="replace") as file:
+            return f'content="pirate-sm {__version__}"' in file.read(_HEAD)
+    except OSError:
+        return False
+
+
+def _write(place: Path, text: str) -> None:
     try:
         place.write_text(text, encoding="utf-8")
     except OSError as error:
         raise UsageError(f"'{place}' cannot be written: {error.strerror}") from None
     print(visible(str(place)))
-    return 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
+from math import nan
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -13,8 +14,9 @@ from pirate_sm.expressions import NumberType
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import SensorFrame
-from pirate_sm.recording.reader import Recording
+from pirate_sm.recording.reader import Recording, Shown
 from pirate_sm.recording.replay import Rerun, engine_of, rerun
+from pirate_sm.recording.viewing import PLACES
 from pirate_sm.units import DIMENSIONLESS, Dimension, format_quantity
 
 Row = tuple[Any, ...]
@@ -24,6 +26,7 @@ def write_tables(recording: Recording, loaded: LoadedMission, folder: Path) -> t
     """Each topic of the recording is a CSV file in the folder; returns the files.
 
     Signals are those that the engine made of the boards' raw values, one line for each frame.
+    Places of wheels are those that viewers were shown: the simulator's, where it knew.
 
     Raises:
         RecordingError: The recording is damaged, or the folder cannot be written.
@@ -38,6 +41,8 @@ def write_tables(recording: Recording, loaded: LoadedMission, folder: Path) -> t
                     tables.signals(again, engine.signals(again.state))
                 for effect in again.step.effects:
                     tables.effect(again.step.at_s, effect)
+            for shown in recording.shown(PLACES):
+                tables.places(shown)
             return tables.files
     except OSError as error:
         raise RecordingError(f"{folder} cannot be written: {error.strerror}") from None
@@ -48,6 +53,7 @@ class _Tables:
 
     def __init__(self, loaded: LoadedMission, folder: Path, stack: ExitStack) -> None:
         self._robot = loaded.robot
+        self._wheels = loaded.loaded_robot.profile.body.wheels
         self._folder = folder
         self._stack = stack
         self._writers: dict[str, Any] = {}
@@ -65,6 +71,13 @@ class _Tables:
         kind = self._robot.vocabulary.types[name]
         dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
         return headed(name, dimension)
+
+    def places(self, it: Shown) -> None:
+        """Where each wheel was: true where ``known`` is 1, as a simulator knows it."""
+        names = [wheel.name for wheel in self._wheels]
+        columns = [f"{name}_{axis}_m" for name in names for axis in "xy"]
+        row = (it.at_s, int(it.content["known"]), *(it.content.get(name, nan) for name in columns))
+        self._row("places", ["time_s", "known", *columns], row)
 
     def effect(self, at_s: float, effect: fx.Effect) -> None:
         """The effect is a line of its topic, where it has one."""

@@ -28,6 +28,9 @@ from pirate_sm.recording.placing import Placing
 from pirate_sm.recording.scene import scene_message
 from pirate_sm.recording.told import LEVELS, told
 
+PLACES = "/places"
+"""The topic with the place of each wheel."""
+
 NS_PER_S = 1_000_000_000
 
 
@@ -87,7 +90,7 @@ class Viewer:
         self._signal_channel = _flat("/signals", dict.fromkeys(signals, _NUMBER))
         self._setpoints = _flat("/setpoints", dict.fromkeys(self._slots, _NUMBER))
         places = {"known": {"type": "boolean"}, **dict.fromkeys(coordinates, _NUMBER)}
-        self._places = _flat("/places", places)
+        self._places = _flat(PLACES, places)
         words = ("phase", "detected", *robot.regions, "unconfirmed")
         codes = {
             _code_name(region): {"type": "integer", "description": _listed(names)}

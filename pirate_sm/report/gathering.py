@@ -21,11 +21,14 @@ from pirate_sm.model.events import Event, SensorFrame
 from pirate_sm.recording.placing import Placing
 from pirate_sm.recording.replay import Rerun, same
 from pirate_sm.report.charts import Measured, Travel, charts
-from pirate_sm.report.model import Fact, Report
+from pirate_sm.report.model import Fact, Report, Sentence
 from pirate_sm.report.sampling import Samples
 from pirate_sm.report.scene import Following, Holding, Poses, scene_of, travel_of, walls_of
 from pirate_sm.report.timeline import Timeline
 from pirate_sm.report.words import Course, Ending, Story, summary
+
+_MOST_CAUSES = 3
+"""Of what went wrong so many things are told, the last ones."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +88,7 @@ class _Run:
         self._at_s = 0.0
         self._doubt = ""
         self._ended: fx.Ended | None = None
+        self._causes: list[Sentence] = []
         self._told = {
             board.id: tuple({*board.numbers, *(n for n in (robot.odometry, robot.speed) if n >= 0)})
             if board.wheels
@@ -103,6 +107,8 @@ class _Run:
                 f"From {step.at_s:.2f} s on this version of the program does otherwise than the "
                 "one that recorded: signals may differ from what was known then."
             )
+        if again.state is not None:
+            self._note_cause(again.state.mission.cause, step.at_s)
         self._timeline.take(step.at_s, step.event, step.effects)
         self._story.take(step.at_s, step.event, step.effects)
         self._way.see(step.effects, step.at_s)
@@ -122,6 +128,11 @@ class _Run:
         self._holding.look(state, at_s)
         if not self._about.nominal:
             self._following.look(state, at_s)
+
+    def _note_cause(self, cause: str, at_s: float) -> None:
+        """What the engine takes for the last thing that went wrong is known, and where that was."""
+        if cause and (not self._causes or cause != self._causes[-1].text):
+            self._causes.append(Sentence(at_s, cause, "trouble", self._timeline.phase))
 
     def report(self, seen: Poses | None) -> Report:
         """What is to be told of it."""
@@ -150,12 +161,21 @@ class _Run:
             diagram=svg(graph),
             facts=about.facts,
             files=about.files,
+            failures=self._failures(),
         )
 
     def _ending(self) -> Ending:
         if self._ended is None:
             return Ending("unfinished", "", self._at_s)
         return Ending(self._ended.outcome, self._ended.message, self._at_s)
+
+    def _failures(self) -> tuple[Sentence, ...]:
+        """What made the run fail; the end itself where the engine names no cause."""
+        if self._ended is None or self._ended.outcome not in ("failed", "fault"):
+            return ()
+        if not self._causes:
+            return (Sentence(self._at_s, self._ended.message, "end"),)
+        return tuple(self._causes[-_MOST_CAUSES:])
 
     def _course(self, ending: Ending, travel: Travel | None) -> Course:
         loaded, story, robot = self._loaded, self._story, self._loaded.robot

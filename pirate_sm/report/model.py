@@ -160,6 +160,7 @@ class Report:
         summary: What happened, in few sentences.
         warnings: What a reader must know before they believe it.
         duration_s: Until when there is something to tell.
+        failures: What made it fail and in which phase: the last one did, those before led there.
         diagram: The mission as an SVG element, with the path taken; empty without one.
         files: Hash of each file by its name.
     """
@@ -176,3 +177,16 @@ class Report:
     diagram: str
     facts: tuple[Fact, ...]
     files: Mapping[str, str]
+    failures: tuple[Sentence, ...] = ()
+
+    @property
+    def failure(self) -> Sentence | None:
+        """What made it fail in the end; None where nothing did."""
+        return self.failures[-1] if self.failures else None
+
+    @property
+    def opens_at_s(self) -> float:
+        """Where a reader begins: at what went wrong, at a sudden end, else at the beginning."""
+        if self.failure is not None:
+            return self.failure.at_s
+        return self.duration_s if self.outcome in ("interrupted", "unfinished") else 0.0

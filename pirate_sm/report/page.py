@@ -14,17 +14,20 @@ from typing import Any, TypeAlias
 
 from pirate_sm import __version__
 from pirate_sm.errors import UsageError
-from pirate_sm.report.model import Chart, Lane, Light, Report, Scene, Series, Wheel
+from pirate_sm.report.model import Chart, Lane, Light, Report, Scene, Sentence, Series, Wheel
+from pirate_sm.report.strip import strip
 
 Json: TypeAlias = dict[str, Any]
 
-_SIGNS = {
+SIGNS = {
     "succeeded": ("✓", "Succeeded"),
     "failed": ("✗", "Failed"),
     "interrupted": ("■", "Interrupted"),
     "fault": ("!", "Ended by a fault"),
     "unfinished": ("…", "Unfinished"),
 }
+"""How a run ended, as a sign and in words."""
+
 _STORY_SIGNS = {"phase": "", "trouble": "!", "person": "☺", "end": "■"}
 _SPEEDS = (0.25, 0.5, 1, 2, 4, 8, 16)
 _SCRIPTS = ("base.js", "scene.js", "timeline.js", "plots.js", "player.js")
@@ -41,7 +44,7 @@ def html(report: Report) -> str:
     """
     library = _library()
     folder = files("pirate_sm.report") / "page"
-    sign, outcome = _SIGNS[report.outcome]
+    sign, outcome = SIGNS[report.outcome]
     script = "\n".join((folder / name).read_text("utf-8") for name in _SCRIPTS)
     style = (library / "uPlot.min.css").read_text("utf-8")
     return Template((folder / "page.html").read_text("utf-8")).substitute(
@@ -52,10 +55,11 @@ def html(report: Report) -> str:
         sign=sign,
         short=escape(report.summary[0] if report.summary else ""),
         style=f"{style}\n{(folder / 'page.css').read_text('utf-8')}",
-        summary="\n".join(f"<p>{escape(line)}</p>" for line in report.summary[1:]),
+        summary="\n".join(_summary(report)),
         warnings="\n".join(_warning(line) for line in report.warnings),
         story="\n".join(_told(report)),
         robot=_robot(report.scene),
+        strip=strip(report),
         diagram=report.diagram,
         facts="\n".join(_facts(report)),
         duration=f"{report.duration_s:.3f}",
@@ -84,6 +88,21 @@ def _library() -> Path:
 
 def _warning(line: str) -> str:
     return f'<p class="warning"><span aria-hidden="true">!</span> {escape(line)}</p>'
+
+
+def _summary(report: Report) -> Iterable[str]:
+    """How it ended, right behind that why, then the rest; the header has the first sentence."""
+    lines = [f"<p>{escape(line)}</p>" for line in report.summary[1:]]
+    return [*lines[:1], *map(_failure, report.failures), *lines[1:]]
+
+
+def _failure(failure: Sentence) -> str:
+    where = f"in <b>{escape(failure.topic)}</b>: " if failure.topic else ""
+    return (
+        f'<p class="cause"><button type="button" data-at="{failure.at_s:.3f}">'
+        f'{failure.at_s:.2f} s</button> <span><span class="sign" aria-hidden="true">✗</span> '
+        f"{where}{escape(failure.text)}</span></p>"
+    )
 
 
 def _told(report: Report) -> Iterable[str]:
@@ -155,6 +174,7 @@ def report_json(report: Report) -> Json:
     clocks = _Clocks()
     found = {
         "duration": _seconds(report.duration_s),
+        "opens": _seconds(report.opens_at_s),
         "lanes": [_lane(each) for each in report.lanes],
         "charts": [_chart(each, clocks) for each in report.charts],
         "scene": _scene(report.scene, clocks) if report.scene else None,

@@ -9,12 +9,10 @@ from pirate_sm.recording.header import RunHeader
 from pirate_sm.recording.reader import Recording
 from pirate_sm.recording.reloading import recorded_mission
 from pirate_sm.recording.replay import rerun
+from pirate_sm.recording.viewing import PLACES
 from pirate_sm.report.gathering import About, gather
 from pirate_sm.report.model import Fact, Report
 from pirate_sm.report.scene import Poses
-
-_PLACES = "/places"
-"""The topic for viewers with the place of each wheel."""
 
 _BACKENDS = {"sim": "in the simulator", "serial": "over the serial link", "trace": "as a trace"}
 _CHANCE = {
@@ -47,7 +45,7 @@ def _known(recording: Recording, loaded: LoadedMission) -> Poses | None:
     """Where the robot really was, as a simulator told viewers; None where nobody knew."""
     names = [wheel.name for wheel in loaded.loaded_robot.profile.body.wheels]
     poses = Poses(true=True)
-    for shown in recording.shown(_PLACES):
+    for shown in recording.shown(PLACES):
         if shown.content.get("known"):
             x, y = ([shown.content[f"{name}_{axis}_m"] for name in names] for axis in "xy")
             poses.add(shown.at_s, list(zip(x, y, strict=True)))

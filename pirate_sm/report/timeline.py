@@ -89,6 +89,11 @@ class Timeline:
         """Whether it is the script of a trace that passes over waits and answers."""
         return self._nominal and isinstance(cause, ev.Skip)
 
+    @property
+    def phase(self) -> str:
+        """The phase that goes on; empty before the first one and after the end."""
+        return self._tracks[PHASE].current
+
     def lanes(self, until_s: float) -> tuple[Lane, ...]:
         """The lanes on which there is something, in order; what goes on does so until the end."""
         found = []

@@ -22,10 +22,13 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 
 RUNS = {
     "bend": ("mitre_bend",),
-    "dead": ("mitre_bend", "--defect", "wheels_3_4_dead"),
+    "dead": ("mitre_bend", "--defect", "wheels_3_4_dead", "--defect", "gamma_2_stiff"),
     "trace": ("mitre_bend", "--backend", "trace"),
     "patrol": (str(PATROL),),
 }
+LIST = "list"
+"""The page that lists all that were made."""
+
 CUT_SHORT = {"torn": 0.9, "empty": 0.4}
 """How much of a recording is left."""
 
@@ -47,7 +50,7 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture(scope="session")
 def report(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """Gives the page of one of ``RUNS``, which is recorded and told once; or of one cut short."""
+    """Gives the page of one of ``RUNS``, recorded and told once; of one cut short; or the list."""
     folder = tmp_path_factory.mktemp("reports")
     made: dict[str, Path] = {}
 
@@ -55,6 +58,11 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
         if name in made:
             return made[name]
         run, told = folder / f"{name}.mcap", folder / f"{name}.html"
+        if name == LIST:
+            for each in ("bend", "dead", "patrol"):
+                get(each)
+            CliRunner().invoke(commands, ["report", str(folder), "-o", str(told)])
+            return made.setdefault(name, told)
         if name in CUT_SHORT:
             get("bend")
             whole = (folder / "bend.mcap").read_bytes()

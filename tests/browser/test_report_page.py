@@ -129,6 +129,47 @@ def test_a_sentence_and_a_phase_of_the_diagram_lead_to_their_time(opened: Open) 
     assert "now" in (node.get_attribute("class") or "")
 
 
+def test_a_failed_run_opens_at_its_failure_and_shows_it_without_scrolling(opened: Open) -> None:
+    it = opened("dead")
+    cause = it.page.locator(".cause")
+    box = cause.bounding_box()
+
+    assert box is not None
+    assert box["y"] + box["height"] < 800
+    assert it.at_s == float(cause.get_by_role("button").inner_text().removesuffix(" s"))
+    assert 0 < it.at_s < it.end_s
+    assert "robot.stuck" in it.page.locator(".strip [aria-current]").inner_text()
+    it.page.locator("#slider").fill("0")
+    cause.get_by_role("button").click()
+    assert it.at_s > 0
+
+
+@pytest.mark.parametrize("name", ["bend", "dead"])
+def test_nothing_scrolls_within_the_page(opened: Open, name: str) -> None:
+    inner = """[...document.querySelectorAll('main *')].filter((each) =>
+        ['auto', 'scroll'].includes(getComputedStyle(each).overflowY)
+        && each.scrollHeight > each.clientHeight + 1).map((each) => each.className || each.id)"""
+
+    assert opened(name).page.evaluate(inner) == []
+
+
+def test_a_picture_of_the_strip_leads_to_its_time(opened: Open) -> None:
+    it = opened("bend")
+    pictures = it.page.locator(".strip li")
+    moments = [
+        float(text.removesuffix(" s")) for text in pictures.locator("time").all_inner_texts()
+    ]
+    places = it.places
+
+    assert "start" in it.page.locator(".strip [aria-current]").inner_text()
+    pictures.nth(5).get_by_role("button").click()
+
+    assert moments == sorted(moments)
+    assert it.at_s == pytest.approx(moments[5], abs=0.01)
+    assert it.places != places
+    assert pictures.nth(5).get_attribute("aria-current") == "step"
+
+
 def test_a_curve_can_be_hidden_and_shown(opened: Open) -> None:
     it = opened("bend")
     curve = it.page.locator("#plots .legend button").first

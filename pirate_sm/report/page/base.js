@@ -56,7 +56,7 @@ const ticked = (at) => (data.duration < 120 ? `${+at.toFixed(3)}` : told(at).rep
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 const shown = {
-  at: 0,
+  at: data.opens,
   from: 0,
   to: data.duration || 1,
   listeners: { time: [], range: [], look: [] },

@@ -111,23 +111,16 @@ const startDiagram = () => {
   show();
 };
 
-/** The sentence of the story that is current is marked. */
-const startStory = () => {
-  const items = [...document.querySelectorAll('.story li')];
+/** Of these items, each with a time, the last one that is not later than what is shown is marked. */
+const startList = (items) => {
   const times = items.map((item) => Number(item.querySelector('[data-at]').dataset.at));
-  const box = document.querySelector('.scrolled');
   let marked = null;
   const show = () => {
-    const current = items[indexAt(times, shown.at)] || null;
+    const current = items[indexAt(times, shown.at + 0.0005)] || null;
     if (current === marked) return;
     if (marked) marked.removeAttribute('aria-current');
     marked = current;
-    if (!current) return;
-    current.setAttribute('aria-current', 'step');
-    const above = current.offsetTop - box.offsetTop - box.scrollTop;
-    if (above < 0 || above + current.offsetHeight > box.clientHeight) {
-      box.scrollTop += above - box.clientHeight / 3;
-    }
+    if (current) current.setAttribute('aria-current', 'step');
   };
   shown.on('time', show);
   show();
@@ -135,7 +128,8 @@ const startStory = () => {
 
 startPlayer();
 startNow();
-startStory();
+startList([...document.querySelectorAll('.story li')]);
+startList([...document.querySelectorAll('.strip li')]);
 startDiagram();
 drawScene();
 drawTimeline();

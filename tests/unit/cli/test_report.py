@@ -1,9 +1,12 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from pirate_sm import __version__
 
 from .conftest import NEWT
 
@@ -31,6 +34,84 @@ def test_a_report_does_not_overwrite_its_recording(pirate: Any, run: Path) -> No
 
     assert (result.exit_code, run.read_bytes()) == (2, before)
     assert "is the recording itself" in result.stderr
+
+
+@pytest.fixture
+def folder(pirate_run: Any, run: Path, tmp_path: Path) -> Path:
+    other = tmp_path / "other run.mcap"
+    pirate_run(NEWT / "patrol.yaml", "--seed", "3", "--quiet", "--record", other)
+    (tmp_path / "broken.mcap").write_bytes(b"no recording")
+    return tmp_path
+
+
+def test_of_a_folder_there_is_a_list_that_leads_to_each_report(pirate: Any, folder: Path) -> None:
+    result = pirate("report", folder)
+
+    assert result.exit_code == 0
+    assert result.stdout.splitlines() == [
+        str(folder / name) for name in ("other run.html", "run.html", "index.html")
+    ]
+    assert "broken.mcap is not a recording" in result.stderr
+    text = (folder / "index.html").read_text("utf-8")
+    assert 'href="other%20run.html"' in text
+    assert 'href="run.html"' in text
+    assert "broken.mcap" in text
+
+
+def test_several_recordings_are_listed_where_it_was_wanted(
+    pirate: Any, folder: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "lists").mkdir()
+    wanted = tmp_path / "lists" / "two.html"
+    runs = (folder / "run.mcap", folder / "other run.mcap")
+
+    assert pirate("report", *runs, "-o", wanted).exit_code == 0
+    assert 'href="../other%20run.html"' in wanted.read_text("utf-8")
+
+
+def test_a_page_that_is_newer_than_its_recording_is_kept(pirate: Any, folder: Path) -> None:
+    pirate("report", folder)
+    other = folder / "other run.html"
+    os.utime(other, (1, 1))
+
+    made = pirate("report", folder).stdout.splitlines()
+
+    assert made == [str(other), str(folder / "index.html")]
+
+
+def test_a_page_of_another_version_is_made_again(pirate: Any, folder: Path) -> None:
+    pirate("report", folder)
+    page = folder / "run.html"
+    page.write_text(page.read_text("utf-8").replace(__version__, "0.0.0"), "utf-8")
+
+    assert str(page) in pirate("report", folder).stdout.splitlines()
+
+
+def test_a_folder_without_a_recording_that_can_be_read_is_refused(
+    pirate: Any, tmp_path: Path
+) -> None:
+    empty = pirate("report", tmp_path)
+    (tmp_path / "a.mcap").write_bytes(b"")
+    (tmp_path / "b.mcap").write_bytes(b"")
+    broken = pirate("report", tmp_path)
+
+    assert (empty.exit_code, broken.exit_code) == (2, 2)
+    assert "there is no recording (*.mcap) in the folder" in empty.stderr
+    assert "none of the recordings can be read" in broken.stderr
+    assert not (tmp_path / "index.html").exists()
+
+
+@pytest.mark.parametrize("name", ["run.mcap", "run.html"])
+def test_a_list_does_not_overwrite_a_recording_or_its_page(
+    pirate: Any, folder: Path, name: str
+) -> None:
+    pirate("report", folder / "run.mcap")
+    before = (folder / name).read_bytes()
+
+    result = pirate("report", folder, "-o", folder / name)
+
+    assert (result.exit_code, (folder / name).read_bytes()) == (2, before)
+    assert "name the list with --output" in result.stderr
 
 
 @pytest.mark.parametrize("content", [None, b"", b"no recording", b"\x89MCAP0\r\n"])

@@ -8,10 +8,14 @@ import pandas
 import pytest
 from recording_runs import record
 
+from pirate_sm.cli.recording import RecordingWishes, recorded
 from pirate_sm.errors import RecordingError
+from pirate_sm.recording.reader import read_recording
 from pirate_sm.recording.reloading import recorded_mission
 from pirate_sm.recording.tables import _cell, write_tables
-from pirate_sm.wiring import Order
+from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.wiring import Order, prepare
 
 
 @pytest.fixture(scope="module")
@@ -32,6 +36,30 @@ def test_each_topic_is_a_table(tables):
     assert {"signals", "setpoints", "states", "commands", "phases", "triggers", "end"} <= set(
         tables
     )
+
+
+def test_places_are_those_that_the_simulator_knew(tmp_path):
+    path = tmp_path / "run.mcap"
+    prepared = prepare(Order("mitre_bend", seed=2))
+    with recorded(prepared, RecordingWishes(record=str(path)), float("inf")) as kept:
+        run = MissionRun(
+            prepared.engine, prepared.backend, tap=kept.tap,
+            companions=[*prepared.companions, *kept.companions, FirstChoice()],
+        )  # fmt: skip
+        kept.follow(run)
+        run.execute()
+    recording = read_recording(path)
+    with recorded_mission(recording.header) as loaded:
+        write_tables(recording, loaded, tmp_path / "csv")
+
+    frame = pandas.read_csv(tmp_path / "csv" / "places.csv")
+
+    assert list(frame.columns[:4]) == ["time_s", "known", "wheel_1_x_m", "wheel_1_y_m"]
+    assert set(frame["known"]) == {1}
+    assert frame["time_s"].is_monotonic_increasing
+    # From the first leg, along x, into the second one, which leads off to side A.
+    assert frame["wheel_1_y_m"].iloc[0] == pytest.approx(0, abs=0.01)
+    assert frame["wheel_1_y_m"].iloc[-1] > 0.3
 
 
 def test_headers_carry_si_units(tables):

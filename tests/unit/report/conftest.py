@@ -26,6 +26,7 @@ def recorded(folder: Path, name: str, *arguments: str) -> Path:
 RUNS = {
     "bend": ("mitre_bend",),
     "dead": ("mitre_bend", "--defect", "wheels_3_4_dead", "--defect", "gamma_2_stiff"),
+    "twice": ("mitre_bend", "--defect", "gamma_2_sticks_at_zero"),
     "trace": ("mitre_bend", "--backend", "trace"),
     "patrol": (str(PATROL),),
 }

@@ -58,6 +58,7 @@ def evil() -> Report:
         diagram="",
         facts=(Fact(EVIL, EVIL),),
         files={EVIL: "0"},
+        failures=(Sentence(0.5, EVIL, "trouble", EVIL),),
     )
 
 

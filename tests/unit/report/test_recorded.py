@@ -41,6 +41,35 @@ def test_faults_stand_in_the_story_and_on_the_timeline(report: Reports) -> None:
     assert {mark.text for mark in marks} == {"wheel.dead", "robot.stuck"}
 
 
+def test_what_made_it_fail_is_told_with_its_time_and_phase_and_is_where_one_begins(
+    report: Reports,
+) -> None:
+    found = report("dead")
+    marks = next(lane for lane in found.lanes if lane.name == "faults").marks
+    stuck = next(mark for mark in marks if mark.text == "robot.stuck")
+
+    assert found.failure is not None
+    assert found.failure.at_s == found.opens_at_s == stuck.at_s < found.duration_s
+    assert found.failure.text.startswith("robot.stuck: ")
+    assert found.failure.topic == "prepare"
+
+
+def test_what_led_to_the_failure_is_told_before_it(report: Reports) -> None:
+    found = report("twice")
+
+    assert len(found.failures) > 1
+    assert found.failures[-1] == found.failure
+    assert found.opens_at_s == found.failures[-1].at_s > found.failures[0].at_s
+    assert [each.topic for each in found.failures][-1] == "regrip"
+
+
+@pytest.mark.parametrize("name", ["bend", "trace", "patrol"])
+def test_a_run_that_went_well_begins_at_its_beginning(report: Reports, name: str) -> None:
+    found = report(name)
+
+    assert (found.failure, found.opens_at_s) == (None, 0.0)
+
+
 @pytest.mark.parametrize("name", ["bend", "patrol"])
 def test_the_lanes_of_the_state_machines_are_full_and_do_not_overlap(
     report: Reports, name: str
@@ -141,3 +170,4 @@ def test_a_recording_that_was_cut_short_is_told_as_far_as_it_goes(
     assert found.outcome == "unfinished"
     assert found.summary[1].startswith("The recording breaks off after")
     assert "ends early" in found.warnings[0]
+    assert found.opens_at_s == found.duration_s

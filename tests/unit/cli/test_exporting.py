@@ -1,0 +1,50 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from .conftest import NEWT
+
+
+@pytest.fixture
+def run(pirate_run: Any, tmp_path: Path) -> Path:
+    path = tmp_path / "run.mcap"
+    pirate_run(NEWT / "patrol.yaml", "--quiet", "--record", path)
+    return path
+
+
+def test_everything_that_is_asked_for_is_written_and_named(
+    pirate: Any, run: Path, tmp_path: Path
+) -> None:
+    files = {kind: tmp_path / kind for kind in ("urdf", "lichtblick", "plotjuggler")}
+    options = [each for kind, file in files.items() for each in (f"--{kind}", file)]
+
+    result = pirate("export", run, "--csv", tmp_path / "csv", *options)
+
+    assert result.exit_code == 0
+    assert result.stdout.splitlines()[-3:] == [str(file) for file in files.values()]
+    assert str(tmp_path / "csv" / "places.csv") in result.stdout.splitlines()
+    assert ElementTree.parse(files["urdf"]).getroot().tag == "robot"
+    assert "3D!scene" in json.loads(files["lichtblick"].read_text("utf-8"))["configById"]
+    assert ElementTree.parse(files["plotjuggler"]).getroot().tag == "root"
+
+
+def test_to_ask_for_nothing_is_refused_with_what_there_is(pirate: Any, run: Path) -> None:
+    result = pirate("export", run)
+
+    assert result.exit_code == 2
+    assert "--csv DIR, --urdf, --lichtblick, --plotjuggler FILE" in result.stderr
+
+
+@pytest.mark.parametrize("option", ["--urdf", "--lichtblick", "--plotjuggler"])
+def test_a_file_that_cannot_be_written_is_told(
+    pirate: Any, run: Path, tmp_path: Path, option: str
+) -> None:
+    result = pirate("export", run, option, tmp_path / "nowhere" / "file")
+
+    assert result.exit_code == 2
+    assert "cannot be written" in result.stderr
