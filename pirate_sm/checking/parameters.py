@@ -76,7 +76,7 @@ def check_limits(loaded: LoadedMission, conditions: Conditions) -> tuple[Finding
                     continue
                 at_limit = {**values, name: Value(read_value(definition, limit), str(limit))}
                 text = next((t for t in texts if _never(t, name, at_limit, loaded, conditions)), "")
-                if text:
+                if text and not _never(text, name, values, loaded, conditions):
                     message = f"with {name} at its {key} of {limit}, '{text}' can never be true"
                     place = document.place_of(("parameters", name, key))
                     found.append(at(document, place, "parameter.limit", Severity.WARNING, message))
@@ -91,15 +91,10 @@ def _never(
         return False
     constants = {each: value.quantity for each, value in values.items()}
     try:
-        condition = compile_condition(text, loaded.robot.vocabulary, constants)
+        condition = compile_condition(text, loaded.robot.vocabulary.with_changes, constants)
     except ExpressionError:
         return False  # which has been said
-    regions = conditions.regions(condition.tree)
-    every = {
-        tuple(state if n in regions else None for n, state in enumerate(states))
-        for states in loaded.robot.table.configurations
-    }
-    return not any(conditions.ask([(condition.tree, True)], each).possible for each in every)
+    return not conditions.anywhere([(condition.tree, True)], loaded.robot.table.configurations)
 
 
 def _conditions(value: object) -> Iterator[str]:
