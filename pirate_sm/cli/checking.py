@@ -35,7 +35,7 @@ def check(
             metavar="[PATH]...",
             help="Files and folders; robots, missions and pipes are known by their content. "
             "Without any: the folders sequences and hardware_profiles and the files beside them; "
-            "where there are none, all that the working directory holds.",
+            "where there is no folder sequences, all that the working directory holds.",
         ),
     ] = None,
     format_: Annotated[
