@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from math import inf, nan
 
@@ -69,7 +69,7 @@ def check_limits(loaded: LoadedMission, conditions: Conditions) -> tuple[Finding
     problems = Problems(document)
     values = defaults(mission.parameters, problems)
     texts = [text for text in _conditions(mission) if "$" in text]
-    found = []
+    waits, found = tuple(_waits(mission)), []
     for name, definition in mission.parameters.items():
         for key in ("min", "max"):
             limit = getattr(definition, key)
@@ -78,7 +78,7 @@ def check_limits(loaded: LoadedMission, conditions: Conditions) -> tuple[Finding
                     continue
                 at_limit = {**values, name: Value(read_value(definition, limit), str(limit))}
                 text = next((t for t in texts if _never(t, name, at_limit, loaded, conditions)), "")
-                late = set(_late(mission, at_limit)) - set(_late(mission, values))
+                late = set(_late(waits, at_limit)) - set(_late(waits, values))
                 if text and not _never(text, name, values, loaded, conditions):
                     what = f"'{text}' can never be true"
                 elif late:
@@ -91,9 +91,9 @@ def check_limits(loaded: LoadedMission, conditions: Conditions) -> tuple[Finding
     return tuple(found)
 
 
-def _late(mission: Mission, values: Values) -> Iterator[str]:
+def _late(waits: Iterable[Phase | WaitStep], values: Values) -> Iterator[str]:
     """Triggers that with these values can only come after their wait is over."""
-    for wait in _waits(mission):
+    for wait in waits:
         within_s = inf if wait.within is None else _seconds(wait.within.time, values)
         ends_s = [_seconds(t.after, values) for t in wait.wait if isinstance(t, TimeTrigger)]
         for trigger in wait.wait:

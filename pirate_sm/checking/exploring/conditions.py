@@ -86,11 +86,16 @@ class Conditions:
     def anywhere(self, facts: Sequence[Fact], configurations: Iterable[Configuration]) -> bool:
         """Whether all facts can hold at once in one of the configurations."""
         regions = {region for node, _ in facts for region in self.regions(node)}
-        different = {
-            tuple(state if n in regions else None for n, state in enumerate(states))
-            for states in configurations
-        }
-        return any(self.ask(facts, states).possible for states in different)
+        asked: set[tuple[str, ...]] = set()
+        for states in configurations:
+            named = tuple([states[region] for region in regions])
+            if named not in asked:  # else it is the same question
+                asked.add(named)
+                if self.ask(facts, states).possible:
+                    return True
+            if not regions:
+                break
+        return False
 
     def free(self, node: tree.Node) -> frozenset[str]:
         """Names of what the condition depends on beside the states."""
