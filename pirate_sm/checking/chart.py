@@ -32,7 +32,6 @@ from pirate_sm.checking.guards import (
     constant_parts,
     holds,
     offset_of,
-    parsed,
     regions_of,
 )
 from pirate_sm.loading.chart_outline import ChartOutline, Transition, outline_chart
@@ -75,9 +74,13 @@ def examine(document: Document, outline: ChartOutline, table: ChartTable) -> Cha
         table: What follows from that.
     """
     chart = _Chart(document, outline, table)
+    verdicts: dict[tuple[Path, str], list[_Verdict]] = {}
     for group in _rivals(outline):
         for number, transition in enumerate(group):
-            chart.judge(transition, group[:number])
+            verdict = chart.judge(transition, group[:number])
+            verdicts.setdefault((transition.path, transition.event), []).append(verdict)
+    for alike in verdicts.values():
+        chart.settle(alike)
     findings = [*chart.found.values(), *chart.traps(), *chart.idle()]
     return ChartCheck(tuple(sorted(findings, key=lambda each: each.order)), tuple(chart.silent))
 
@@ -99,8 +102,21 @@ def cut_off(outline: ChartOutline, silent: Sequence[Transition]) -> frozenset[tu
         found |= beyond
 
 
+class _Verdict(NamedTuple):
+    """What is to be said of a transition in one of the states in which it counts.
+
+    Attributes:
+        silent: Whether it is never taken there, although the state is reached.
+    """
+
+    transition: Transition
+    finding: Finding | None
+    reached: bool
+    silent: bool
+
+
 def _rivals(outline: ChartOutline) -> Iterator[list[Transition]]:
-    """The transitions of one state at one event, in the order of the file."""
+    """The transitions of one state at one event, the first that counts first."""
 
     def key(each: Transition) -> tuple[str, str]:
         return each.source, each.event
@@ -128,22 +144,30 @@ class _Chart:
         self._reached = Reached(self.table)
         self._states = dict(zip(self.outline.regions, self.outline.states, strict=True))
 
-    def judge(self, transition: Transition, earlier: Sequence[Transition]) -> None:
-        """The worst that can be said of a transition has been noted.
+    def judge(self, transition: Transition, earlier: Sequence[Transition]) -> _Verdict:
+        """The worst that can be said of a transition in one state.
 
         Args:
             transition: The transition.
             earlier: Those of the same state and event that come before it.
         """
-        finding = self._guard(transition) if transition.guard else None
+        finding = self._guard(transition) if transition.tree else None
+        reached, silent = self._is_reached(transition), False
         if not self._chances(transition):
             finding = finding or self._never(transition)
-            if self._is_reached(transition):
-                self.silent.append(transition)
-        rivalry = self._rivalry(transition, earlier)
-        finding = finding or rivalry
-        if finding is not None:
-            self.found[transition.path] = finding
+            silent = reached
+        rivalry, hidden = self._rivalry(transition, earlier)
+        return _Verdict(transition, finding or rivalry, reached, silent or hidden)
+
+    def settle(self, verdicts: Sequence[_Verdict]) -> None:
+        """What is so in every state in which a transition counts has been noted of it."""
+        seen = [each for each in verdicts if each.reached] or verdicts
+        if all(each.finding for each in seen):
+            finding = seen[0].finding
+            assert finding is not None
+            self.found.setdefault(seen[0].transition.path, finding)
+        if all(each.silent for each in seen):
+            self.silent += [each.transition for each in seen]
 
     def traps(self) -> Iterator[Finding]:
         """States that no transition leaves, and combinations in which nothing can be done."""
@@ -179,7 +203,8 @@ class _Chart:
 
     def _guard(self, transition: Transition) -> Finding | None:
         """A guard, or a part of one, that is the same whatever states are thought of."""
-        guard = parsed(transition.guard)
+        guard = transition.tree
+        assert guard is not None
         for part, value in constant_parts(guard, self._states):
             what = "this guard" if part is guard else "this part of the guard"
             return self._constant(transition, part, value, f"{what} is always {_said(value)}")
@@ -198,15 +223,11 @@ class _Chart:
 
     def _never(self, transition: Transition) -> Finding | None:
         """A transition whose guard is false wherever the robot can be."""
-        if not self._is_reached(transition):
+        if not self._is_reached(transition) or transition.tree is None:
             return None  # that is a finding of its state
         blocking = next(
-            (
-                part
-                for part in conjuncts(parsed(transition.guard))
-                if not self._chances(transition, part)
-            ),
-            parsed(transition.guard),
+            (part for part in conjuncts(transition.tree) if not self._chances(transition, part)),
+            transition.tree,
         )
         return self._at(
             self._place(transition, blocking), "chart.transition_never",
@@ -214,10 +235,15 @@ class _Chart:
             " this is false in every combination that commands lead to",
         )  # fmt: skip
 
-    def _rivalry(self, transition: Transition, earlier: Sequence[Transition]) -> Finding | None:
-        """A transition for which another one of the same event is taken, sometimes or always."""
+    def _rivalry(
+        self, transition: Transition, earlier: Sequence[Transition]
+    ) -> tuple[Finding | None, bool]:
+        """What is to be said where another one of its event is taken, and whether it always is.
+
+        One that is written inside a compound state is meant to come before one of that state.
+        """
         regions = frozenset({transition.region}).union(
-            *(regions_of(parsed(each.guard)) for each in (transition, *earlier) if each.guard)
+            *(regions_of(each.tree) for each in (transition, *earlier) if each.tree)
         )
         first: Transition | None = None
         shadowed = True
@@ -228,25 +254,24 @@ class _Chart:
             ahead = next((each for each in earlier if _can(each, states)), None)
             shadowed = shadowed and ahead is not None
             first = first or ahead
-            if ahead is not None and ahead.target != transition.target:
+            rivals = ahead is not None and ahead.owner == transition.owner
+            if ahead is not None and rivals and ahead.target != transition.target:
                 winner = winner or ahead
         if winner is not None:
-            return self._ambiguous(transition, winner, shadowed)
+            return self._ambiguous(transition, winner, shadowed), shadowed
         if first is None or not shadowed:
-            return None
-        self.silent.append(transition)
+            return None, False
         place = self.document.place_of(first.path)
-        return self._at(
+        finding = self._at(
             self.document.place_of((*transition.path, "event")), "chart.transition_never",
             f"this is never taken: line {place.line} leads from {transition.source} to"
-            f" {transition.target} already",
+            f" {first.target} already",
             related=((place, "this is taken"),),
         )  # fmt: skip
+        return finding, True
 
     def _ambiguous(self, transition: Transition, winner: Transition, always: bool) -> Finding:
         place = self.document.place_of((*winner.path, "event"))
-        if always:
-            self.silent.append(transition)
         when = "always" if always else "also"
         return self._at(
             self.document.place_of((*transition.path, "event")), "chart.ambiguous",
@@ -257,9 +282,9 @@ class _Chart:
 
     def _chances(self, transition: Transition, part: ast.expr | None = None) -> bool:
         """Whether a reached combination has its state and the guard, or a part of it, true."""
-        if not transition.guard:
+        node = transition.tree if part is None else part
+        if node is None:
             return self._is_reached(transition)
-        node = parsed(transition.guard) if part is None else part
         seen = self._reached.through(regions_of(node) | {transition.region})
         return any(_is_in(transition, states) and holds(node, states) for states in seen)
 
@@ -346,7 +371,7 @@ def _is_in(transition: Transition, states: dict[str, str]) -> bool:
 def _can(transition: Transition, states: dict[str, str]) -> bool:
     if not _is_in(transition, states):
         return False
-    return not transition.guard or holds(parsed(transition.guard), states)
+    return transition.tree is None or holds(transition.tree, states)
 
 
 def _said(value: bool) -> str:

@@ -76,12 +76,23 @@ class Bends:
             slot: parts[each.joint] for slot, each in enumerate(profile.slots) if each.joint
         }
         self._found: dict[int, Bend | None] = {}
+        self._always: dict[int, frozenset[int]] = {}
 
     def of(self, configuration: int) -> Bend | None:
         """The bend of a configuration; None without one."""
         if configuration not in self._found:
             self._found[configuration] = self._look(configuration)
         return self._found[configuration]
+
+    def always(self, command: int) -> frozenset[int]:
+        """Parts of which a command bends one wherever it leads to anything else; else none."""
+        if command not in self._always:
+            table = self._robot.table
+            led = {row[command] for n, row in enumerate(table.following) if row[command] != n}
+            made = [self.of(each) for each in led]
+            parts = frozenset(bend.part for bend in made if bend is not None)
+            self._always[command] = parts if None not in made else frozenset()
+        return self._always[command]
 
     def _look(self, configuration: int) -> Bend | None:
         held = self._robot.held[configuration]

@@ -10,9 +10,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import copysign, degrees, pi, remainder
 
-from pirate_sm.checking.course import Course, Situation, course_of
+from pirate_sm.checking.course import Bends, Course, Situation, course_of
 from pirate_sm.checking.findings import Finding, Severity, at
 from pirate_sm.checking.fit import Fit, Leg, legs_of
+from pirate_sm.engine.program import Do
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
 from pirate_sm.loading.source import Document
@@ -125,14 +126,33 @@ class _Geometry:
     def _bent_in_vain(self) -> Iterator[Finding]:
         """Parts that are bent where the pipe goes straight on."""
         mission = self.loaded.documents[0]
-        for bend, where in self.course.bends:
+        called: list[tuple[Place, str]] = []
+        for where, parts in self._bending().items():
             place = self._placed(where)
+            name = "' or '".join(self.fit.robot.parts[part] for part in sorted(parts))
             if place.line and place.file == mission.name:
-                name = self.fit.robot.parts[bend.part]
                 yield at(
                     mission, place, "geometry.no_bend", Severity.ERROR,
                     f"this bends '{name}', and the pipe has no bend",
                 )  # fmt: skip
+            elif place.line:
+                called.append((place, f"this bends '{name}'"))
+        if called:  # what is called is right by itself: it does not say in which pipe
+            yield at(
+                mission, mission.place_of(("pipe",)), "geometry.no_bend", Severity.ERROR,
+                f"{called[0][0]} bends a part, and this pipe has no bend", related=tuple(called),
+            )  # fmt: skip
+
+    def _bending(self) -> dict[str, frozenset[int]]:
+        """Parts by the places of the steps that bend one of them, those of handlers too."""
+        found = {where: frozenset({bend.part}) for bend, where in self.course.bends}
+        bends = Bends(self.loaded.robot, self.loaded.loaded_robot.profile)
+        for each in self.loaded.program.instructions:
+            if isinstance(each, Do) and each.place not in found:
+                parts = bends.always(each.command)
+                if parts:
+                    found[each.place] = parts
+        return found
 
     def _wrong_side(self, part: int, places: list[str], mitre: tuple[int, float]) -> Finding:
         polarity = self.fit.robot.polarity

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterable, Iterator, Mapping
-from functools import lru_cache
 from itertools import product
 from math import prod
 from typing import TYPE_CHECKING
+
+from pirate_sm.loading.chart_outline import ANY_OF
 
 if TYPE_CHECKING:
     from pirate_sm.engine.chart_table import ChartTable
@@ -24,12 +25,6 @@ _ELSEWHERE = ""
 
 States = Mapping[str, str]
 """The state that each region is in."""
-
-
-@lru_cache(maxsize=1024)
-def parsed(guard: str) -> ast.expr:
-    """The guard as a tree."""
-    return ast.parse(guard, mode="eval").body
 
 
 def offset_of(guard: str, node: ast.expr) -> int:
@@ -49,8 +44,8 @@ def holds(node: ast.expr, states: States) -> bool:
         case ast.UnaryOp(operand=operand):
             return not holds(operand, states)
         case _:
-            region, state = _asked(node)
-            return states.get(region) == state
+            region, asked = _asked(node)
+            return states.get(region) in asked
 
 
 def regions_of(node: ast.expr) -> frozenset[str]:
@@ -69,8 +64,8 @@ def constant(
         fixed: Regions whose state is known.
     """
     named: dict[str, set[str]] = {}
-    for region, state in _questions(node):
-        named.setdefault(region, set()).add(state)
+    for region, asked in _questions(node):
+        named.setdefault(region, set()).update(asked)
     choices = []
     for region, mentioned in named.items():
         if fixed and region in fixed:
@@ -123,15 +118,15 @@ class Reached:
         return self._seen[regions]
 
 
-def _questions(node: ast.expr) -> Iterator[tuple[str, str]]:
+def _questions(node: ast.expr) -> Iterator[tuple[str, list[str]]]:
     for each in ast.walk(node):
         if isinstance(each, ast.Call):
             yield _asked(each)
 
 
-def _asked(node: ast.expr) -> tuple[str, str]:
-    """Region and state of an `In('…')`."""
+def _asked(node: ast.expr) -> tuple[str, list[str]]:
+    """Region and states of an `In('…')`; several where it names a compound state."""
     if isinstance(node, ast.Call) and isinstance(node.args[0], ast.Constant):
-        region, _, state = str(node.args[0].value).partition(".")
-        return region, state
+        region, _, states = str(node.args[0].value).partition(".")
+        return region, states.split(ANY_OF)
     raise AssertionError(f"the loader has let {ast.dump(node)} pass")

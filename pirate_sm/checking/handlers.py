@@ -9,13 +9,15 @@ from pirate_sm.loading.mission import LoadedMission
 
 
 def handler_findings(loaded: LoadedMission) -> Iterator[Finding]:
-    """A finding for each fault that an earlier line of `on_fault` handles already."""
-    document, handled = loaded.documents[0], set[str]()
+    """A finding for each fault that `on_fault` has named before."""
+    document, handled = loaded.documents[0], dict[str, int]()
     for number, handler in enumerate(loaded.mission.on_fault):
         for place, code in enumerate(handler.fault):
-            if code in handled:
-                yield at(
-                    document, document.place_of(("on_fault", number, "fault", place)),
-                    "handler.twice", Severity.ERROR, f"'{code}' is handled by an earlier line",
-                )  # fmt: skip
-            handled.add(code)
+            if handled.setdefault(code, number) != number:
+                message = f"'{code}' is handled by an earlier line"
+            elif code in handler.fault[:place]:
+                message = f"'{code}' stands twice in one list"
+            else:
+                continue
+            where = document.place_of(("on_fault", number, "fault", place))
+            yield at(document, where, "handler.twice", Severity.ERROR, message)

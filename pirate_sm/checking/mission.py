@@ -18,7 +18,7 @@ from pirate_sm.checking.geometry import check_geometry
 from pirate_sm.checking.handlers import handler_findings
 from pirate_sm.checking.parameters import check_limits, check_parameters
 from pirate_sm.checking.places import Places
-from pirate_sm.checking.reach import reach_findings
+from pirate_sm.checking.reach import reach_findings, within_reach
 from pirate_sm.checking.refusals import refusal_findings
 from pirate_sm.checking.times import time_findings
 from pirate_sm.checking.waits import wait_findings
@@ -95,7 +95,7 @@ def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> Missi
         judged = _judged(books, [*books, *beyond], loaded, places) if beyond else judged
     findings = [*told, *judged, *check_geometry(loaded)]
     findings += check_parameters(loaded.mission, loaded.documents[0])
-    findings += check_limits(loaded, conditions_of(loaded))
+    findings += check_limits(loaded, within_reach(loaded))
     unique = {(each.code, each.place, each.message): each for each in findings}
     ordered = sorted(unique.values(), key=lambda each: each.order)
     return MissionCheck(tuple(ordered), loaded.documents, loaded, tuple(books))

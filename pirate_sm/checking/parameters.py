@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
+from math import inf, nan
 
 from pydantic import BaseModel
 
@@ -15,8 +16,9 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.parameters import Value, Values, defaults, read_value
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.source import Document
-from pirate_sm.model.mission import AskStep, End, LogStep, Mission
+from pirate_sm.model.mission import AskStep, End, LogStep, Mission, Phase, WaitStep
 from pirate_sm.model.quantities import Parameter
+from pirate_sm.model.triggers import ConditionTrigger, TimeTrigger
 from pirate_sm.units import QuantityError
 
 _USE = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
@@ -57,7 +59,7 @@ def check_settings(
 
 
 def check_limits(loaded: LoadedMission, conditions: Conditions) -> tuple[Finding, ...]:
-    """A warning for each limit of a parameter with which a condition can never be true.
+    """A warning for each limit of a parameter with which a trigger or a condition never comes true.
 
     Args:
         loaded: The mission.
@@ -67,7 +69,7 @@ def check_limits(loaded: LoadedMission, conditions: Conditions) -> tuple[Finding
     problems = Problems(document)
     values = defaults(mission.parameters, problems)
     texts = [text for text in _conditions(mission) if "$" in text]
-    found = []
+    waits, found = tuple(_waits(mission)), []
     for name, definition in mission.parameters.items():
         for key in ("min", "max"):
             limit = getattr(definition, key)
@@ -76,11 +78,51 @@ def check_limits(loaded: LoadedMission, conditions: Conditions) -> tuple[Finding
                     continue
                 at_limit = {**values, name: Value(read_value(definition, limit), str(limit))}
                 text = next((t for t in texts if _never(t, name, at_limit, loaded, conditions)), "")
-                if text:
-                    message = f"with {name} at its {key} of {limit}, '{text}' can never be true"
-                    place = document.place_of(("parameters", name, key))
-                    found.append(at(document, place, "parameter.limit", Severity.WARNING, message))
+                late = set(_late(waits, at_limit)) - set(_late(waits, values))
+                if text and not _never(text, name, values, loaded, conditions):
+                    what = f"'{text}' can never be true"
+                elif late:
+                    what = f"{min(late)} comes only after its wait is over"
+                else:
+                    continue
+                message = f"with {name} at its {key} of {limit}, {what}"
+                place = document.place_of(("parameters", name, key))
+                found.append(at(document, place, "parameter.limit", Severity.WARNING, message))
     return tuple(found)
+
+
+def _late(waits: Iterable[Phase | WaitStep], values: Values) -> Iterator[str]:
+    """Triggers that with these values can only come after their wait is over."""
+    for wait in waits:
+        within_s = inf if wait.within is None else _seconds(wait.within.time, values)
+        ends_s = [_seconds(t.after, values) for t in wait.wait if isinstance(t, TimeTrigger)]
+        for trigger in wait.wait:
+            match trigger:
+                case ConditionTrigger(when=when, held=held):
+                    if _seconds(held, values) > min([within_s, *ends_s]):
+                        yield f"'{when}', to be held for {_written(held)},"
+                case TimeTrigger(after=after):
+                    if _seconds(after, values) > within_s:
+                        yield f"'after {_written(after)}'"
+
+
+def _waits(value: object) -> Iterator[Phase | WaitStep]:
+    """The phases and steps of a mission that wait."""
+    if isinstance(value, Phase | WaitStep):
+        yield value
+    for _, inner in _inside(value):
+        yield from _waits(inner)
+
+
+def _written(value: float | Parameter) -> str:
+    return f"${value.name}" if isinstance(value, Parameter) else f"{value:g} s"
+
+
+def _seconds(value: float | Parameter, values: Values) -> float:
+    """The time; NaN where the parameter has no value."""
+    if not isinstance(value, Parameter):
+        return value
+    return values[value.name].quantity.value if value.name in values else nan
 
 
 def _never(
@@ -91,15 +133,10 @@ def _never(
         return False
     constants = {each: value.quantity for each, value in values.items()}
     try:
-        condition = compile_condition(text, loaded.robot.vocabulary, constants)
+        condition = compile_condition(text, loaded.robot.vocabulary.with_changes, constants)
     except ExpressionError:
         return False  # which has been said
-    regions = conditions.regions(condition.tree)
-    every = {
-        tuple(state if n in regions else None for n, state in enumerate(states))
-        for states in loaded.robot.table.configurations
-    }
-    return not any(conditions.ask([(condition.tree, True)], each).possible for each in every)
+    return not conditions.anywhere([(condition.tree, True)], loaded.robot.table.configurations)
 
 
 def _conditions(value: object) -> Iterator[str]:

@@ -18,7 +18,7 @@ from pirate_sm.checking.rehearsal import Rehearsal, Rehearse, rehearsed
 from pirate_sm.checking.robot import check_robot
 from pirate_sm.checking.targets import Target, find_targets
 from pirate_sm.errors import UsageError
-from pirate_sm.loading import library
+from pirate_sm.loading import library, references
 from pirate_sm.loading.calibration import load_calibration
 from pirate_sm.loading.chart_outline import outline_chart
 from pirate_sm.loading.folders import PROFILE_FILE, shown
@@ -84,6 +84,7 @@ class Wishes:
         keep_going: Whether a fault of this program becomes a finding.
         counterexamples: The folder that counterexamples are written to; None: they are not.
         rehearse: Runs a mission in the simulator; None: none is run.
+        outside: Whether references may leave the project.
     """
 
     robot: str | None = None
@@ -92,6 +93,7 @@ class Wishes:
     keep_going: bool = True
     counterexamples: Path | None = None
     rehearse: Rehearse | None = None
+    outside: bool = False
 
 
 Progress = Callable[[int, int, str], None]
@@ -111,13 +113,15 @@ def check_paths(
     Raises:
         UsageError: A path leads nowhere, or a wish does not fit.
     """
-    check = _Check(wishes or Wishes())
+    wishes = wishes or Wishes()
+    check = _Check(wishes)
     found = find_targets(paths)
     check.findings += found.findings
-    for number, target in enumerate(found.targets):
-        if progress is not None:
-            progress(number, len(found.targets), shown(target.path))
-        check.take(target)
+    with references.kept_inside(wanted=not wishes.outside):
+        for number, target in enumerate(found.targets):
+            if progress is not None:
+                progress(number, len(found.targets), shown(target.path))
+            check.take(target)
     report = check.report()
     return replace(report, where=found.where, nothing=not found.targets)
 

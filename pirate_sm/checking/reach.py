@@ -12,13 +12,17 @@ from pirate_sm.checking.exploring.pieces import borders, samples, signals
 from pirate_sm.checking.exploring.ranges import ANYTHING, Range, ranges
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
-from pirate_sm.engine.program import TriggerSpec, Wait
+from pirate_sm.engine.program import Branch, TriggerSpec, Wait
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, tree
+from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.pipe import Mitre, Straight
 
 BEGINNING_S = 5.0
 """How long commands may have driven before a wait begins [decided]."""
+
+STILL_M = 0.01
+"""A robot that does not drive is pushed, or slips, by no more than this [decided]."""
 
 _JOINT = "Joint"
 
@@ -26,7 +30,7 @@ _JOINT = "Joint"
 def reach_findings(
     seen: Sequence[Ledger], loaded: LoadedMission, places: Places
 ) -> Iterator[Finding]:
-    """What triggers of the mission's own file wait for in vain.
+    """What conditions of the mission's own file wait or ask for in vain.
 
     Args:
         seen: What can happen.
@@ -48,6 +52,22 @@ def reach_findings(
                 told.add(trigger.place)
                 code, severity, message = found
                 yield places.finding(place, code, severity, message)
+    for branch in loaded.program.instructions:
+        if not isinstance(branch, Branch) or branch.place in told:
+            continue
+        place, message = places.read(branch.place), check.asked(branch.condition)
+        if message and place.file == loaded.documents[0].name:
+            told.add(branch.place)
+            yield places.finding(place, "condition.beyond", Severity.WARNING, message)
+
+
+def within_reach(loaded: LoadedMission) -> Conditions:
+    """What decides whether conditions can be true on a robot no faster than its motors turn."""
+    robot, most = loaded.robot, _fastest(loaded)
+    spans = dict(ranges(loaded.loaded_robot.profile, robot))
+    if robot.speed >= 0:
+        spans[robot.vocabulary.numbers[robot.speed]] = Range(-most, most)
+    return Conditions(robot.vocabulary.with_changes, spans, len(robot.regions))
 
 
 _Said = tuple[str, Severity, str]
@@ -58,6 +78,7 @@ class _Reach:
         self._seen, self._loaded, self._robot = seen, loaded, loaded.robot
         numbers = loaded.robot.vocabulary.numbers
         self._odometry = numbers[loaded.robot.odometry] if loaded.robot.odometry >= 0 else ""
+        self._changed = self._odometry and change_of(self._odometry)
         self._speed = numbers[loaded.robot.speed] if loaded.robot.speed >= 0 else ""
         self._spans = dict(ranges(loaded.loaded_robot.profile, loaded.robot))
         self._usual = self._with({})
@@ -84,18 +105,31 @@ class _Reach:
             or self._held(wait, trigger, node)
         )
 
+    def asked(self, condition: Expression) -> str:
+        """Why the condition of a step asks for what is out of reach; empty: it does not."""
+        facts: list[Fact] = [(condition.tree, True)]
+        every = self._robot.table.configurations
+        for name, most, why in self._lasting():
+            if not self._is_about(condition, name, most):
+                continue
+            narrower = self._with({name: Range(-most, most)})
+            if self._usual.anywhere(facts, every) and not narrower.anywhere(facts, every):
+                return f"'{condition.text}' is out of reach: {why}"
+        return ""
+
+    def _is_about(self, condition: Expression, name: str, most: float) -> bool:
+        return bool(name) and most < inf and name in self._usual.free(condition.tree)
+
     def _possible(self, wait: Wait, facts: Sequence[Fact], conditions: Conditions) -> bool:
         table = self._robot.table
-        return any(
-            conditions.ask(facts, table.configurations[each]).possible for each in self.states(wait)
-        )
+        return conditions.anywhere(facts, [table.configurations[n] for n in self.states(wait)])
 
     # --- too fast, too far ------------------------------------------------------------------
 
     def _beyond(self, wait: Wait, condition: Expression) -> _Said | None:
         fact: Fact = condition.tree, True
         for name, most, why in self._limits(wait):
-            if name and most < inf and name in self._usual.free(condition.tree):
+            if self._is_about(condition, name, most):
                 narrower = self._with({name: Range(-most, most)})
                 if not self._possible(wait, [fact], narrower):
                     message = f"'{condition.text}' is out of reach: {why}"
@@ -103,25 +137,37 @@ class _Reach:
         return None
 
     def _limits(self, wait: Wait) -> Iterator[tuple[str, float, str]]:
-        fastest = self._fastest
+        """Signals, how large they come to be in a wait at the most, and why."""
+        for name, most, why in self._lasting():
+            yield name, most, why
+            yield name and change_of(name), 2 * most if name == self._speed else most, why
+        ends_s = min([wait.within_s, *(t.after_s for t in wait.triggers if t.after_s)])
+        why = f"the wait ends after {ends_s:g} s, in which it drives less"
+        yield self._changed, self._fastest * ends_s, why
+        if not any(wait.phase in phases for phases in self._driven):
+            yield self._odometry, self._fastest * (ends_s + BEGINNING_S), why
+
+    def _lasting(self) -> Iterator[tuple[str, float, str]]:
+        """The same, of what is so wherever it is asked."""
+        fastest, pipe = self._fastest, self._loaded.pipe
         yield self._speed, fastest, f"without a load the robot drives {fastest:.3g} m/s"
-        pipe = self._loaded.pipe
         if pipe is not None:
             length = sum(each.straight for each in pipe.segments if isinstance(each, Straight))
             yield self._odometry, length, f"the pipe is {length:.3g} m long"
-        if not any(wait.phase in phases for phases in self._driven):
-            ends_s = min([wait.within_s, *(t.after_s for t in wait.triggers if t.after_s)])
-            most = fastest * (ends_s + BEGINNING_S)
-            yield self._odometry, most, f"the wait ends after {ends_s:g} s, in which it drives less"
 
     # --- the wrong way ----------------------------------------------------------------------
 
     def _still(self, wait: Wait, condition: Expression) -> _Said | None:
         """A condition on odometry alone that what drives cannot make true."""
         node = condition.tree
-        if not self._odometry or self._usual.free(node) != {self._odometry}:
+        free = self._usual.free(node)
+        if not self._odometry or not {self._odometry, self._changed} & free:
             return None
         ways = {self._way(each) for each in self.states(wait)}
+        if self._changed in free:
+            return self._not_on(wait, condition, ways)
+        if free != {self._odometry}:
+            return None
         if ways == {0}:
             message = f"'{condition.text}' does not change: nothing drives in this wait"
             return "wait.still", Severity.WARNING, message
@@ -131,6 +177,17 @@ class _Reach:
             message = f"'{condition.text}' waits for {self._odometry} to {how[0]}, and the robot "
             return "wait.still", Severity.WARNING, f"{message}drives {how[1]}"
         return None
+
+    def _not_on(self, wait: Wait, condition: Expression, ways: set[int]) -> _Said | None:
+        """A condition on the way since the wait began that what drives cannot make true."""
+        back, on = (-inf if -1 in ways else -STILL_M), (inf if 1 in ways else STILL_M)
+        narrower = self._with({self._changed: Range(back, on)})
+        if self._possible(wait, [(condition.tree, True)], narrower):
+            return None
+        drives = "the robot drives forward" if 1 in ways else "the robot drives back"
+        why = drives if {1, -1} & ways else "nothing drives in this wait"
+        message = f"'{condition.text}' does not come true: {why}"
+        return "wait.still", Severity.WARNING, message
 
     def _way(self, configuration: int) -> int:
         """1 where the configuration drives forward, -1 back, 0 where it drives no wheel."""
@@ -151,7 +208,7 @@ class _Reach:
         for each in tree.walk(node):
             if isinstance(each, tree.Compare) and signals(each):
                 marks |= borders(each, span)
-        values = [nan] * len(self._robot.vocabulary.numbers)
+        values = [nan] * len(self._robot.vocabulary.with_changes.numbers)
         truths = []
         for value in sorted(samples(marks, span)):
             values[place] = value

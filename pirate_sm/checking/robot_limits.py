@@ -57,8 +57,7 @@ def _too_long(done: CriterionSpec, timeout_s: float) -> str:
 def _unheard(view: RobotView, done: CriterionSpec) -> str:
     """Why the signals that it needs are never heard; empty when they are."""
     robot = view.loaded.normal
-    heard = {index for board in robot.boards.values() for index in board.numbers}
-    heard |= {robot.odometry, robot.speed}
+    heard = view.heard
     match done:
         case StalledSpec(rates, torques):
             needed, every = (*rates, *torques), True
@@ -89,7 +88,7 @@ def _too_strong(view: RobotView, command: int, done: CriterionSpec) -> str:
         stall = view.motor(slot).stall_torque if slot is not None else None
         if slot is None or stall is None:
             continue
-        duties = [_duty(view, after, slot) for _, after in view.moves(command)]
+        duties = [view.duty(after, slot) for _, after in view.moves(command)]
         most = max(duties, default=inf) * stall
         if most <= done.torque:
             return (
@@ -104,9 +103,7 @@ def _too_fast(view: RobotView, command: int, done: CriterionSpec) -> str:
     if not isinstance(done, TurningSpec):
         return ""
     speeds = [
-        duty * (view.motor(slot).no_load_speed or inf)
-        if (duty := _duty(view, after, slot))
-        else 0.0
+        duty * (view.motor(slot).no_load_speed or inf) if (duty := view.duty(after, slot)) else 0.0
         for _, after in view.moves(command)
         for slot, _ in done.wheels
     ]
@@ -116,20 +113,6 @@ def _too_fast(view: RobotView, command: int, done: CriterionSpec) -> str:
     if most == 0:
         return "no wheel is driven in the states that it leads to"
     return f"wheels turn with at most {most:.3g} rad/s there, {done.above:.3g} rad/s are asked for"
-
-
-def _duty(view: RobotView, configuration: int, slot: int) -> float:
-    """The largest duty cycle that a slot can have in a configuration."""
-    found = [0.0]
-    for each in view.writes(configuration, slot):
-        loop = view.loaded.normal.slots[slot].loop
-        if each.write.how == "set":
-            found.append(abs(each.write.value))
-        elif each.write.how == "seek" and loop is not None:
-            found.append(loop.limit)
-        else:
-            found.append(1.0)  # it keeps what another state has written
-    return max(found)
 
 
 def _nominal(view: RobotView) -> Iterator[Finding]:

@@ -74,6 +74,26 @@ class RobotView:
         states = self.loaded.table.configurations[configuration]
         return [each for each in self._by_slot.get(slot, ()) if states[each.region] == each.state]
 
+    def duty(self, configuration: int, slot: int) -> float:
+        """The largest duty cycle that a slot can have in a configuration."""
+        found = [0.0]
+        for each in self.writes(configuration, slot):
+            loop = self.loaded.normal.slots[slot].loop
+            if each.write.how == "set":
+                found.append(abs(each.write.value))
+            elif each.write.how == "seek" and loop is not None:
+                found.append(loop.limit)
+            else:
+                found.append(1.0)  # it keeps what another state has written
+        return max(found)
+
+    @cached_property
+    def heard(self) -> frozenset[int]:
+        """Indexes of the numbers that a fitted board tells, or that follow from what it tells."""
+        robot = self.loaded.normal
+        told = {index for board in robot.boards.values() for index in board.numbers}
+        return frozenset(told | {robot.odometry, robot.speed})
+
     @cached_property
     def _by_slot(self) -> dict[int, list[Written]]:
         found: dict[int, list[Written]] = {}

@@ -15,7 +15,7 @@ from pirate_sm.loading.folders import PROFILE_FILE, shown
 from pirate_sm.loading.problems import Place
 from pirate_sm.spelling import nearest
 
-FOLDERS = ("hardware_profiles", "sequences")
+ROBOTS, MISSIONS = "hardware_profiles", "sequences"
 """Where a project keeps its robots and missions."""
 
 MOST_FILES = 10_000
@@ -76,11 +76,12 @@ def find_targets(paths: Iterable[str]) -> Found:
 def _project(findings: list[Finding]) -> list[Path]:
     """What of the working directory is the project.
 
-    Where it has the folders of a project: those, and what lies beside them. Else all of it.
+    Where it has a folder for missions: that, the one for robots, and what lies beside them. Else
+    all of it, since missions may be anywhere.
     """
-    own = [Path(folder) for folder in FOLDERS if Path(folder).is_dir()]
-    if not own:
+    if not Path(MISSIONS).is_dir():
         return [Path()]
+    own = [Path(folder) for folder in (ROBOTS, MISSIONS) if Path(folder).is_dir()]
     beside, _ = _listing(Path(), findings)
     return [*own, *(file for file in beside if kind_of(file) is not Kind.OTHER)]
 

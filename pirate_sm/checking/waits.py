@@ -150,14 +150,11 @@ class _Judge:
     def _can_be(self, wait: Wait, facts: Sequence[Fact]) -> bool:
         """Whether all of this can be so in a configuration of the wait."""
         reached = {
-            configuration
+            self._table.configurations[configuration]
             for book in self._seen
             for configuration in book.waits[wait.phase, wait.place].states
         }
-        return any(
-            self._conditions.ask(facts, self._table.configurations[each]).possible
-            for each in reached
-        )
+        return self._conditions.anywhere(facts, reached)
 
     def constant(self, condition: Expression) -> str:
         """``true`` or ``false`` where the condition is that in every configuration.
@@ -166,11 +163,7 @@ class _Judge:
         is :class:`~pirate_sm.expressions.tree.Known`'s.
         """
         if condition.tree not in self._constant:
-            regions = self._conditions.regions(condition.tree)
-            every = {
-                tuple(state if n in regions else None for n, state in enumerate(states))
-                for states in self._table.configurations
-            }
+            every = self._table.configurations
             self._constant[condition.tree] = ""
             known: list[Fact] = [(tree.Known(each), True) for each in _numbers(condition.tree)]
             questions: list[tuple[str, list[Fact]]] = [
@@ -179,7 +172,7 @@ class _Judge:
                 ("true where its signals are known", [(condition.tree, False), *known]),
             ]
             for said, facts in questions:
-                if not any(self._conditions.ask(facts, states).possible for states in every):
+                if not self._conditions.anywhere(facts, every):
                     self._constant[condition.tree] = said
                     break
         return self._constant[condition.tree]

@@ -41,6 +41,7 @@ class CheckWishes:
     counterexamples: str | None = None
     rehearse: bool = False
     seeds: int = 1
+    outside: bool = False
     debug: bool = False
 
 
@@ -59,6 +60,7 @@ def run_check(wishes: CheckWishes) -> int:
         keep_going=not wishes.debug,
         counterexamples=None if wishes.counterexamples is None else Path(wishes.counterexamples),
         rehearse=_rehearse(wishes),
+        outside=wishes.outside,
     )
     progress = _Progress() if _is_terminal(sys.stderr) else None
     try:

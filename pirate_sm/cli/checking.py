@@ -35,7 +35,7 @@ def check(
             metavar="[PATH]...",
             help="Files and folders; robots, missions and pipes are known by their content. "
             "Without any: the folders sequences and hardware_profiles and the files beside them; "
-            "where there are none, all that the working directory holds.",
+            "where there is no folder sequences, all that the working directory holds.",
         ),
     ] = None,
     format_: Annotated[
@@ -64,6 +64,9 @@ def check(
         bool, typer.Option("--rehearse", help="Run each mission in the simulator.")
     ] = False,
     seeds: Annotated[int, typer.Option(min=1, help="How often each is rehearsed.")] = 1,
+    outside: Annotated[
+        bool, typer.Option("--outside", help="Follow `call` and `pipe` out of the project.")
+    ] = False,
     debug: Annotated[bool, _DEBUG] = False,
 ) -> None:
     """Find what is wrong with robots, missions and pipes before anything moves.
@@ -90,6 +93,7 @@ def check(
                 counterexamples=counterexamples,
                 rehearse=rehearse,
                 seeds=seeds,
+                outside=outside,
                 debug=debug,
             )
         )

@@ -76,7 +76,10 @@ class JsonLines:
 
     def _write(self, now_s: float, kind: str, rest: dict[str, Any]) -> None:
         line = {"t": _number(now_s), "type": kind, **rest}
-        self._out.write(json.dumps(line, ensure_ascii=False, allow_nan=False) + "\n")
+        text = json.dumps(line, ensure_ascii=False, allow_nan=False)
+        if not text.isprintable():  # it may be shown on a terminal, where that would hide the rest
+            text = json.dumps(line, allow_nan=False)
+        self._out.write(f"{text}\n")
 
     def _state(self, it: fx.StateChange) -> tuple[str, dict[str, Any]]:
         states = dict(zip(self._regions, it.states, strict=True))

@@ -81,7 +81,7 @@ class Calls:
             return None  # which is said where it is called
 
     def _read(self, name: str, folder: FilePath) -> Source:
-        file = library.find_mission(name, folder).resolve()
+        file = references.followed(library.find_mission(name, folder), folder).resolve()
         if file not in self._known:
             document = read_document(file, shown(file))
             self.files[file] = document

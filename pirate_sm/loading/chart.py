@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pirate_sm.engine.chart_table import ChartTable, Configuration
-from pirate_sm.loading.chart_outline import ChartOutline
+from pirate_sm.loading.chart_outline import ANY_OF, ChartOutline, Node
 from pirate_sm.loading.problems import Problems
 
 if TYPE_CHECKING:
@@ -67,18 +67,28 @@ def _plain(outline: ChartOutline) -> dict[str, Any]:
 
     It makes attributes of them, and one that is called `send` would take the place of its own.
     """
-    regions: dict[str, Any] = {}
-    for number, (region, names) in enumerate(zip(outline.regions, outline.states, strict=True)):
-        states: dict[str, Any] = {f"{region}.{name}": {"transitions": []} for name in names}
-        states[f"{region}.{outline.initial[number]}"]["initial"] = True
-        regions[f"region_{number}"] = {"states": states}
-        for each in outline.transitions:
-            if each.region == region:
-                guard = {"cond": each.guard} if each.guard else {}
-                event = _event(outline.commands.index(each.event))
-                move = {"event": event, "target": each.target, **guard}
-                states[each.source]["transitions"].append(move)
+    regions = {
+        f"region_{number}": {"states": {each.name: _state(each, outline) for each in nodes}}
+        for number, nodes in enumerate(outline.nodes)
+    }
     return {"name": "chart", "states": {"top": {"parallel": True, "states": regions}}}
+
+
+def _state(node: Node, outline: ChartOutline) -> dict[str, Any]:
+    moves = [
+        {
+            "event": " ".join(_event(outline.commands.index(event)) for event in move.events),
+            "target": move.target,
+            **({"cond": move.guard} if move.guard else {}),
+        }
+        for move in node.moves
+    ]
+    inner = {each.name: _state(each, outline) for each in node.inner}
+    return {
+        "initial": node.initial,
+        "transitions": moves,
+        **({"states": inner} if inner else {}),
+    }
 
 
 def _event(number: int) -> str:
@@ -112,17 +122,19 @@ def _explore(
 
 
 def _names(outline: ChartOutline, values: tuple[str, ...]) -> Configuration:
-    by_region = dict(value.split(".", 1) for value in values if "." in value)
-    return tuple(by_region[region] for region in outline.regions)
+    return tuple(
+        next(name for name in names if f"{region}.{name}" in values)
+        for region, names in zip(outline.regions, outline.states, strict=True)
+    )
 
 
 def _reason(outline: ChartOutline, states: Configuration, command: str) -> str:
     """What the command needs and is not so, or the states that take it."""
     active = {f"{region}.{state}" for region, state in zip(outline.regions, states, strict=True)}
     needs = [
-        _denials(ast.parse(transition.guard, mode="eval").body, active)
+        _denials(transition.tree, active)
         for transition in outline.transitions
-        if transition.event == command and transition.source in active and transition.guard
+        if transition.event == command and transition.source in active and transition.tree
     ]
     ways = dict.fromkeys(map(_joined, filter(None, needs)))
     return f"it needs {', or '.join(ways or _sources(outline, command))}"
@@ -157,9 +169,14 @@ def _denials(guard: ast.expr, active: set[str]) -> list[str]:
 def _said(node: ast.expr) -> str:
     """A part of a guard as a mission would write it: ``Region == state``, ``Region in (…)``."""
     if isinstance(node, ast.Call) and isinstance(node.args[0], ast.Constant):
-        return " == ".join(str(node.args[0].value).split(".", 1))
+        region, _, states = str(node.args[0].value).partition(".")
+        several = ANY_OF in states
+        return (
+            f"{region} in ({states.replace(ANY_OF, ', ')})" if several else f"{region} == {states}"
+        )
     if isinstance(node, ast.UnaryOp) and isinstance(node.operand, ast.Call):
-        return _said(node.operand).replace(" == ", " != ")
+        said = _said(node.operand)
+        return said.replace(" == ", " != ") if " == " in said else f"not {said}"
     if isinstance(node, ast.BoolOp):
         word = " and " if isinstance(node.op, ast.And) else " or "
         parts = [_said(part) for part in node.values]
@@ -180,5 +197,6 @@ def _holds(node: ast.expr, active: set[str]) -> bool:
     if isinstance(node, ast.UnaryOp):
         return not _holds(node.operand, active)
     if isinstance(node, ast.Call) and isinstance(node.args[0], ast.Constant):
-        return node.args[0].value in active
+        region, _, states = str(node.args[0].value).partition(".")
+        return any(f"{region}.{state}" in active for state in states.split(ANY_OF))
     return True

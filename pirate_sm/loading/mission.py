@@ -181,12 +181,12 @@ def _pipe(
     if mission.pipe is None:
         return None, "", document
     try:
-        found, source = load_pipe(library.find_pipe(mission.pipe, folder))
+        file = references.followed(library.find_pipe(mission.pipe, folder), folder)
+        found, source = load_pipe(file)
     except UsageError as error:
         problems.add("mission.pipe", ("pipe",), str(error))
         return None, mission.pipe, document
     except LoadError as error:
-        file = library.find_pipe(mission.pipe, folder)
         references.tell(error, file, references.PIPE, ("pipe",), problems)
         return None, mission.pipe, document
     return found, found.pipe or mission.pipe, source

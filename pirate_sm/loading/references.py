@@ -1,17 +1,72 @@
-"""Reports what is wrong with files that another file names; quotes them only if they are ours."""
+"""References from one file to another: how far they may lead, and what is said of where they lead.
+
+A mission may come from a stranger, and messages quote what they are about: into the log of a build
+server, say. So files are quoted only if they are ours, and who checks can keep references inside.
+"""
 
 from __future__ import annotations
 
 import re
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from pathlib import Path as FilePath
 
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import library
 from pirate_sm.loading.problems import LoadError, Path, Problems
 from pirate_sm.loading.source import LARGEST_FILE
 
-MISSION = ("mission", "phases")
+MISSION = ("mission", "robot", "start", "phases", "ends")
 PIPE = ("pipe", "diameter", "segments")
-"""Keys of which a file of ours has one, however broken it is."""
+"""Keys of which a file of ours has some, however broken it is."""
+
+LEAST_KEYS = 2
+"""So many of them; one may stand anywhere."""
+
+ROOT_MARKS = (".git", "sequences", "hardware_profiles")
+"""What the root of a project has."""
+
+_kept_inside: ContextVar[bool] = ContextVar("kept_inside", default=False)
+
+
+@contextmanager
+def kept_inside(*, wanted: bool) -> Iterator[None]:
+    """While it lasts, and if it is wanted, references that leave the project are refused."""
+    before = _kept_inside.set(wanted)
+    try:
+        yield
+    finally:
+        _kept_inside.reset(before)
+
+
+def followed(file: FilePath, folder: FilePath) -> FilePath:
+    """The file that a reference leads to.
+
+    Args:
+        file: Where it leads.
+        folder: Of the file in which it stands.
+
+    Raises:
+        UsageError: It leaves the project, and that is not wanted.
+    """
+    if _kept_inside.get() and not any(file.resolve().is_relative_to(r) for r in _roots(folder)):
+        message = "this leads out of the project's folder: move the file, or check with --outside"
+        raise UsageError(message)
+    return file
+
+
+def _roots(folder: FilePath) -> Iterator[FilePath]:
+    """Folders in which a reference from this folder may lead."""
+    here = folder.resolve()
+    yield here
+    yield from (library.shipped() / name for name in ("sequences", "hardware_profiles"))
+    if here.is_relative_to(FilePath.cwd()):
+        yield FilePath.cwd()
+    for above in (here, *here.parents):
+        if any((above / mark).exists() for mark in ROOT_MARKS):
+            yield above
+            return
 
 
 def tell(
@@ -19,13 +74,10 @@ def tell(
 ) -> None:
     """What is wrong with a file has been added; of a stranger only that it is one.
 
-    A reference may lead anywhere, and messages quote what they are about: into the log of a build
-    server, say.
-
     Args:
         error: What reading the file has raised.
         file: The file.
-        keys: One of these it has, if it is of the kind that is meant.
+        keys: Some of these it has, if it is of the kind that is meant.
         at: Where it is named, in the file that the problems are about.
         problems: Are added to.
     """
@@ -38,13 +90,11 @@ def tell(
 
 
 def _has(file: FilePath, keys: tuple[str, ...]) -> bool:
-    """Whether one of the keys stands at the beginning of a line, or the file cannot be read."""
+    """Whether some of the keys begin a line or stand in braces, or the file cannot be read."""
     with suppress(OSError, ValueError):
         with file.open("rb") as stream:
             text = stream.read(LARGEST_FILE).decode("utf-8-sig", errors="replace")
         names = "|".join(keys)
-        return (
-            not text.strip()
-            or re.search(rf"""^[\s{{]*["']?(?:{names})["']?\s*:""", text, re.MULTILINE) is not None
-        )
+        found = re.findall(rf"""(?:^|[{{,])\s*["']?({names})["']?\s*:""", text, re.MULTILINE)
+        return not text.strip() or len(set(found)) >= LEAST_KEYS
     return True

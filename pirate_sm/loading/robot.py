@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Literal
 from pirate_sm.engine.chart_table import ChartTable
 from pirate_sm.engine.program import RuleSpec
 from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import references
 from pirate_sm.loading.chart_cache import cached_table
 from pirate_sm.loading.chart_outline import ChartOutline, outline_chart
 from pirate_sm.loading.folders import PROFILE_FILE, shown
@@ -81,7 +83,7 @@ def load_robot(folder: Path) -> LoadedRobot:
         problems.raise_errors()
         raise AssertionError("raise_errors raises here")
     check_body(profile, problems)
-    chart_document = _chart(folder / profile.chart, problems)
+    chart_document = _chart(folder, profile.chart, problems)
     outline = outline_chart(chart_document, problems) if chart_document else None
     if outline is not None:
         _check_commands(profile, outline, problems)
@@ -99,10 +101,14 @@ def load_robot(folder: Path) -> LoadedRobot:
     return LoadedRobot(profile, table, documents, folder, normal, mirrored, rules, outline)
 
 
-def _chart(path: Path, problems: Problems) -> Document | None:
+def _chart(folder: Path, name: str, problems: Problems) -> Document | None:
     """The chart's file; a file that is not there is a fault of the profile."""
+    path = folder / name
     try:
-        return read_document(path, shown(path))
+        return read_document(references.followed(path, folder), shown(path))
+    except UsageError as error:
+        problems.add("robot.chart", ("chart",), str(error))
+        return None
     except LoadError as error:
         for problem in error.problems:
             if problem.place.line:

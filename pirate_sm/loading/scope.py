@@ -199,34 +199,26 @@ class Scope:
             self.problems.add_expression(path, error)
             return None
 
-    def duration(self, value: float | Parameter, path: Path, *, positive: bool = False) -> float:
-        """Seconds; a parameter has its value. A time is never negative, nor 0 if ``positive``."""
-        seconds = value if not isinstance(value, Parameter) else self._seconds(value, path)
-        if seconds < 0 or (positive and seconds == 0):
-            least = "more than 0 s" if positive else "at least 0 s"
-            self.problems.add("mission.time", path, f"expected {least}, got {seconds:g} s")
-        return seconds
-
     def waited(self, value: float | Parameter, path: Path, *, zero: bool = False) -> float:
-        """Seconds of a wait: at least one cycle of the bus, in which sensors can say something new.
+        """Seconds in which sensors can say something new: at least one cycle of the bus.
 
         Args:
-            value: As the file gives it.
+            value: As the file gives it; a parameter has its value.
             path: Where.
             zero: Whether 0 is allowed too, and means no waiting at all.
         """
-        seconds, least_s = self.duration(value, path), self.profile.link.cycle
-        if 0 <= seconds < least_s and not (zero and seconds == 0):
-            self.problems.add(
-                "mission.time", path,
-                f"expected at least {1e3 * least_s:g} ms, one cycle of the robot's bus, "
-                f"got {1e3 * seconds:g} ms",
-            )  # fmt: skip
+        seconds = value if not isinstance(value, Parameter) else self._seconds(value, path)
+        least_s = self.profile.link.cycle
+        if seconds < least_s and not (zero and seconds == 0):
+            least = f"at least {1e3 * least_s:g} ms, one cycle of the robot's bus"
+            got = f"{1e3 * seconds:g} ms" if abs(seconds) < 1 else f"{seconds:g} s"
+            expected = f"expected {least}{', or 0 s' if zero else ''}, got {got}"
+            self.problems.add("mission.time", path, expected)
         return seconds
 
     def limit(self, value: float | Parameter | None, path: Path) -> float | None:
-        """Seconds of a limit, which is never 0; None where there is none."""
-        return None if value is None else self.duration(value, path, positive=True)
+        """Seconds of a limit, which is never below a cycle of the bus; None where there is none."""
+        return None if value is None else self.waited(value, path)
 
     def _seconds(self, parameter: Parameter, path: Path) -> float:
         quantity = self._value(parameter.name, path).quantity

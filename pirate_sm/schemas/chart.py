@@ -15,7 +15,9 @@ from pirate_sm.units import UNITS
 
 Schema = dict[str, Any]
 
-_EVENT: Final = "^[A-Za-z][A-Za-z0-9_]{0,63}$"
+_NAME: Final = "[A-Za-z][A-Za-z0-9_]{0,63}"
+_EVENT: Final = f"^{_NAME}$"
+_EVENTS: Final = rf"^\s*{_NAME}(\s+{_NAME})*\s*$"
 _WORD: Final = "[A-Za-z_][A-Za-z0-9_]*"
 _NO_WORDS: Final = "|".join(sorted(KEYWORDS - {"in"}))
 _STATE: Final = rf"^{_WORD}\.(?!(?:{_NO_WORDS})$){_WORD}$"
@@ -77,7 +79,12 @@ def _state() -> Schema:
         {
             "initial": {
                 "type": "boolean",
-                "description": "`true` for the one state that the region begins in.",
+                "description": "`true` for the one state that its region, or the state around it, "
+                "begins in.",
+            },
+            "states": {
+                **_named("States inside of this one, named `<Region>.<State>` too.", "state"),
+                "propertyNames": {"pattern": _STATE},
             },
             "transitions": {
                 "type": ["array", "null"],
@@ -95,9 +102,12 @@ def _transition() -> Schema:
         **_mapping(
             {
                 "event": {
-                    "type": "string",
-                    "pattern": _EVENT,
-                    "description": "The command. One may move several regions at once.",
+                    "type": ["string", "array"],
+                    "pattern": _EVENTS,
+                    "items": {"type": "string", "pattern": _EVENT},
+                    "minItems": 1,
+                    "description": "The command, or several: with blanks between them, or as a "
+                    "list. One may move several regions at once.",
                 },
                 "target": _text("The state that it leads to, `<Region>.<State>` of this region."),
                 "cond": {

@@ -33,6 +33,11 @@ TRIGGERS = {
     "a way": "{when: odometry >= 300 mm, go: c}",
     "a way back": "{when: odometry < -5 mm or odometry > 300 mm, go: c}",
     "a way between": "{when: odometry > 100 mm and odometry < 400 mm, go: c}",
+    "a way from here": "{when: change(odometry) >= 10 cm, go: c}",
+    "a way from here to either side": "{when: abs(change(odometry)) > 10 cm, go: c}",
+    "no way from here": "{when: abs(change(odometry)) < 5 mm, held: 5 s, go: c}",
+    "a turn since then": "{when: change(gamma_1) > 10 deg or change(gamma_1) < -10 deg, go: c}",
+    "a speed that has changed": "{when: change(speed) < -20 mm/s, held: 1 s, go: c}",
     "a speed that falls": "{when: abs(speed) < 10 mm/s, held: 2 s, go: c}",
     "an unknown signal": "{when: not known(speed), held: 500 ms, go: c}",
     "an angle": "{when: gamma_1 > 20 deg, held: 100 ms, go: c}",
@@ -74,6 +79,15 @@ STEPS = {
     "a choice": "{choose: [{if: gamma_1 > 5 deg, do: [ToggleLighting]}]}",
     "a choice of three": "{choose: [{if: gamma_1 > 5 deg, do: [ToggleLighting]}, "
     "{if: gamma_1 < -5 deg, do: [{log: Left}]}], else: [{log: Straight}]}",
+    "a choice with an else": "{choose: [{if: gamma_1 > 5 deg, do: [ToggleLighting]}, "
+    "{if: gamma_1 <= 5 deg, do: [{log: Straight}]}], else: [{log: Unknown}]}",
+    "a choice within a choice": "{choose: [{if: gamma_1 > 5 deg, do: [{choose: "
+    "[{if: gamma_2 > 5 deg, do: [ToggleLighting]}], else: [{log: One}]}]}], else: [{log: None}]}",
+    "a choice for all that can be": "{choose: [{if: known(gamma_1), do: [ToggleLighting]}, "
+    "{if: not known(gamma_1), do: [{log: Blind}]}]}",
+    "a condition on a speed": "{command: ToggleLighting, if: abs(speed) < 5 mm/s}",
+    "a wait for a light touch": "{wait: [{when: abs(change(odometry)) > 5 mm, go: bad}, "
+    "{after: 2 s}]}",
     "a question": "{ask: Go on?, choices: {go: continue, stop: fail}, timeout: 5 min}",
     "a question that leads away": "{ask: Go on?, choices: {go: continue, stop: bad}, timeout: 1 h}",
     "a question to be logged": "{ask: Seen?, choices: {seen: continue}, timeout: 1 min, "

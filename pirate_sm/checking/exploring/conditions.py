@@ -14,6 +14,7 @@ from typing import NamedTuple, TypeAlias
 
 from pirate_sm.checking.exploring.pieces import borders, is_linear, samples, signals
 from pirate_sm.checking.exploring.ranges import ANYTHING, Range
+from pirate_sm.engine.chart_table import Configuration
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, Vocabulary, tree
 
 Fact: TypeAlias = tuple[tree.Node, bool]
@@ -81,6 +82,20 @@ class Conditions:
         """Whether all facts can hold at once with the regions in these states."""
         answers = (self._ask(group, states) for group in self._groups(dict.fromkeys(facts)))
         return together(answers)
+
+    def anywhere(self, facts: Sequence[Fact], configurations: Iterable[Configuration]) -> bool:
+        """Whether all facts can hold at once in one of the configurations."""
+        regions = {region for node, _ in facts for region in self.regions(node)}
+        asked: set[tuple[str, ...]] = set()
+        for states in configurations:
+            named = tuple([states[region] for region in regions])
+            if named not in asked:  # else it is the same question
+                asked.add(named)
+                if self.ask(facts, states).possible:
+                    return True
+            if not regions:
+                break
+        return False
 
     def free(self, node: tree.Node) -> frozenset[str]:
         """Names of what the condition depends on beside the states."""

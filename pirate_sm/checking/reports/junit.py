@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
@@ -10,8 +9,7 @@ from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.project import Report
 from pirate_sm.checking.reports.marking import excerpt
-
-_ILLEGAL = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+from pirate_sm.showing.visible import visible
 
 
 def junit_report(report: Report, fail_on: Severity) -> str:
@@ -81,5 +79,5 @@ def _sums(suites: Iterable[Element]) -> dict[str, str]:
 
 
 def _legal(text: str) -> str:
-    """The text with what XML cannot hold written out."""
-    return _ILLEGAL.sub(lambda match: f"\\x{ord(match[0]):02x}", text)
+    """The text with what XML cannot hold, and what nobody could see, written out."""
+    return visible(text, lines=True)

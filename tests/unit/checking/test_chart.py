@@ -135,6 +135,10 @@ def test_a_careful_guard_is_no_finding(tmp_path: Path, guard: str) -> None:
     assert check_chart(robot) == ()
 
 
+def parsed(guard: str) -> ast.expr:
+    return ast.parse(guard, mode="eval").body
+
+
 def small(*transitions: str) -> str:
     """A chart of two regions with these transitions of P.one, P.two, Q.one, Q.two."""
     lines = ["states:", "  top:", "    parallel: true", "    states:"]
@@ -248,7 +252,7 @@ def truths(text: str, fixed: dict[str, str] | None = None) -> set[bool]:
 
 @given(GUARDS)
 def test_a_guard_is_constant_when_trying_everything_says_so(text: str) -> None:
-    node = guards.parsed(text)
+    node = parsed(text)
 
     for fixed in (None, {"A": "y"}):
         value = guards.constant(node, STATES, fixed)
@@ -261,14 +265,14 @@ def test_a_guard_of_too_many_regions_is_not_judged() -> None:
     states = {f"R{number}": ("a", "b") for number in range(20)}
     text = " or ".join(f"(In('{name}.a') and In('{name}.b'))" for name in states)
 
-    assert guards.constant(guards.parsed(text), states) is None
-    parts = list(guards.constant_parts(guards.parsed(text), states))
+    assert guards.constant(parsed(text), states) is None
+    parts = list(guards.constant_parts(parsed(text), states))
     assert [value for _, value in parts] == [False] * 20
 
 
 def test_an_offset_counts_characters_over_lines() -> None:
     text = "(In('Ä.x')\n or In('B.x'))"
-    calls = [each for each in ast.walk(guards.parsed(text)) if isinstance(each, ast.Call)]
+    calls = [each for each in ast.walk(parsed(text)) if isinstance(each, ast.Call)]
 
     assert [text[guards.offset_of(text, each) :][:9] for each in calls] == [
         "In('Ä.x')",
@@ -325,3 +329,60 @@ def test_what_is_never_taken_the_library_never_takes(moves: list) -> None:
             assert table.configurations[row[command]] == tuple(expected.values())
     reached = {f"{r}.{s}" for row in table.configurations for r, s in zip("PQ", row, strict=True)}
     assert silent == {each.path for each in outline.transitions if each.source in reached} - taken
+
+
+NESTED = """\
+states:
+  top:
+    parallel: true
+    states:
+      P:
+        states:
+          P.off:
+            initial: true
+            transitions: [{event: start, target: P.on}]
+          P.on:
+            transitions: [{event: stop, target: P.off}, {event: flip, target: P.off}]
+            states:
+              P.slow: {initial: true, transitions: [{event: FLIP, target: P.fast}]}
+              P.fast: {transitions: [{event: FLIP, target: P.slow}]}
+      Q:
+        states:
+          Q.one: {initial: true, transitions: [{event: go, target: Q.two, cond: "GUARD"}]}
+          Q.two: {transitions: [{event: go, target: Q.one}]}
+"""
+
+
+def nested(flip: str = "turn", guard: str = "In('P.on')") -> str:
+    return NESTED.replace("FLIP", flip).replace("GUARD", guard)
+
+
+def test_compound_states_that_are_used_with_care_are_no_finding() -> None:
+    assert codes(nested()) == []
+
+
+def test_a_compound_states_transition_that_every_state_inside_overrides_is_never_taken() -> None:
+    assert codes(nested("flip")) == [
+        ("chart.transition_never", "flip, target: P.off}]"),
+    ]
+
+
+def test_one_that_only_some_states_inside_override_is_taken() -> None:
+    text = nested("flip").replace(
+        "P.fast: {transitions: [{event: flip", "P.fast: {transitions: [{event: turn"
+    )
+
+    assert codes(text) == []
+
+
+@pytest.mark.parametrize(
+    ("guard", "code"),
+    [
+        ("In('P.on') and In('P.off')", "chart.guard_never"),
+        ("In('P.on') or In('P.off')", "chart.guard_always"),
+        ("In('P.on') or not In('P.slow')", "chart.guard_always"),
+        ("In('P.slow') and not In('P.on')", "chart.guard_never"),
+    ],
+)
+def test_a_guard_knows_what_is_inside_of_a_compound_state(guard: str, code: str) -> None:
+    assert code in [found for found, _ in codes(nested(guard=guard))]

@@ -17,7 +17,7 @@ from pirate_sm.checking.reports.text import text_report
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.problems import Place
 
-from .robots import NEWT, ROOT, changed
+from .robots import NEWT, ROOT, changed, swap
 
 MISSION = """\
 format: 1
@@ -287,6 +287,75 @@ def test_nothing_is_shown_of_a_file_that_a_reference_leads_to_and_that_is_not_ou
     assert code in {each.code for each in report.findings}
     assert "secret words" not in text_report(report, lambda _, text: text)
     assert "secret words" not in sarif_report(report)
+
+
+OUTSIDE = MISSION.replace("mission: m", "mission: away").replace("go: e", "go: secret_words")
+LEAVING = [
+    (MISSION.replace("[ClampFront]", "[{call: ../away.yaml}]"), "mission.call"),
+    (MISSION.replace("start:", "pipe: ../away.yaml\nstart:"), "mission.pipe"),
+]
+
+
+@pytest.mark.parametrize(("text", "code"), LEAVING)
+def test_a_reference_out_of_the_project_is_refused_and_nothing_of_the_file_shown(
+    text: str, code: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write("away.yaml", OUTSIDE)
+    write("own/m.yaml", text)
+    monkeypatch.chdir("own")
+
+    (finding,) = check_paths(["m.yaml"]).findings
+
+    assert (finding.code, finding.place.file) == (code, "m.yaml")
+    assert "--outside" in finding.message
+    assert "secret_words" not in str(finding)
+
+
+def test_a_reference_may_leave_the_project_where_that_is_wanted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    write("away.yaml", OUTSIDE)
+    write("own/m.yaml", LEAVING[0][0])
+    monkeypatch.chdir("own")
+
+    (finding, *_) = check_paths(["m.yaml"], Wishes(outside=True)).findings
+
+    assert "secret_words" in finding.message
+
+
+@pytest.mark.parametrize("mark", ["hardware_profiles", "sequences", ".git"])
+def test_a_project_reaches_up_to_the_folder_that_holds_its_parts(
+    mark: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write(f"{mark}/keep.txt", "")
+    write("parts/part.yaml", MISSION.replace("mission: m", "mission: part"))
+    write("own/m.yaml", MISSION.replace("[ClampFront]", "[{call: ../parts/part.yaml}]"))
+    monkeypatch.chdir("own")
+
+    assert check_paths(["m.yaml"]).findings == ()
+
+
+def test_a_link_does_not_lead_a_reference_out_of_the_project(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    write("away.yaml", OUTSIDE)
+    write("own/m.yaml", MISSION.replace("[ClampFront]", "[{call: ./link.yaml}]"))
+    monkeypatch.chdir("own")
+    Path("link.yaml").symlink_to("../away.yaml")
+
+    assert [each.code for each in check_paths(["m.yaml"]).findings] == ["mission.call"]
+
+
+def test_a_chart_is_not_taken_from_outside_the_project(monkeypatch: pytest.MonkeyPatch) -> None:
+    write("secret.txt", "In('secret words')\n")
+    write("own/robot/profile.yaml", (NEWT / "profile.yaml").read_text("utf-8"))
+    swap(Path("own/robot/profile.yaml"), ("chart: chart.yaml", "chart: ../../secret.txt"))
+    monkeypatch.chdir("own")
+
+    (finding,) = check_paths(["robot"]).findings
+
+    assert finding.code == "robot.chart"
+    assert "secret words" not in str(finding)
 
 
 def test_what_is_wrong_with_a_called_mission_is_still_shown() -> None:

@@ -58,6 +58,16 @@ def test_without_the_folders_of_a_project_it_is_what_is_there_not_what_is_shippe
     assert find_targets([]).where == (".",)
 
 
+def test_without_a_folder_for_missions_they_may_be_anywhere() -> None:
+    write("hardware_profiles/r/profile.yaml", "boards: []\n")
+    write("missions/m.yaml")
+
+    assert found() == [
+        ("robot", "hardware_profiles/r/profile.yaml"),
+        ("mission", "missions/m.yaml"),
+    ]
+
+
 def test_in_a_folder_only_what_is_ours_counts() -> None:
     write("a/m.yaml")
     write("a/n.yml")

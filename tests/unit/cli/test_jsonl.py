@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -116,3 +117,20 @@ def test_an_answer_is_kept_and_its_question_not_called_withdrawn(pirate_run: Any
 
     assert "answered 'removed' (--yes)" in told
     assert "the question is withdrawn" not in told
+
+
+def test_what_nobody_could_see_is_written_out_and_is_still_there(
+    pirate_run: Any, tmp_path: Path
+) -> None:
+    mission = tmp_path / "m.yaml"
+    mission.write_text(
+        f"format: 1\nmission: m\nrobot: {NEWT}\nstart: a\n"
+        "phases: {a: {do: [HoldNose], go: e}}\n"
+        'ends: {e: {succeed: "5 \u00b0 \\u202eback \\u200b"}}\n',
+        "utf-8",
+    )
+
+    out = pirate_run(mission, "--backend", "trace", "--json").stdout
+
+    assert all(line.isprintable() for line in out.splitlines())
+    assert json.loads(out.splitlines()[-1])["message"] == "5 \u00b0 \u202eback \u200b"

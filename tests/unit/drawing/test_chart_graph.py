@@ -35,10 +35,10 @@ def test_every_state_and_transition_is_drawn_once(path: Path) -> None:
 
 def two_states(*guards: str) -> ChartOutline:
     transitions = tuple(
-        Transition("Arm", "Arm.In", f"Go{number}", "Arm.Out", guard, ())
+        Transition("Arm", "Arm.In", f"Go{number}", "Arm.Out", guard, (), "Arm.In", None)
         for number, guard in enumerate(guards)
     )
-    return ChartOutline("top", ("Arm",), (("Out", "In"),), ("In",), transitions)
+    return ChartOutline("top", ("Arm",), (("Out", "In"),), ("In",), transitions, (), ())
 
 
 def test_the_initial_state_comes_first() -> None:

@@ -8,11 +8,14 @@ from collections import deque
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from statemachine.io import load as library_load
 from statemachine.orderedset import OrderedSet
 
 from pirate_sm.engine.chart_table import ChartTable
 from pirate_sm.loading import chart_cache
+from pirate_sm.loading.chart import compile_chart
 from pirate_sm.loading.chart_cache import cached_table
 from pirate_sm.loading.chart_outline import outline_chart
 from pirate_sm.loading.problems import LoadError, Problems
@@ -171,10 +174,20 @@ def test_a_guard_that_is_no_text_is_refused(newt, guard):
         (FIRST, "{event: HoldNose, target: Grip.Nosed}", "13:43: there is no state 'Grip.Nosed'"),
         (FIRST, "{event: HoldNose, target: Lamp.Lit}", "13:43: a transition of Grip must stay in"),
         (FIRST, "{event: HoldNose, target: [a]}", "13:43: `target` must be text"),
-        (FIRST, "{event: [HoldNose], target: Grip.NoseHeld}", "13:25: several events in one"),
+        (FIRST, "{event: [], target: Grip.NoseHeld}", "13:25: `event` must be text, or a list"),
+        (FIRST, "{event: [A, 5], target: Grip.NoseHeld}", "13:29: an event is named by letters"),
+        (FIRST, "{event: [A B], target: Grip.NoseHeld}", "13:26: an event is named by letters"),
         (FIRST, "{event: , target: Grip.NoseHeld}", "13:25: `event` must be text"),
         (FIRST, "{event: '*', target: Grip.NoseHeld}", "13:25: an event is named by letters"),
-        (FIRST, "{event: A B, target: Grip.NoseHeld}", "13:25: an event is named by letters"),
+        (FIRST, "{event: A-B, target: Grip.NoseHeld}", "13:25: an event is named by letters"),
+        ("Grip.NoseHeld:\n", "Grip.NoseHeld:\n            states: {}\n",
+         "16:21: a state with `states` has"),
+        ("Grip.NoseHeld:\n", "Grip.NoseHeld:\n            states: {Grip.A: {}, Grip.B: {}}\n",
+         "15:11: Grip.NoseHeld needs exactly one `initial: true`"),
+        ("Grip.NoseHeld:\n",
+         "Grip.NoseHeld:\n            states: {Grip.Loose: {initial: true}}\n",
+         "8:7: a state of Grip stands twice: 'Grip.Loose'"),
+        ("Grip.NoseHeld:\n", "Grip.NoseHeld:\n            history: {}\n", "16:13: 'history' is"),
         (FIRST, "{event: HoldNose, target: Grip.NoseHeld, on: x}", "13:58: 'on' is known in"),
         ("transitions:", "transitons:", "12:13: unknown key 'transitons'"),
         ("            initial: true\n", "", "8:7: Grip needs exactly one `initial: true`"),
@@ -282,6 +295,141 @@ def test_a_chart_that_is_too_large_is_refused(monkeypatch):
 
     with pytest.raises(LoadError, match="more than 100 combinations"):
         cached_table(document, outline, problems)
+
+
+# --- compound states and several events
+
+
+def test_a_compound_state_comes_to_the_table_of_its_states_written_one_by_one(tmp_path):
+    usual = load_robot(NEWT).table
+    robot = tmp_path / "newt"
+    shutil.copytree(NEWT, robot)
+    chart = robot / "chart.yaml"
+    text = chart.read_text("utf-8")
+    begin, end = text.index("          Crawl.Ahead:\n"), text.index("      Lamp:\n")
+    moving = """\
+          Crawl.Moving:
+            transitions: [{event: Rest Home, target: Crawl.Resting}]
+            states:
+              Crawl.Ahead: {initial: true}
+              Crawl.Astern: {}
+"""
+    chart.write_text(text[:begin] + moving + text[end:], "utf-8")
+
+    table = load_robot(robot).table
+
+    assert table.states == usual.states
+    assert table.configurations == usual.configurations
+    assert set(table.commands) == set(usual.commands)
+    for here in range(len(usual.configurations)):
+        for number, command in enumerate(usual.commands):
+            there = table.follow(here, table.command_index[command])
+            assert there == usual.follow(here, number)
+
+
+REGIONS = "PQ"
+SHAPES = [
+    ["a", "b"],
+    ["a", ["b", "c", "d"]],
+    [["a", "b", "c"], ["d", "e", "f"]],
+    ["a", ["b", ["c", "d", "e"], "f"]],
+]  # a list is a compound state, named by its first
+EVENTS = st.sampled_from(["x", "y", "z", "x y", ["y", "z"], ["x"]])
+
+
+def names(shape, region: str):
+    """Every state of a shape, compound ones too."""
+    for each in shape:
+        if isinstance(each, list):
+            yield f"{region}.{each[0]}"
+            yield from names(each[1:], region)
+        else:
+            yield f"{region}.{each}"
+
+
+@st.composite
+def charts(draw):
+    """A chart of two regions, some of whose states have others inside."""
+    shapes = {region: draw(st.sampled_from(SHAPES)) for region in REGIONS}
+    known = {region: list(names(shape, region)) for region, shape in shapes.items()}
+    anything = st.sampled_from([name for each in known.values() for name in each])
+
+    def move(region):
+        found = {"event": draw(EVENTS), "target": draw(st.sampled_from(known[region]))}
+        guard = draw(st.sampled_from(["", "In('{}')", "not In('{}')"])).format(draw(anything))
+        return {**found, "cond": guard} if guard else found
+
+    def state(each, region, initial):
+        name, inner = (each[0], each[1:]) if isinstance(each, list) else (each, [])
+        moves = [move(region) for _ in range(draw(st.integers(0, 3)))]
+        body = {"initial": initial, "transitions": moves}
+        return f"{region}.{name}", {**body, "states": states(inner, region)} if inner else body
+
+    def states(shape, region):
+        first = draw(st.integers(0, len(shape) - 1))
+        return dict(state(each, region, n == first) for n, each in enumerate(shape))
+
+    regions = {region: {"states": states(shape, region)} for region, shape in shapes.items()}
+    return {"name": "any", "states": {"top": {"parallel": True, "states": regions}}}
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(charts())
+def test_compound_states_do_in_the_table_what_they_do_in_the_library(chart):
+    text = json.dumps(chart)
+    document = parse_document(text, "chart.yaml")
+    problems = Problems(document)
+    outline = outline_chart(document, problems)
+    assert outline is not None, problems.all
+    if not outline.transitions:
+        return  # the library refuses a chart in which nothing happens
+    table = compile_chart(document, outline, problems)
+    machine = library_load(text, format="json")
+    leaves = {
+        f"{r}.{s}" for r, states in zip(table.regions, table.states, strict=True) for s in states
+    }
+    paths = {table.initial: ()}
+    queue = deque([table.initial])
+    while queue:
+        here = queue.popleft()
+        for number, command in enumerate(table.commands):
+            played = machine()
+            for each in (*paths[here], command):
+                played.send(each)
+            there = table.follow(here, number)
+            active = leaves & set(played.configuration_values)
+            states = zip(table.regions, table.configurations[there], strict=True)
+            assert active == {f"{region}.{state}" for region, state in states}
+            if there not in paths:
+                paths[there] = (*paths[here], command)
+                queue.append(there)
+    assert len(paths) == len(table.configurations)
+
+
+def test_a_command_is_refused_with_the_states_that_a_compound_one_stands_for(tmp_path):
+    robot = tmp_path / "newt"
+    shutil.copytree(NEWT, robot)
+    chart = robot / "chart.yaml"
+    text = chart.read_text("utf-8")
+    begin, end = text.index("          Crawl.Ahead:\n"), text.index("      Lamp:\n")
+    moving = """\
+          Crawl.Moving:
+            transitions: [{event: [Rest, Home], target: Crawl.Resting}]
+            states: {Crawl.Ahead: {initial: true}, Crawl.Astern: {}}
+"""
+    text = text[:begin] + moving + text[end:]
+    chart.write_text(text.replace("In('Crawl.Resting')", "not In('Crawl.Moving')"), "utf-8")
+
+    table = load_robot(robot).table
+
+    here = table.index_of(("NoseHeld", "Ahead", "Dark"))
+    assert table.why_not(here, table.command_index["HoldTail"]) == (
+        "it needs not Crawl in (Ahead, Astern)"
+    )
+    at_rest = table.index_of(("Loose", "Resting", "Dark"))
+    assert table.why_not(at_rest, table.command_index["Rest"]) == (
+        "it needs Crawl in (Ahead, Astern)"
+    )
 
 
 # --- the cache

@@ -22,6 +22,7 @@ SHIPPED = [
 ]
 HEAD = "format: 1\nmission: m\nrobot: pirate_ii\n"
 ENDS = "ends: {e: {succeed: ok}}\n"
+CYCLE = "expected at least 16 ms, one cycle of the robot's bus"
 
 
 def steps(listed: str) -> str:
@@ -65,8 +66,8 @@ def test_what_is_shipped_loads(path):
         (steps("{command: Brake, timeout: 5}"), "6:38: expected a duration such as '2 s', got '5'"),
         (steps("{command: Brake, timeout: 5 mm}"), "6:38: expected a duration such as '2 s'"),
         (steps("{command: Brake, timeout: 5 sek}"), "6:38: expected a duration such as '2 s'"),
-        (steps("{command: Brake, timeout: 0 s}"), "6:38: expected more than 0 s, got 0 s"),
-        (steps("{command: Brake, timeout: -1 s}"), "6:38: expected more than 0 s, got -1 s"),
+        (steps("{command: Brake, timeout: 0 s}"), f"6:38: {CYCLE}, got 0 ms"),
+        (steps("{command: Brake, timeout: -1 s}"), f"6:38: {CYCLE}, got -1 s"),
         (steps("{command: Brake, timeout: $x}"), "6:38: there is no parameter 'x'"),
         (steps("{command: Brake, timeout: $}"), "6:38: expected a parameter such as '$give_up'"),
         (steps("{command: Brake, on_failure: b}"), "6:41: there is no phase or end 'b'"),
@@ -83,7 +84,7 @@ def test_what_is_shipped_loads(path):
         (steps("{choose: [{if: odometri > 1 m, do: [Brake]}]}"), "6:27: unknown name 'odometri'"),
         (steps("{ask: Go on?, choices: {yes: b}}"), "6:41: there is no phase or end 'b'"),
         (steps("{ask: Go on?, choices: {}}"), "6:26: this is empty"),
-        (steps("{ask: Go on?, timeout: 0 s}"), "6:35: expected more than 0 s"),
+        (steps("{ask: Go on?, timeout: 0 s}"), "6:35: expected at least 16 ms"),
         (steps("{log: 'in {where}'}"), "6:18: there is no parameter 'where'"),
         (steps("{log: x, level: error}"), "6:28: expected one of info, warning"),
         # phases
@@ -93,7 +94,7 @@ def test_what_is_shipped_loads(path):
         (phase("do: [Brake], within: {time: 1 s, go: e}, go: e"),
          "6:3: `within` limits a `wait`, and this phase has none"),
         (phase("wait: [{after: 1 s, go: e}], go: e"), "6:3: a phase with `wait` has no `go`"),
-        (phase("wait: [{after: -1 s, go: e}]"), "6:22: expected at least 0 s, got -1 s"),
+        (phase("wait: [{after: -1 s, go: e}]"), f"6:22: {CYCLE}, got -1 s"),
         (phase("wait: [{after: 1 s, go: b}]"), "6:31: there is no phase or end 'b'"),
         (phase("wait: [{go: e}], within: {time: 1 s, go: e}"), "6:14: expected a trigger"),
         (phase("wait: [{when: 'true', held: 1, go: e}], within: {time: 1 s, go: e}"),
@@ -101,7 +102,7 @@ def test_what_is_shipped_loads(path):
         (phase("wait: [{when: 'true', go: e}], within: {time: 1 s, go: b}"),
          "6:62: there is no phase or end 'b'"),
         (phase("wait: [{when: 'true', go: e}], within: {time: -1 s, go: e}"),
-         "6:53: expected at least 0 s"),
+         f"6:53: {CYCLE}, got -1 s"),
         (phase("wait: [{when: 'true', go: e}], within: 1 s"), "6:46: expected a mapping"),
         (phase("go: e, on_failure: a"), ""),
         (phase("do: [Brake], go: e, on_failure: a"), "6:39: a phase cannot handle its"),
@@ -123,7 +124,7 @@ def test_what_is_shipped_loads(path):
         (phase("wait: [{when: odometry.real > 1 m, go: e}], within: {time: 1 s, go: e}"), "6:29: "),
         (phase("wait: [{when: open(roll), go: e}], within: {time: 1 s, go: e}"), "6:21: "),
         # the mission
-        (with_line("time_limit: 0 s"), "4:13: expected more than 0 s"),
+        (with_line("time_limit: 0 s"), "4:13: expected at least 16 ms"),
         (with_line("time_limit: 5"), "4:13: expected a duration such as '2 s'"),
         (with_line("on_failure: b"), "4:13: there is no phase or end 'b'"),
         (with_line("on_fault: [{fault: robot.stuk, go: a}]"), "4:20: there is no fault"),

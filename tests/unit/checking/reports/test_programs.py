@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from typing import Any
 
 import jsonschema
@@ -125,6 +126,16 @@ def test_sarif_knows_a_finding_again_on_another_line_and_tells_equal_ones_apart(
 
 def test_junit_is_as_its_schema_says(any_report: Report) -> None:
     JUNIT.validate(junit_report(any_report, Severity.WARNING))
+
+
+REPORTS = [json_report, sarif_report, lambda report: junit_report(report, Severity.ERROR)]
+
+
+@pytest.mark.parametrize("written", REPORTS, ids=["json", "sarif", "junit"])
+def test_a_report_for_programs_hides_nothing_on_a_terminal(
+    written: Callable[[Report], str], hostile: Report
+) -> None:
+    assert all(line.isprintable() for line in written(hostile).split("\n"))
 
 
 @pytest.mark.parametrize(("fail_on", "failures"), [(Severity.ERROR, "2"), (Severity.WARNING, "3")])
