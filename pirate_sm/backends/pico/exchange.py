@@ -300,6 +300,11 @@ class Exchange:
             if self.brief:
                 self.outage = None
 
+    @property
+    def gives_up_s(self) -> float:
+        """When the silence that there is will be given up; infinite while there is none."""
+        return inf if self.outage is None else self._recovery.gives_up_s(self.outage)
+
     def _judge(self, outage: Outage, now: float) -> None:
         """An outage of which it is clear what it was has been told."""
         outage.sign_s = max(outage.sign_s, self.conversation.heard_s)

@@ -1,0 +1,36 @@
+from __future__ import annotations
+
+from math import nan
+
+import pytest
+
+from pirate_sm.backends.pico.health import LinkHealth
+from pirate_sm.cli.lines import SaysWhyItWaits
+from pirate_sm.runtime.stopping import Stop, StopRequests
+
+WELL = LinkHealth(9, 0, 3, 0, 0, nan, 0.0, "")
+AWAY = WELL._replace(trouble="nothing comes from the robot", silent_s=2.5, patience_s=7.6)
+
+
+def test_it_is_said_once_for_what_a_stop_waits(capsys: pytest.CaptureFixture[str]) -> None:
+    requests, health = StopRequests(), [AWAY]
+    waits = SaysWhyItWaits(lambda: health[0], requests)
+
+    waits.pulse(1.0)
+    assert capsys.readouterr().err == ""
+    requests.ask(Stop("interrupted by Ctrl-C", 130))
+    waits.pulse(1.1)
+    waits.pulse(1.2)
+    assert capsys.readouterr().err == (
+        "interrupted by Ctrl-C; link: nothing comes from the robot, for 2.5 s: "
+        "the safe stop waits for the link, 8 s at most; a second signal ends at once\n"
+    )
+
+
+def test_a_stop_that_waits_for_no_link_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    requests = StopRequests()
+    requests.ask(Stop("interrupted by Ctrl-C", 130))
+
+    SaysWhyItWaits(lambda: WELL, requests).pulse(1.0)
+
+    assert capsys.readouterr().err == ""
