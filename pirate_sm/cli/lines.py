@@ -10,7 +10,7 @@ from pirate_sm.cli.situation import Situation
 from pirate_sm.model.effects import Effect, Ended
 from pirate_sm.runtime.companions import Answered
 from pirate_sm.runtime.stopping import StopRequests
-from pirate_sm.showing.telling import Teller, away, summary, waits_for
+from pirate_sm.showing.telling import UNCONFIRMED, Teller, away, summary
 from pirate_sm.showing.visible import visible
 from pirate_sm.wiring import Order
 
@@ -58,7 +58,7 @@ class Lines:
 
 
 class SaysWhyItWaits:
-    """Says once, on standard error, for what a stop waits; watches a run that has no view."""
+    """Says on standard error for what a stop waits; looks at a run that has no view."""
 
     def __init__(self, link: Callable[[], LinkHealth], requests: StopRequests) -> None:
         self._link = link
@@ -66,14 +66,16 @@ class SaysWhyItWaits:
         self._said = False
 
     def pulse(self, now_s: float) -> None:
-        """It has been said, if a stop waits for the link."""
+        """It has been said once, if a stop waits for the link."""
         stop = self._requests.stop
-        if stop is None or self._said:
-            return
-        link = self._link()
-        if waiting := waits_for(link):
+        if stop is not None and not self._said and (why := away(self._link(), stopping=True)):
             self._said = True
-            say(f"{stop.reason}; {away(link)}: {waiting}; a second signal ends at once")
+            say(f"{stop.reason}: {why}; a second signal ends at once")
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        """It has been said, if the port is not closed before the robot had another chance."""
+        if any(isinstance(each, Ended) for each in effects) and not self._link().stopped:
+            say(f"{UNCONFIRMED}: waiting for it before the port is closed")
 
 
 def headline(situation: Situation) -> str:

@@ -134,7 +134,7 @@ def _show(
         run = MissionRun(
             prepared.engine,
             prepared.backend,
-            observers=[output],
+            observers=[output, *([why] if why else [])],
             watchers=[each for each in (output, pipe, why) if isinstance(each, Watcher)],
             companions=companions,
             tap=kept.tap,

@@ -94,6 +94,8 @@ class View:
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         """It has taken note; the next frame shows it."""
         self._memory.see(effects, now_s)
+        if self._memory.ended is not None and self._live.is_started:
+            self._live.refresh()  # it may be the last one for a while
 
     def pulse(self, now_s: float) -> None:
         """There is a new frame."""

@@ -25,7 +25,7 @@ from pirate_sm.showing.styled import (
     in_columns,
     line,
 )
-from pirate_sm.showing.telling import away, shortened, waits_for
+from pirate_sm.showing.telling import UNCONFIRMED, away, shortened
 
 TOPICS = {
     "fault": BAD, "error": BAD, "warning": WARN, "detected": GOOD, "ended": STRONG,
@@ -114,10 +114,13 @@ def alarm(snapshot: Snapshot, seen: int, hint: str = "   (Esc: seen)") -> Text |
 def trouble(snapshot: Snapshot) -> Text | None:
     """Return what is wrong with the link now, and whether a stop waits for it; None: nothing."""
     link, state = snapshot.link, snapshot.state
-    if link is None or not link.trouble:
+    if link is None or state is None:
         return None
-    stopping = state is not None and state.mission.ending is not None
-    return line(f" ⚠ {away(link)}{f'; {waits_for(link)}' if stopping else ''} ")
+    stopping = state.mission.ending is not None or state.mission.ended
+    said = away(link, stopping=stopping)
+    if not said and snapshot.over and not link.stopped:
+        said = UNCONFIRMED
+    return line(f" ⚠ {said} ") if said else None
 
 
 def _is_past(snapshot: Snapshot, told: Told) -> bool:

@@ -157,16 +157,14 @@ def summary(
     return f"{ended.outcome} after {now_s:.1f} s{way}: {ended.message}"
 
 
-def away(link: LinkHealth) -> str:
-    """Return what is wrong with the link and since when; empty: nothing."""
+UNCONFIRMED = "the robot has not confirmed that it stopped"
+
+
+def away(link: LinkHealth, *, stopping: bool = False) -> str:
+    """Return what is wrong with the link, and whether a stop waits for it; empty: nothing."""
+    if stopping and link.trouble:
+        return f"stopping waits for the link, given up in {link.patience_s:.0f} s: {link.trouble}"
     return f"link: {link.trouble}, for {link.silent_s:.1f} s" if link.trouble else ""
-
-
-def waits_for(link: LinkHealth) -> str:
-    """Return what a stop waits for while the link is away; empty: for nothing else."""
-    if not link.trouble:
-        return ""
-    return f"the safe stop waits for the link, {link.patience_s:.0f} s at most"
 
 
 def shortened(names: Sequence[str]) -> list[str]:

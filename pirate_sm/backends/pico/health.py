@@ -21,6 +21,7 @@ class LinkHealth(NamedTuple):
         silent_s: How long nothing has come; 0 while all is well.
         trouble: What is wrong now, in words; empty: nothing.
         patience_s: How much longer it is waited for; 0 while all is well.
+        stopped: Whether the robot has confirmed that it stopped, or has not been moved.
         trips: How often the firmware's dead man's switch has tripped, as far as was heard.
     """
 
@@ -33,6 +34,7 @@ class LinkHealth(NamedTuple):
     silent_s: float
     trouble: str
     patience_s: float = 0.0
+    stopped: bool = True
     trips: int = 0
 
 
@@ -53,5 +55,6 @@ def health_of(exchange: Exchange, now: float) -> LinkHealth:
         silent_s=now - outage.heard_s if outage is not None else 0.0,
         trouble=trouble,
         patience_s=max(exchange.gives_up_s - now, 0.0) if outage is not None else 0.0,
+        stopped=exchange.stopped.confirmed,
         trips=counts.trips,
     )

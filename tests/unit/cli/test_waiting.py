@@ -6,6 +6,7 @@ import pytest
 
 from pirate_sm.backends.pico.health import LinkHealth
 from pirate_sm.cli.lines import SaysWhyItWaits
+from pirate_sm.model.effects import Ended
 from pirate_sm.runtime.stopping import Stop, StopRequests
 
 WELL = LinkHealth(9, 0, 3, 0, 0, nan, 0.0, "")
@@ -22,8 +23,8 @@ def test_it_is_said_once_for_what_a_stop_waits(capsys: pytest.CaptureFixture[str
     waits.pulse(1.1)
     waits.pulse(1.2)
     assert capsys.readouterr().err == (
-        "interrupted by Ctrl-C; link: nothing comes from the robot, for 2.5 s: "
-        "the safe stop waits for the link, 8 s at most; a second signal ends at once\n"
+        "interrupted by Ctrl-C: stopping waits for the link, given up in 8 s: "
+        "nothing comes from the robot; a second signal ends at once\n"
     )
 
 
@@ -34,3 +35,14 @@ def test_a_stop_that_waits_for_no_link_says_nothing(capsys: pytest.CaptureFixtur
     SaysWhyItWaits(lambda: WELL, requests).pulse(1.0)
 
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("stopped", [True, False])
+def test_it_is_said_that_a_robot_is_waited_for_that_has_not_confirmed_its_stop(
+    stopped: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    waits = SaysWhyItWaits(lambda: WELL._replace(stopped=stopped), StopRequests())
+
+    waits.see((Ended("interrupted", "Ctrl-C"),), 1.0)
+
+    assert ("has not confirmed that it stopped" in capsys.readouterr().err) == (not stopped)

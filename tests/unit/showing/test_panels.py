@@ -89,7 +89,7 @@ def test_a_stop_says_for_how_long_it_waits_for_a_link_that_is_away(snapshot: Sna
     assert str(panels.trouble(running)).strip() == (
         "⚠ link: nothing comes from the robot, for 2.5 s"
     )
-    assert "the safe stop waits for the link, 8 s at most" in str(panels.trouble(stopping))
+    assert "stopping waits for the link, given up in 8 s" in str(panels.trouble(stopping))
 
 
 @pytest.mark.parametrize("width", [20, 40, 80, 200])
