@@ -128,6 +128,7 @@ class View:
         recent = [panels.told_line(each) for each in snapshot.story.recent[-told:]]
         lines = [*lines, *below, _title("events", width), *_filled(recent, told)][:height]
         for each in lines:
+            each.rstrip()
             each.truncate(width, overflow="ellipsis")
         return lines
 

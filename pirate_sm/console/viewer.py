@@ -69,14 +69,15 @@ class Viewer(App[None]):
         """The console's panels without those that steer."""
         yield Lines(id="header")
         yield Lines(id="alarm")
-        with Horizontal(id="main"), Vertical(id="rest"):
-            with Horizontal(id="top", classes="beside"):
-                yield Picture(id="picture")
-                with Vertical(id="right"):
-                    yield panel("now", "Now")
-                    yield panel("states", "States")
-                    yield panel("phases", "Phases")
-            yield panel("body")
+        with Horizontal(id="main"):
+            with Vertical(id="left"):
+                yield panel("now", "Now")
+                yield panel("states", "States")
+                yield panel("phases", "Phases")
+            with Vertical(id="rest"):
+                with Horizontal(id="top"):
+                    yield Picture(id="picture")
+                yield panel("body")
         log = EventLog(id="log", title="Log")
         log.add_class("panel")
         yield log

@@ -86,9 +86,7 @@ def test_a_recording_is_not_headed_as_if_it_ran_and_says_how_it_ended(reel):
             for key in ("home", "n", "end"):
                 await pilot.press(key)
                 await pilot.pause()
-                bars = [
-                    str(viewer.query_one(name, Lines).content) for name in ("#header", "#alarm")
-                ]
+                bars = [viewer.query_one(name, Lines) for name in ("#header", "#alarm")]
                 shown[key] = [str(bar.content) for bar in bars]
             return shown
 

@@ -133,6 +133,14 @@ def test_the_robot_is_drawn_so_large_that_its_wheels_have_numbers(size: tuple[in
     assert all(any(number in line for line in picture) for number in "1234")
 
 
+def test_a_narrow_terminal_shows_the_words_alone_and_cuts_only_what_is_too_long() -> None:
+    frames = Frames((40, 20), mission=str(NEWT / "patrol.yaml"), backend="trace").frames
+    words = [line for frame in frames for line in frame[1:-4]]
+
+    assert max(map(len, words)) <= 40
+    assert not any(line.strip() == "…" or line.endswith("  …") for line in words)
+
+
 def test_every_motor_is_measured_where_there_is_room() -> None:
     frame = Frames((120, 35), mission=str(NEWT / "patrol.yaml"), backend="sim").frames[-1]
 
