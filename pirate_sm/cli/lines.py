@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TextIO
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, TextIO
 
 from pirate_sm.cli.guard import say
 from pirate_sm.cli.situation import Situation
 from pirate_sm.model.effects import Effect, Ended
 from pirate_sm.runtime.companions import Answered
-from pirate_sm.showing.telling import Teller, summary
+from pirate_sm.runtime.stopping import StopRequests
+from pirate_sm.showing.telling import UNCONFIRMED, Teller, away, summary
 from pirate_sm.showing.visible import visible
+from pirate_sm.wiring import Order
+
+if TYPE_CHECKING:
+    from pirate_sm.backends.pico.health import LinkHealth
 
 
 class Lines:
@@ -52,13 +57,37 @@ class Lines:
         self._out.write(f"{now_s:9.3f}  {topic:<9}  {visible(text)}\n")
 
 
+class SaysWhyItWaits:
+    """Says on standard error for what a stop waits; looks at a run that has no view."""
+
+    def __init__(self, link: Callable[[], LinkHealth], requests: StopRequests) -> None:
+        self._link = link
+        self._requests = requests
+        self._said = False
+
+    def pulse(self, now_s: float) -> None:
+        """It has been said once, if a stop waits for the link."""
+        stop = self._requests.stop
+        if stop is not None and not self._said and (why := away(self._link(), stopping=True)):
+            self._said = True
+            say(f"{stop.reason}: {why}; a second signal ends at once")
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        """It has been said, if the port is not closed before the robot had another chance."""
+        if any(isinstance(each, Ended) for each in effects) and not self._link().stopped:
+            say(f"{UNCONFIRMED}: waiting for it before the port is closed")
+
+
 def headline(situation: Situation) -> str:
     """Mission, robot, pipe and backend in one line."""
     order, loaded = situation.prepared.order, situation.prepared.loaded
     pipe = f" in {loaded.pipe_name}" if loaded.pipe_name else ""
+    return f"{loaded.mission.mission} on {loaded.robot.name}{pipe}, {how_it_runs(order)}"
+
+
+def how_it_runs(order: Order) -> str:
+    """Return the backend and what is particular about it."""
     ways = {"sim": f"seed {order.seed}", "serial": str(order.port)}
     how = ways.get(order.backend, "ideal")
     defects = f", defects: {', '.join(order.defects)}" if order.defects else ""
-    return (
-        f"{loaded.mission.mission} on {loaded.robot.name}{pipe}, {order.backend} ({how}{defects})"
-    )
+    return f"{order.backend} ({how}{defects})"

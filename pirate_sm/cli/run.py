@@ -15,7 +15,7 @@ from pirate_sm.cli.asking import Operator, SharedKeys, TerminalKeys, can_type
 from pirate_sm.cli.encoding import shows_signs
 from pirate_sm.cli.guard import say, say_bug, show_traceback, silence_stdout
 from pirate_sm.cli.jsonl import JsonLines
-from pirate_sm.cli.lines import Lines
+from pirate_sm.cli.lines import Lines, SaysWhyItWaits
 from pirate_sm.cli.reader import watch_pipe
 from pirate_sm.cli.recording import RecordingWishes, recorded
 from pirate_sm.cli.script import read_fire, read_script
@@ -123,6 +123,8 @@ def _show(
         operator, words = _people(prepared, wishes, on_terminal, live, stack)
         output = _output(situation, wishes, live, factor, operator, words)
         pipe = watch_pipe(sys.stdout)
+        link = prepared.link
+        why = SaysWhyItWaits(link, requests) if link is not None and not live else None
         companions: list[Companion] = [*prepared.companions, *kept.companions]
         if operator and answers(prepared.loaded):  # a person may decide otherwise the next time
             companions = [each for each in companions if not isinstance(each, LoopWatch)]
@@ -132,8 +134,8 @@ def _show(
         run = MissionRun(
             prepared.engine,
             prepared.backend,
-            observers=[output],
-            watchers=[each for each in (output, pipe) if isinstance(each, Watcher)],
+            observers=[output, *([why] if why else [])],
+            watchers=[each for each in (output, pipe, why) if isinstance(each, Watcher)],
             companions=companions,
             tap=kept.tap,
             requests=requests,
@@ -215,7 +217,7 @@ def _output(
     if live:
         from rich.console import Console
 
-        from pirate_sm.cli.live.view import View
+        from pirate_sm.cli.view import View
 
         speed = "max" if factor == inf else f"{factor:g} ×"
         if situation.prepared.backend.real_time:

@@ -31,11 +31,6 @@ class Situation:
         """The engine's state, None before it began."""
         return self.run.state if self.run else None
 
-    def signals(self) -> dict[str, float]:
-        """Every signal in SI, NaN where unknown; empty before the engine began."""
-        state = self.state
-        return {} if state is None else self.prepared.engine.signals(state)
-
     def truth(self) -> Truth | None:
         """Where the robot really is, where that is known."""
         return self.prepared.truth() if self.prepared.truth else None

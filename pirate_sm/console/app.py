@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import ClassVar, TypeVar
 
+from rich.text import Text
 from textual.app import App, ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal, Vertical
-from textual.content import Content
+from textual.containers import Horizontal, ItemGrid, Vertical
 from textual.events import Resize
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Footer
 
-from pirate_sm.console import panels, reasons, restoring
+from pirate_sm.console import reasons, restoring
 from pirate_sm.console.asking import Asking
-from pirate_sm.console.body import body, travelled
 from pirate_sm.console.dialogs import Help
 from pirate_sm.console.driver import STOP_KEY
 from pirate_sm.console.helping import help_lines
@@ -29,10 +28,14 @@ from pirate_sm.console.keys import (
     both_cases,
     letters_for,
 )
+from pirate_sm.console.obstacles import Asked, obstacles
 from pirate_sm.console.session import Session
-from pirate_sm.console.snapshot import Snapshot
-from pirate_sm.console.widgets import EventLog, Lines, Picture, Row, marked
+from pirate_sm.console.widgets import EventLog, Lines, Picture, Row, panel, show_robot
 from pirate_sm.runtime.stopping import Stop
+from pirate_sm.showing import panels
+from pirate_sm.showing.body import travelled
+from pirate_sm.showing.snapshot import Snapshot
+from pirate_sm.showing.styled import FLAG, MUTED, Part, line
 
 _W = TypeVar("_W", bound=Widget)
 
@@ -42,6 +45,9 @@ _WORDS_EVERY = 3
 
 _WIDE, _HIGH = 120, 36
 """From this size on everything is visible at once."""
+
+_LARGE, _TALL = 150, 44
+"""And from this size on with room to spare."""
 
 _SHORT = {
     "go": "Start", "pause": "Pause", "step": "Step", "skip": "Skip", "hand_back": "Hand",
@@ -93,10 +99,9 @@ class Console(Asking, App[None]):
         scene = session.latest.scene
         names = list(scene.loaded.loaded_robot.profile.commands)
         self.letters = letters_for([*names, *scene.robot.detector_words])
-        self._rows = {name: Row(name, self.letters.get(name, ""), 15) for name in names}
+        self._rows = {name: Row(name, self.letters.get(name, "")) for name in names}
         self._controls = {
-            each.name: Row(each.name, each.key, 15)
-            for each in reasons.controls(session.latest, None)
+            each.name: Row(each.name, each.key) for each in reasons.controls(session.latest, None)
         }
 
     # --- what there is ------------------------------------------------------------------------
@@ -108,20 +113,22 @@ class Console(Asking, App[None]):
         yield Lines(id="pages")
         with Horizontal(id="main"):
             with Vertical(id="left"):
-                with Vertical(id="commands", classes="panel") as commands:
+                with ItemGrid(id="commands", classes="panel") as commands:
                     commands.border_title = "Commands"
                     yield from self._rows.values()
-                with Vertical(id="controls", classes="panel") as controls:
+                with ItemGrid(id="controls", classes="panel") as controls:
                     controls.border_title = "Mission control"
                     yield from self._controls.values()
-                yield _panel("now", "Now")
-            with Vertical(id="centre"):
-                yield Picture(id="picture")
-                yield _panel("states", "States")
-                yield _panel("body", "Joints and wheels")
-            with Vertical(id="right"):
-                yield _panel("phases", "Phases")
-                yield _panel("link", "Link")
+                yield panel("now", "Now")
+                yield panel("why", "Not now")
+                yield panel("link", "Link")
+            with Vertical(id="rest"):
+                with Horizontal(id="top"):
+                    yield Picture(id="picture")
+                    with Vertical(id="right"):
+                        yield panel("states", "States")
+                        yield panel("phases", "Phases")
+                yield panel("body")
         log = EventLog(id="log", title="Log")
         log.add_class("panel")
         yield log
@@ -150,6 +157,7 @@ class Console(Asking, App[None]):
     def _lay_out(self, width: int, height: int) -> None:
         base = self.screen_stack[0]
         base.set_class(width < _WIDE or height < _HIGH, "-paged")
+        base.set_class(width >= _LARGE and height >= _TALL, "-large")
         for number, (name, _) in enumerate(PAGES):
             base.set_class(number == self._page, f"-{name}")
 
@@ -172,42 +180,45 @@ class Console(Asking, App[None]):
     def show_words(self, snapshot: Snapshot) -> None:
         """Everything but the picture."""
         self.on_base(Lines, "header").show([panels.header(snapshot, self.size.width)])
-        self._show_bar("alarm", panels.alarm(snapshot, self.seen))
+        alarm = panels.alarm(snapshot, self.seen)
+        self._show_bar("alarm", [alarm] if alarm is not None else [])
         self.on_base(Lines, "alarm").set_class(panels.shows_success(snapshot, self.seen), "good")
         series = restoring.bar(self.session.giver.series)
-        self._show_bar("question", series or panels.question(snapshot))
+        self._show_bar("question", series or panels.question(snapshot, self.size.width))
         self.on_base(Lines, "pages").show([_tabs(self._page)])
         self._show_rows(snapshot)
-        paged = not self.is_visible("#body")
-        for name, lines in (("now", panels.now), ("states", panels.states), ("body", body)):
-            if self.is_visible(f"#{name}"):
-                panel = self.on_base(Lines, name)
-                more = travelled(snapshot) if name == "now" and paged else []
-                panel.show([*lines(snapshot, panel.content_size.width), *more])
-        phases = self.on_base(Lines, "phases")
-        width, rows = phases.content_size
-        phases.border_title = snapshot.scene.mission or "Phases"
-        phases.show(panels.phases(snapshot, width, max(rows, 1)))
-        self.on_base(Lines, "link").show(panels.link(snapshot))
+        if self.is_visible("#now"):
+            now = self.on_base(Lines, "now")
+            more = [] if self.is_visible("#body") else travelled(snapshot)
+            now.show([*panels.now(snapshot, now.content_size.width), *more])
+        show_robot(self, snapshot)
+        link = self.on_base(Lines, "link")
+        link.set_class(snapshot.link is not None, "on")
+        link.show(panels.link(snapshot))
         self.on_base(EventLog, "log").tell(snapshot)
 
     def _show_rows(self, snapshot: Snapshot) -> None:
+        """Show what can be asked for, and once for all the rest why not."""
         motion = snapshot.state.robot.motion if snapshot.state is not None else None
         doing = snapshot.scene.robot.commands[motion.command].name if motion else ""
-        why = {name: reasons.command_reason(snapshot, name) for name in self._rows}
-        common = _common([reason for name, reason in why.items() if name != doing])
-        title = marked(common) if common else "Commands"
-        self.screen_stack[0].query_one("#commands").border_title = title
+        commands, controls = [], []
         for name, row in self._rows.items():
-            row.show(name, why[name], under_way=name == doing, said_above=bool(common))
+            reason = reasons.command_reason(snapshot, name)
+            row.show(name, reason, under_way=name == doing)
+            if name != doing:
+                commands.append(Asked(row.key, reason))
         for control in reasons.controls(snapshot, self.entries(snapshot)):
             self._controls[control.name].show(control.label, control.reason)
+            controls.append(Asked(control.key, control.reason))
+        asked = {"commands": commands, "mission control": controls}
+        shown = {name: each for name, each in asked.items() if self.is_visible(_PANELS[name])}
+        why = self.on_base(Lines, "why")
+        why.show(obstacles(shown, snapshot.scene.robot, *why.content_size))
 
-    def _show_bar(self, name: str, content: Content | None) -> None:
+    def _show_bar(self, name: str, lines: Sequence[Text]) -> None:
         bar = self.on_base(Lines, name)
-        bar.set_class(content is not None, "on")
-        if content is not None:
-            bar.show([content])
+        bar.set_class(bool(lines), "on")
+        bar.show(lines)
 
     def on_base(self, kind: type[_W], name: str) -> _W:
         """A widget of the console itself, also while a dialog lies over it."""
@@ -259,23 +270,13 @@ class Console(Asking, App[None]):
         self._close_messages_no_wait()
 
 
-def _common(found: list[str]) -> str:
-    """Return the reason that all have in common; empty where there is none."""
-    return found[0] if len(set(found)) == 1 else ""
-
-
 PAGES = (("drive", "Drive"), ("mission", "Mission"), ("body", "Body"), ("log", "Log"))
+_PANELS = {"commands": "#commands", "mission control": "#controls"}
 
 
-def _tabs(page: int) -> Content:
-    parts: list[panels.Part] = [" "]
+def _tabs(page: int) -> Text:
+    parts: list[Part] = [" "]
     for number, (_, title) in enumerate(PAGES):
         here = number == page
-        parts.append((f"[{title}]" if here else f" {title} ", "bold reverse" if here else ""))
-    return panels.line(*parts, ("  Tab: next page", panels.MUTED))
-
-
-def _panel(name: str, title: str) -> Lines:
-    panel = Lines(id=name, title=title)
-    panel.add_class("panel")
-    return panel
+        parts.append((f"[{title}]" if here else f" {title} ", FLAG if here else ""))
+    return line(*parts, ("  Tab: next page", MUTED))

@@ -15,12 +15,13 @@ from pirate_sm.console import reasons, restoring
 from pirate_sm.console.dialogs import Choice, Confirm, Pick
 from pirate_sm.console.driver import STOP_KEY
 from pirate_sm.console.shelf import Listed, load_listed, shelf
-from pirate_sm.console.snapshot import Snapshot
 from pirate_sm.engine.planning import Plan
 from pirate_sm.errors import PirateError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import Answer, DetectorWord, Event, OperatorCommand, Pause, Skip, Step
 from pirate_sm.runtime.stopping import BY_SIGNAL
+from pirate_sm.showing.panels import choices
+from pirate_sm.showing.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from textual.app import App
@@ -113,7 +114,7 @@ class Asking(_Base):
 
     def action_answer(self, number: int) -> None:
         """The mission has its answer."""
-        _, offered = reasons.choices(self.session.latest)
+        _, offered = choices(self.session.latest)
         if 1 <= number <= len(offered):
             self.session.tell(Answer(offered[number - 1]))
 

@@ -13,7 +13,8 @@ from textual.screen import ModalScreen
 from textual.widgets import Button, OptionList, Static
 from textual.widgets.option_list import Option
 
-from pirate_sm.console.panels import MUTED, line
+from pirate_sm.console.themed import line
+from pirate_sm.showing.styled import MUTED
 
 
 class Confirm(ModalScreen[bool]):

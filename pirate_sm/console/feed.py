@@ -6,13 +6,14 @@ from collections import deque
 from collections.abc import Sequence
 from math import inf, isnan
 
-from pirate_sm.console.snapshot import Scene, Snapshot
 from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import Effect, Ended, Log
+from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Answer, Event
 from pirate_sm.runtime.companions import Answered
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.showing.memory import ENDED, Memory
+from pirate_sm.showing.looking import Trends, snapshot_of
+from pirate_sm.showing.memory import Memory
+from pirate_sm.showing.snapshot import Scene, Snapshot
 from pirate_sm.showing.telling import Line
 from pirate_sm.wiring import Prepared
 
@@ -21,9 +22,6 @@ QUIET = frozenset({"another mission was chosen", "the console was left"})
 
 LOOK_EVERY_S = 0.02
 """So late an event of the operator reaches the engine at most."""
-
-TREND_EVERY_S = 0.5
-TREND_LENGTH = 120
 
 
 class Feed:
@@ -39,13 +37,13 @@ class Feed:
     def __init__(self, scene: Scene, prepared: Prepared) -> None:
         self._scene = scene
         self._prepared = prepared
-        self._memory = Memory(scene.robot, nominal=scene.engine.nominal)
+        self._memory = Memory(scene.robot, nominal=scene.engine.nominal, quiet=QUIET)
         self._waiting: deque[Event] = deque()
         self._run: MissionRun | None = None
         self._due_s = 0.0
-        self._trend_s = -inf
-        self._trends: dict[str, tuple[float, ...]] = {}
+        self._trends = Trends()
         self._over = False
+        self._before_m = 0.0
         self.asked = 0
         self.latest = self._snapshot(0.0)
 
@@ -60,6 +58,8 @@ class Feed:
     def begin(self, scene: Scene, prepared: Prepared, run: MissionRun) -> None:
         """Another run begins; what was told stays to be read."""
         self._waiting.clear()
+        came_m = self._snapshot(self.latest.now_s).odometry_m
+        self._before_m += 0.0 if isnan(came_m) else came_m
         self._scene, self._prepared, self._run = scene, prepared, run
         self._memory.begin(scene.robot)
         self._due_s, self.asked = -inf, 0
@@ -82,7 +82,7 @@ class Feed:
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """There is a new snapshot; an answer is told, with who gave it."""
         self._due_s = now_s + LOOK_EVERY_S
-        self._sample(state, now_s)
+        self._trends.look(self._scene, state, now_s)
         self.latest = self._snapshot(now_s)
         return [
             Answered("info", f"answered '{event.choice}' (operator)")
@@ -101,37 +101,14 @@ class Feed:
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         """It has taken note."""
         self._memory.see(effects, now_s)
-        for effect in effects:
-            if isinstance(effect, Ended):
-                asked = effect.outcome == "interrupted" and effect.message in QUIET
-                topic = "console" if asked else ENDED
-                self._memory.tell(Line(topic, f"{effect.outcome}: {effect.message}"), now_s)
 
     def pulse(self, now_s: float) -> None:
         """There is a new snapshot, also while mission time stands still."""
         self.latest = self._snapshot(now_s)
 
     def _snapshot(self, now_s: float) -> Snapshot:
-        prepared, state = self._prepared, self._run.state if self._run is not None else None
-        truth, reckoned = None, False
-        if prepared.truth is not None:
-            truth = prepared.truth()
-        elif prepared.reckoned is not None:
-            truth, reckoned = prepared.reckoned(), True
-        link = prepared.link() if prepared.link and state is not None else None
-        return Snapshot(
-            self._scene, now_s, state, self._memory.story(), truth, reckoned, link,
-            self._trends, self._over,
+        state = self._run.state if self._run is not None else None
+        return snapshot_of(
+            self._scene, self._prepared, state, now_s, self._memory.story(), self._trends,
+            over=self._over, before_m=self._before_m,
         )  # fmt: skip
-
-    def _sample(self, state: EngineState, now_s: float) -> None:
-        if now_s < self._trend_s + TREND_EVERY_S:
-            return
-        self._trend_s = now_s
-        signals = self._scene.engine.signals(state)
-        trends = self._trends
-        self._trends = {
-            name: (*trends.get(name, ()), 0.0 if isnan(value) else value)[-TREND_LENGTH:]
-            for name in self._scene.anatomy.followed
-            if (value := signals.get(name)) is not None
-        }

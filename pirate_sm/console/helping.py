@@ -6,9 +6,10 @@ from collections.abc import Mapping
 
 from textual.content import Content
 
-from pirate_sm.console.panels import MUTED, line
 from pirate_sm.console.reasons import controls
-from pirate_sm.console.snapshot import Snapshot
+from pirate_sm.console.themed import line
+from pirate_sm.showing.snapshot import Snapshot
+from pirate_sm.showing.styled import MUTED, STRONG
 
 _ALWAYS = (
     ("Space", "STOP: wheels stop, clamps hold. Works at any time, also over a dialog."),
@@ -38,21 +39,21 @@ def help_lines(letters: Mapping[str, str], snapshot: Snapshot) -> list[Content]:
     """The page."""
     robot = snapshot.scene.robot
     commands = snapshot.scene.loaded.loaded_robot.profile.commands
-    lines = [line(("Always", "bold"))]
+    lines = [line(("Always", STRONG))]
     lines += [_row(key, text) for key, text in _ALWAYS]
-    lines += [line(""), line(("A mission", "bold"))]
+    lines += [line(""), line(("A mission", STRONG))]
     lines += [_row(each.key, each.label) for each in controls(snapshot, None)]
-    lines += [line(""), line((f"Commands of {robot.name}", "bold"))]
+    lines += [line(""), line((f"Commands of {robot.name}", STRONG))]
     lines += [
         _row(letters.get(name, "^p"), f"{name}  {each.description}")
         for name, each in commands.items()
     ]
     if robot.detector_words:
-        lines += [line(""), line(("You as the detector, where nobody else is", "bold"))]
+        lines += [line(""), line(("You as the detector, where nobody else is", STRONG))]
         lines += [_row(letters.get(word, "^p"), word) for word in robot.detector_words]
-    lines += [line(""), line(("Signs", "bold"))]
+    lines += [line(""), line(("Signs", STRONG))]
     return lines + [_row(sign, text) for sign, text in _SIGNS]
 
 
 def _row(key: str, text: str) -> Content:
-    return line((f"{key:>16}  ", "bold"), (text, MUTED if not text else ""))
+    return line((f"{key:>16}  ", STRONG), (text, MUTED if not text else ""))

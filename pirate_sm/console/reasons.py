@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 from pirate_sm.checking.entries import why_not_from
 from pirate_sm.console.keys import CONTROLS
-from pirate_sm.console.snapshot import Scene, Snapshot
 from pirate_sm.engine.operating import why_not_command
 from pirate_sm.engine.pausing import why_not_on, why_not_to
-from pirate_sm.engine.program import Question, Wait
+from pirate_sm.engine.program import Wait
 from pirate_sm.engine.robot_state import RobotState, state_change
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import GoTo, Resume
+from pirate_sm.showing.snapshot import Scene, Snapshot
 
 OVER = "the run is over"
 OPENING = "the backend is being opened"
@@ -174,20 +174,6 @@ def _why_not_abort(snapshot: Snapshot) -> str:
     if general:
         return general
     return "it has not begun" if untouched(snapshot) else ""
-
-
-def choices(snapshot: Snapshot) -> tuple[str, tuple[str, ...]]:
-    """What the mission asks the operator now, and the answers; both empty when nothing."""
-    state = snapshot.state
-    if state is None or snapshot.over or state.mission.paused or not state.mission.begun:
-        return "", ()
-    here = snapshot.scene.loaded.program.instructions[state.mission.pc]
-    if isinstance(here, Question):
-        return here.text, tuple(choice for choice, _ in here.choices)
-    if isinstance(here, Wait):
-        words = tuple(trigger.answer for trigger in here.triggers if trigger.answer)
-        return ("The mission waits for your word" if words else ""), words
-    return "", ()
 
 
 def why_not_mission(snapshot: Snapshot, loaded: LoadedMission) -> str:

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping
-from math import isnan
+from collections.abc import Iterator
 
-from pirate_sm.console.anatomy import anatomy_of
-from pirate_sm.console.feed import TREND_EVERY_S, TREND_LENGTH
-from pirate_sm.console.snapshot import Scene, Snapshot
 from pirate_sm.detectors.route import Place, Route
-from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.truth import Truth
 from pirate_sm.recording.reader import Recording
 from pirate_sm.recording.reloading import recorded_mission
 from pirate_sm.recording.replay import engine_of, rerun
+from pirate_sm.showing.anatomy import anatomy_of
+from pirate_sm.showing.looking import Trends
 from pirate_sm.showing.memory import Memory
+from pirate_sm.showing.snapshot import Scene, Snapshot
 
 MOST_FRAMES = 4000
 """So many moments of a recording can be looked at; a longer one has them farther apart."""
@@ -68,7 +66,7 @@ def _frames(recording: Recording, loaded: LoadedMission) -> Iterator[Snapshot]:
     scene = Scene(loaded, engine, anatomy, recording.header.backend)
     memory = Memory(robot, nominal=recording.header.nominal)
     places = _Places(recording, loaded)
-    trends = _Trends(scene)
+    trends = Trends()
     every_s, due_s = _interval(recording), 0.0
     state, last_s = None, 0.0
     for again in rerun(recording, loaded):
@@ -77,7 +75,7 @@ def _frames(recording: Recording, loaded: LoadedMission) -> Iterator[Snapshot]:
         state = again.state or state
         if state is None:
             continue
-        trends.look(state, at_s)
+        trends.look(scene, state, at_s)
         if at_s >= due_s:
             due_s = at_s + every_s
             yield Snapshot(
@@ -124,26 +122,3 @@ class _Places:
         if number < 0:
             return None
         return Truth(self._points[number], self._radius_m, self._walls, 0.0)
-
-
-class _Trends:
-    """The last values of the signals that are followed."""
-
-    def __init__(self, scene: Scene) -> None:
-        self._scene = scene
-        self._due_s = 0.0
-        self.latest: Mapping[str, tuple[float, ...]] = {}
-
-    def look(self, state: EngineState, now_s: float) -> None:
-        """Another value of each, when it is time."""
-        if now_s < self._due_s:
-            return
-        self._due_s = now_s + TREND_EVERY_S
-        signals = self._scene.engine.signals(state)
-        self.latest = {
-            name: (*self.latest.get(name, ()), 0.0 if isnan(signals[name]) else signals[name])[
-                -TREND_LENGTH:
-            ]
-            for name in self._scene.anatomy.followed
-            if name in signals
-        }

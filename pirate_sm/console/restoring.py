@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from textual.content import Content
+from rich.text import Text
 
 from pirate_sm.checking.restoring import Beginnings, beginnings, restoring
 from pirate_sm.console.dialogs import Choice
 from pirate_sm.console.giving import Series
-from pirate_sm.console.panels import Part, line
 from pirate_sm.console.reasons import Situation
-from pirate_sm.console.snapshot import Scene
 from pirate_sm.engine.planning import Plan
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import RobotState, state_change
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.events import GoTo
+from pirate_sm.showing.snapshot import Scene
+from pirate_sm.showing.styled import STRONG, Part, line
 
 
 class Ways(NamedTuple):
@@ -103,12 +103,12 @@ def _needed(robot: RobotSpec, plan: Plan, body: RobotState) -> str:
     )
 
 
-def bar(series: Series | None) -> Content | None:
-    """Return how far a series of commands has come; None while there is none."""
+def bar(series: Series | None) -> list[Text]:
+    """Return how far a series of commands has come; nothing while there is none."""
     if series is None or not series.active:
-        return None
-    parts: list[Part] = [(f" ▶ for {series.then.phase}:  ", "bold")]
+        return []
+    parts: list[Part] = [(f" ▶ for {series.then.phase}:  ", STRONG)]
     for number, name in enumerate(series.commands):
         sign = "✓" if number < series.done else "…" if number == series.done else " "
-        parts.append((f"{name} {sign}  ", "bold" if sign == "…" else ""))
-    return line(*parts, "  (Esc: no more)")
+        parts.append((f"{name} {sign}  ", STRONG if sign == "…" else ""))
+    return [line(*parts, "  (Esc: no more)")]

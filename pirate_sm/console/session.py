@@ -8,10 +8,8 @@ from dataclasses import dataclass
 from threading import Thread
 from typing import Protocol
 
-from pirate_sm.console.anatomy import anatomy_of
 from pirate_sm.console.feed import Feed
 from pirate_sm.console.giving import RUN_OVER, Giver
-from pirate_sm.console.snapshot import Scene, Snapshot
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event, GoTo
@@ -21,6 +19,8 @@ from pirate_sm.runtime.loop import UNCONFIRMED, MissionRun
 from pirate_sm.runtime.observing import Tap
 from pirate_sm.runtime.outcome import BUG, Result
 from pirate_sm.runtime.stopping import Stop, StopRequests
+from pirate_sm.showing.looking import scene_of
+from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Prepared, again
 
 BY_OPERATOR = Stop("stopped by the operator", 0)
@@ -139,7 +139,7 @@ class Session:
         self._next: LoadedMission | None = None
         self._short = 0
         self._thread = Thread(target=self._work, name="run", daemon=True)
-        self._feed = Feed(_scene(prepared), prepared)
+        self._feed = Feed(scene_of(prepared), prepared)
 
     @property
     def latest(self) -> Snapshot:
@@ -237,7 +237,7 @@ class Session:
             keep_open=True,
         )
         self._began_s = run.now_s
-        self._feed.begin(_scene(prepared), prepared, run)
+        self._feed.begin(scene_of(prepared), prepared, run)
         prepared.follow(run)
         kept.follow(run)
         return run
@@ -256,9 +256,3 @@ class Session:
         if UNCONFIRMED not in result.ended.message:
             ended = result.ended._replace(message=f"{result.ended.message} ({UNCONFIRMED})")
             self.result = result._replace(ended=ended)
-
-
-def _scene(prepared: Prepared) -> Scene:
-    loaded = prepared.loaded
-    anatomy = anatomy_of(loaded.loaded_robot.profile, loaded.robot)
-    return Scene(loaded, prepared.engine, anatomy, prepared.order.backend)

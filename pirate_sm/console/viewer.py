@@ -12,16 +12,17 @@ from textual.events import Resize
 from textual.widget import Widget
 from textual.widgets import Footer
 
-from pirate_sm.console import panels
-from pirate_sm.console.body import body
 from pirate_sm.console.reel import Reel
-from pirate_sm.console.widgets import EventLog, Lines, Picture
+from pirate_sm.console.widgets import EventLog, Lines, Picture, panel, show_robot
+from pirate_sm.showing import panels
+from pirate_sm.showing.styled import ACCENT, FLAG, STRONG, Part, line
 
 _W = TypeVar("_W", bound=Widget)
 
 FRAMES_PER_S = 20
 
 _WIDE, _HIGH = 120, 36
+_RECORDING = "● RECORDING", f"{FLAG}.{ACCENT}"
 _PAGES = ("drive", "body", "log")
 """Pages of a small terminal, as the stylesheet names them."""
 
@@ -68,15 +69,15 @@ class Viewer(App[None]):
         """The console's panels without those that steer."""
         yield Lines(id="header")
         yield Lines(id="alarm")
-        yield Lines(id="pages")
         with Horizontal(id="main"):
             with Vertical(id="left"):
-                yield _panel("now", "Now")
-                yield _panel("phases", "Phases")
-            with Vertical(id="centre"):
-                yield Picture(id="picture")
-                yield _panel("states", "States")
-                yield _panel("body", "Joints and wheels")
+                yield panel("now", "Now")
+                yield panel("states", "States")
+                yield panel("phases", "Phases")
+            with Vertical(id="rest"):
+                with Horizontal(id="top"):
+                    yield Picture(id="picture")
+                yield panel("body")
         log = EventLog(id="log", title="Log")
         log.add_class("panel")
         yield log
@@ -99,26 +100,25 @@ class Viewer(App[None]):
         """The moment of ``time_s`` is on the screen."""
         snapshot = self.reel.at(self.time_s)
         self._base(Picture, "picture").show(snapshot)
-        self._base(Lines, "header").show([panels.header(snapshot, self.size.width)])
-        for name, lines in (("now", panels.now), ("states", panels.states), ("body", body)):
-            panel = self._base(Lines, name)
-            if panel.size:
-                panel.show(lines(snapshot, panel.content_size.width))
-        phases = self._base(Lines, "phases")
-        width, rows = phases.content_size
-        phases.border_title = snapshot.scene.mission or "Phases"
-        phases.show(panels.phases(snapshot, width, max(rows, 1)))
+        header = panels.header(snapshot, self.size.width, flag=_RECORDING)
+        self._base(Lines, "header").show([header])
+        alarm, bar = panels.alarm(snapshot, 0, ""), self._base(Lines, "alarm")
+        bar.set_class(alarm is not None, "on").set_class(panels.shows_success(snapshot, 0), "good")
+        bar.show([alarm] if alarm is not None else [])
+        now = self._base(Lines, "now")
+        now.show(panels.now(snapshot, now.content_size.width))
+        show_robot(self, snapshot)
         self._base(EventLog, "log").tell(snapshot)
-        self._base(Lines, "slider").show([panels.line(*self._slider())])
+        self._base(Lines, "slider").show([line(*self._slider())])
 
-    def _slider(self) -> list[str | tuple[str, str]]:
+    def _slider(self) -> list[Part]:
         """Where the moment is in the recording."""
         mark = "▶" if self.playing else "‖"
         whole = self.reel.length_s
         said = f" {mark} {self.time_s:8.2f} s of {whole:.2f} s  "
         room = max(self.size.width - len(said) - len(self._recording) - 4, 10)
         at = round(room * (self.time_s / whole if whole else 0.0))
-        return [(said, "bold"), "━" * at, ("●", "bold"), "─" * (room - at), f"  {self._recording}"]
+        return [(said, STRONG), "━" * at, ("●", STRONG), "─" * (room - at), f"  {self._recording}"]
 
     def _tick(self) -> None:
         if not self.playing:
@@ -171,10 +171,3 @@ class Viewer(App[None]):
         """Another page of a small terminal."""
         self._turn(1)
         self.call_after_refresh(self.show)
-
-
-def _panel(name: str, title: str) -> Lines:
-    panel = Lines(id=name)
-    panel.border_title = title
-    panel.add_class("panel")
-    return panel

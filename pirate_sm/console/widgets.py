@@ -6,17 +6,21 @@ from collections.abc import Mapping, Sequence
 
 from rich.segment import Segment
 from rich.style import Style
+from rich.text import Text
+from textual.app import App
 from textual.color import Color
-from textual.content import Content
 from textual.events import Click
 from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 from textual.widgets import Static
 
-from pirate_sm.console import picture
-from pirate_sm.console.panels import MUTED, told_line
-from pirate_sm.console.snapshot import Snapshot
+from pirate_sm.console.obstacles import sign_of
+from pirate_sm.console.themed import themed
+from pirate_sm.showing import body as body_panel
+from pirate_sm.showing import panels, picture
+from pirate_sm.showing.snapshot import Snapshot
+from pirate_sm.showing.styled import ACCENT, FLAG, GOOD, MUTED, STRONG, line
 from pirate_sm.showing.visible import visible
 
 _QUIET = "quiet"
@@ -39,18 +43,18 @@ class Lines(Static):
     def __init__(self, *, id: str, title: str = "") -> None:
         super().__init__(id=id, markup=False)
         self.border_title = title
-        self._shown: Content | None = None
+        self._shown: Text | None = None
 
-    def show(self, lines: Sequence[Content]) -> None:
+    def show(self, lines: Sequence[Text]) -> None:
         """These lines are shown."""
-        content = Content("\n").join(lines)
-        if self._shown is None or not content.is_same(self._shown):
-            self._shown = content
-            self.update(content)
+        text = Text("\n").join(lines)
+        if text != self._shown:
+            self._shown = text
+            self.update(themed(text))
 
 
 class Row(Static):
-    """One thing that can be asked for: its key, its name, and why not where it cannot be."""
+    """One thing that can be asked for: its key and its name, with a sign where it cannot be."""
 
     class Asked(Message):
         """Somebody has clicked on it."""
@@ -59,49 +63,29 @@ class Row(Static):
             super().__init__()
             self.name = name
 
-    def __init__(self, name: str, key: str, wide: int) -> None:
+    def __init__(self, name: str, key: str) -> None:
         super().__init__(markup=False, classes="row")
         self.asks = name
-        self._key = key
-        self._wide = wide
-        self._shown: tuple[str, str, bool, bool] | None = None
+        self.key = key
+        self._shown: tuple[str, str, bool] | None = None
 
-    def show(
-        self, label: str, reason: str, *, under_way: bool = False, said_above: bool = False
-    ) -> None:
-        """Show the label, greyed with the reason where there is one.
-
-        Args:
-            label: What it is called.
-            reason: Why it cannot be asked for; empty where it can.
-            under_way: Whether it is being done.
-            said_above: Whether the reason stands above all rows already.
-        """
-        if self._shown == (label, reason, under_way, said_above):
+    def show(self, label: str, reason: str, *, under_way: bool = False) -> None:
+        """Show the label, greyed where there is a reason, or that it is being done."""
+        if self._shown == (label, reason, under_way):
             return
-        self._shown = label, reason, under_way, said_above
-        label = f"{visible(label):<{self._wide}}"
-        key = f" {self._key or ' '} "
+        self._shown = label, reason, under_way
         if under_way:
-            content = Content.assemble((key, MUTED), " ", (label, "bold"), ("▶ under way", ""))
+            shown = line((f"▶{self.key:1} ", GOOD), (f" {label}", STRONG))
         elif reason:
-            why = "" if said_above else visible(marked(reason))
-            content = Content.assemble((key, MUTED), " ", (label, MUTED), (why, MUTED))
+            shown = line((f"{sign_of(reason)}{self.key:1}  {label}", MUTED))
         else:
-            content = Content.assemble((key, "bold reverse $accent"), " ", (label, "bold"))
+            shown = line((f" {self.key:1} ", f"{FLAG}.{ACCENT}"), (f" {label}", STRONG))
         self.tooltip = visible(reason) or None
-        self.update(content)
+        self.update(themed(shown))
 
     def on_click(self, event: Click) -> None:
         """It is asked for."""
         self.post_message(self.Asked(self.asks))
-
-
-def marked(reason: str) -> str:
-    """Return the engine's reason with a sign for its first word: unneeded, or impossible."""
-    kind, colon, rest = reason.partition(": ")
-    signs = {"unneeded": "=", "impossible": "✕"}
-    return f"{signs[kind]} {rest}" if colon and kind in signs else f"✕ {reason}"
 
 
 class Picture(Widget):
@@ -183,4 +167,28 @@ class EventLog(Lines):
         end = len(recent) - self._back
         behind = f", {self._back} lines back (PgDn)" if self._back else ""
         self.border_title = self._title + behind
-        self.show([told_line(each) for each in recent[max(end - rows, 0) : end]])
+        self.show([panels.told_line(each) for each in recent[max(end - rows, 0) : end]])
+
+
+def panel(name: str, title: str = "") -> Lines:
+    """Return a panel with a title of its own."""
+    found = Lines(id=name, title=title)
+    found.add_class("panel")
+    return found
+
+
+def show_robot(app: App[None], snapshot: Snapshot) -> None:
+    """The panels of the robot and its mission show the snapshot, as far as there is room."""
+    base = app.screen_stack[0]
+    states, body, phases = (
+        base.query_one(f"#{name}", Lines) for name in ("states", "body", "phases")
+    )
+    if states.size:
+        states.show(panels.states(snapshot, states.content_size.width))
+    if body.size:
+        body.border_title = body_panel.heading(body.content_size.width)
+        body.show(body_panel.body(snapshot, body.content_size.width))
+    if phases.size:
+        width, rows = phases.content_size
+        phases.border_title = snapshot.scene.mission or "Phases"
+        phases.show(panels.phases(snapshot, width, max(rows, 1)))

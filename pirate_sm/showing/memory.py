@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import NamedTuple
 
 from pirate_sm.engine.robot import RobotSpec
@@ -62,8 +62,18 @@ class Memory:
         ended: How it ended.
     """
 
-    def __init__(self, robot: RobotSpec, *, nominal: bool = False) -> None:
+    def __init__(
+        self, robot: RobotSpec, *, nominal: bool = False, quiet: Container[str] = ()
+    ) -> None:
+        """Nothing has happened.
+
+        Args:
+            robot: Whose run it is.
+            nominal: Whether it is a trace.
+            quiet: Messages of ends that need no banner.
+        """
         self._nominal = nominal
+        self._quiet = quiet
         self._teller = Teller(robot, with_setpoints=False, short=True, nominal=nominal)
         self.phase = Visit("", 0.0)
         self.spent_s: dict[str, float] = {}
@@ -79,10 +89,9 @@ class Memory:
         self._told = 0
 
     def begin(self, robot: RobotSpec) -> None:
-        """Another mission begins; the lines told so far stay."""
-        fresh = Memory(robot, nominal=self._nominal)
-        fresh.recent, fresh._told = self.recent, self._told
-        fresh.alarm, fresh.banner = self.alarm, self.banner
+        """Another mission begins; the lines told so far stay, and how the last one ended."""
+        fresh = Memory(robot, nominal=self._nominal, quiet=self._quiet)
+        fresh.recent, fresh._told, fresh.banner = self.recent, self._told, self.banner
         self.__dict__.update(fresh.__dict__)
 
     def see(self, effects: Sequence[fx.Effect], now_s: float) -> None:
@@ -91,6 +100,10 @@ class Memory:
             self._note(effect, now_s)
             for line in self._teller.lines(effect):
                 self.tell(line, now_s)
+            if isinstance(effect, fx.Ended):
+                quiet = effect.outcome == "interrupted" and effect.message in self._quiet
+                topic = "console" if quiet else ENDED
+                self.tell(Line(topic, f"{effect.outcome}: {effect.message}"), now_s)
 
     def tell(self, line: Line, now_s: float) -> None:
         """The line is one of those that were told."""

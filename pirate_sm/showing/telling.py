@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from itertools import takewhile
 from math import degrees, isinf
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pirate_sm.engine.robot import RobotSpec, SlotSpec
 from pirate_sm.model import effects as fx
 from pirate_sm.runtime.companions import Answered
+
+if TYPE_CHECKING:
+    from pirate_sm.backends.pico.health import LinkHealth
 
 
 class Line(NamedTuple):
@@ -152,6 +155,16 @@ def summary(
         ways.append(f"odometer {odometry_m:z.2f} m")
     way = f" ({', '.join(ways)})" if ways else ""
     return f"{ended.outcome} after {now_s:.1f} s{way}: {ended.message}"
+
+
+UNCONFIRMED = "the robot has not confirmed that it stopped"
+
+
+def away(link: LinkHealth, *, stopping: bool = False) -> str:
+    """Return what is wrong with the link, and whether a stop waits for it; empty: nothing."""
+    if stopping and link.trouble:
+        return f"stopping waits for the link, given up in {link.patience_s:.0f} s: {link.trouble}"
+    return f"link: {link.trouble}, for {link.silent_s:.1f} s" if link.trouble else ""
 
 
 def shortened(names: Sequence[str]) -> list[str]:

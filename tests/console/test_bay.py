@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.console import panels
 from pirate_sm.console.session import Session
 from pirate_sm.model.events import OperatorCommand
+from pirate_sm.showing import panels
 from pirate_sm.wiring import Order
 
 from .driving import by_hand

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.console import panels
+from pirate_sm.showing import panels
 from pirate_sm.wiring import Order
 
 from .driving import by_hand, operator, played, with_mission
@@ -109,5 +109,20 @@ def test_a_reason_that_all_commands_share_is_said_once_and_how_far_it_drove_is_s
             assert text_of(me).count("another command is under way") == 1
             assert "odometry" in text_of(me)
             assert "speed" in text_of(me)
+
+    played(story)
+
+
+def test_what_the_robot_has_come_is_not_forgotten_after_a_stop() -> None:
+    async def story() -> None:
+        async with operator(with_mission("enter_2d"), size=(80, 24)) as me:
+            await me.look()
+            await me.press("r")
+            me.until(lambda: me.latest.odometry_m > 0.05)
+            await me.press("space")
+            me.until(lambda: me.latest.before_m > 0.05)
+            me.wait(1.0)
+            await me.look()
+            assert f"odometry {me.latest.before_m:.2f}+0.0" in text_of(me)
 
     played(story)

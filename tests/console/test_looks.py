@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.console import reasons
-from pirate_sm.console.body import sparkline
 from pirate_sm.console.keys import TAKEN, letters_for
-from pirate_sm.console.picture import draw
 from pirate_sm.model.effects import CommandStatus
 from pirate_sm.model.events import OperatorCommand
+from pirate_sm.showing.body import sparkline
+from pirate_sm.showing.picture import draw
 from pirate_sm.wiring import Order
 
 from .driving import ROOT, Operator, by_hand, operator, played, with_mission
@@ -34,7 +34,9 @@ def text_of(me: Operator) -> str:
     )
 
 
-@pytest.mark.parametrize("size", [(160, 48), (80, 24)], ids=lambda size: f"{size[0]}x{size[1]}")
+@pytest.mark.parametrize(
+    "size", [(160, 48), (120, 36), (80, 24)], ids=lambda size: f"{size[0]}x{size[1]}"
+)
 def test_the_screen_is_as_in_the_documents(size: tuple[int, int]) -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend"), size=size) as me:
@@ -49,6 +51,25 @@ def test_the_screen_is_as_in_the_documents(size: tuple[int, int]) -> None:
 
             assert file.exists(), "there is no picture yet: make golden"
             assert found == file.read_text("utf-8")
+
+    played(story)
+
+
+@pytest.mark.parametrize("size", [(120, 36), (160, 48)], ids=lambda size: f"{size[0]}x{size[1]}")
+def test_from_this_size_on_everything_is_visible_at_once(size: tuple[int, int]) -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend"), size=size) as me:
+            await me.look()
+            await me.press("space")  # a banner takes a line
+            me.wait(1.0)
+            await me.look()
+            text, scene = text_of(me), me.latest.scene
+            motors = [motor.name for motor in scene.anatomy.motors]
+            readings = [reading.label for reading in scene.anatomy.readings]
+            commands = list(scene.loaded.loaded_robot.profile.commands)
+            assert "STOPPED" in text
+            for name in (*motors, *readings, *commands, "Mission control", "heat", "trend", "Log"):
+                assert name in text, name
 
     played(story)
 

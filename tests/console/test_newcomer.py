@@ -7,6 +7,7 @@ from pathlib import Path
 from textual.widgets import OptionList
 
 from pirate_sm.console import reasons
+from pirate_sm.showing import panels
 
 from .driving import operator, played, with_mission
 
@@ -111,7 +112,7 @@ def test_a_question_is_answered_by_a_number(tmp_path: Path) -> None:
             await me.look()
             await me.press("R")
             await me.look()
-            assert reasons.choices(me.latest) == ("Is it straight?", ("yes", "no"))
+            assert panels.choices(me.latest) == ("Is it straight?", ("yes", "no"))
             await me.press("9")
             await me.press("2")
             assert "log answered 'no' (operator)" in me.told()

@@ -76,3 +76,21 @@ def test_playing_ends_at_the_end_and_begins_again(reel):
             return began, viewer.playing
 
     assert asyncio.run(play()) == ((True, True), False)
+
+
+def test_a_recording_is_not_headed_as_if_it_ran_and_says_how_it_ended(reel):
+    async def look():
+        viewer = Viewer(reel, "bend.mcap")
+        async with viewer.run_test(size=(80, 24)) as pilot:
+            shown = {}
+            for key in ("home", "n", "end"):
+                await pilot.press(key)
+                await pilot.pause()
+                bars = [viewer.query_one(name, Lines) for name in ("#header", "#alarm")]
+                shown[key] = [str(bar.content) for bar in bars]
+            return shown
+
+    shown = asyncio.run(look())
+    assert all(header.startswith(" ● RECORDING ") for header, _ in shown.values())
+    assert "SUCCEEDED: In the far leg" in shown["end"][1]
+    assert "SUCCEEDED" not in shown["n"][1]

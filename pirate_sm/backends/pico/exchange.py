@@ -313,6 +313,11 @@ class Exchange:
                 most_s = self._recovery.brief_s - self._silent_s
                 self._left_out_s += max(0.0, now - outage.since_s - most_s)
 
+    @property
+    def gives_up_s(self) -> float:
+        """When the silence that there is will be given up; infinite while there is none."""
+        return inf if self.outage is None else self._recovery.gives_up_s(self.outage)
+
     def _judge(self, outage: Outage, now: float) -> None:
         """An outage of which it is clear what it was has been told."""
         outage.sign_s = max(outage.sign_s, self.conversation.heard_s)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from math import nan
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from pirate_sm.backends.pico.exchange import Exchange
+if TYPE_CHECKING:
+    from pirate_sm.backends.pico.exchange import Exchange
 
 
 class LinkHealth(NamedTuple):
@@ -19,6 +20,8 @@ class LinkHealth(NamedTuple):
         round_trip_s: What the last echo has taken; NaN before the first one.
         silent_s: How long nothing has come; 0 while all is well.
         trouble: What is wrong now, in words; empty: nothing.
+        patience_s: How much longer it is waited for; 0 while all is well.
+        stopped: Whether the robot has confirmed that it stopped, or has not been moved.
         trips: How often the firmware's dead man's switch has tripped, as far as was heard.
     """
 
@@ -30,6 +33,8 @@ class LinkHealth(NamedTuple):
     round_trip_s: float
     silent_s: float
     trouble: str
+    patience_s: float = 0.0
+    stopped: bool = True
     trips: int = 0
 
 
@@ -49,5 +54,7 @@ def health_of(exchange: Exchange, now: float) -> LinkHealth:
         round_trip_s=trips[-1] if trips else nan,
         silent_s=now - outage.heard_s if outage is not None else 0.0,
         trouble=trouble,
+        patience_s=max(exchange.gives_up_s - now, 0.0) if outage is not None else 0.0,
+        stopped=exchange.stopped.confirmed,
         trips=counts.trips,
     )

@@ -126,7 +126,7 @@ class Recovery:
     def due_s(self, outage: Outage) -> float:
         """When there is something to do or to decide, if nothing is heard before."""
         if not outage.back:
-            return min(self._patience_s(outage), outage.answered_s + self._within_s)
+            return min(self.gives_up_s(outage), outage.answered_s + self._within_s)
         if outage.safe_s == inf:
             return min(outage.wrote_s + _SAFE_AGAIN_S, outage.back_s + self._within_s)
         if outage.dumb:
@@ -144,14 +144,15 @@ class Recovery:
         if outage.dumb and now >= outage.answered_s + self._within_s:
             return self._dumb(outage)
         if not outage.back:
-            return self._given_up(outage, now) if now >= self._patience_s(outage) else None
+            return self._given_up(outage, now) if now >= self.gives_up_s(outage) else None
         if outage.safe_s == inf:
             return self._unconfirmed(outage) if now >= outage.back_s + self._within_s else None
         if outage.dumb or (outage.missing and now < outage.safe_s + _BOARDS_WITHIN_S):
             return None
         return self._recovered(outage, stopped)
 
-    def _patience_s(self, outage: Outage) -> float:
+    def gives_up_s(self, outage: Outage) -> float:
+        """Return when a silence that goes on is given up as the loss of the link."""
         return min(outage.sign_s + self._within_s, outage.since_s + _IN_ALL * self._within_s)
 
     def _given_up(self, outage: Outage, now: float) -> FaultReport:

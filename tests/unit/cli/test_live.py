@@ -4,6 +4,7 @@ import fcntl
 import io
 import os
 import pty
+import re
 import select
 import signal
 import subprocess
@@ -16,15 +17,14 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from pirate_sm.cli.live.drawing import draw
-from pirate_sm.cli.live.view import View
 from pirate_sm.cli.run import ON_A_TERMINAL, read_speed
 from pirate_sm.cli.situation import Situation
+from pirate_sm.cli.view import View
 from pirate_sm.model.effects import Effect
 from pirate_sm.runtime.companions import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.showing.canvas import Canvas
-from pirate_sm.wiring import Order, Truth, prepare
+from pirate_sm.wiring import Order, prepare
 
 from .conftest import NEWT, ROOT
 
@@ -125,13 +125,63 @@ def test_what_lies_outside_is_not_drawn() -> None:
     assert canvas.rows()[0].plain == "   "
 
 
-@pytest.mark.parametrize("place", [0.1, 5.0, 9.9])
-def test_a_long_pipe_is_followed_at_a_size_that_shows_the_wheels(place: float) -> None:
-    walls = (((0.0, 0.06), (10.0, 0.06)), ((0.0, -0.06), (10.0, -0.06)))
-    truth = Truth(((place, 0.0), (place - 0.1, 0.0)), 0.03, walls, 0.0)
-    styles = {str(span.style) for line in draw(truth, 40, 12) for span in line.spans}
+@pytest.mark.parametrize("size", [(80, 23), (120, 35)])
+def test_the_robot_is_drawn_so_large_that_its_wheels_have_numbers(size: tuple[int, int]) -> None:
+    frame = Frames(size, mission=str(NEWT / "patrol.yaml"), backend="sim").frames[-1]
+    picture = [line[41:] for line in frame if set(line) & set(BRAILLE)]
 
-    assert {"bright_black", "green", "bright_magenta"} <= styles
+    assert all(any(number in line for line in picture) for number in "1234")
+
+
+def test_a_narrow_terminal_shows_the_words_alone_and_cuts_only_what_is_too_long() -> None:
+    frames = Frames((40, 20), mission=str(NEWT / "patrol.yaml"), backend="trace").frames
+    words = [line for frame in frames for line in frame[1:-4]]
+
+    assert max(map(len, words)) <= 40
+    assert not any(line.strip() == "…" or line.endswith("  …") for line in words)
+
+
+def test_every_motor_is_measured_where_there_is_room() -> None:
+    frame = Frames((120, 35), mission=str(NEWT / "patrol.yaml"), backend="sim").frames[-1]
+
+    assert any("of limit" in line and "heat" in line for line in frame)
+
+
+class Picture:
+    """Draws the view as an SVG that needs nothing from elsewhere, at one moment of a run."""
+
+    def __init__(self, size: tuple[int, int], at_s: float) -> None:
+        prepared = prepare(Order(mission="mitre_bend", backend="sim"))
+        situation = Situation(prepared)
+        self._console = Console(
+            file=io.StringIO(), record=True, width=size[0], height=size[1],
+            force_terminal=True, color_system="truecolor", legacy_windows=False,
+        )  # fmt: skip
+        self._at_s, self.svg = at_s, ""
+        self.view = View(self._console, situation, "4 ×", None)
+        situation.run = MissionRun(
+            prepared.engine, prepared.backend, observers=[self], companions=prepared.companions
+        )
+        situation.run.execute()
+
+    def see(self, effects: tuple[Effect, ...], now_s: float) -> None:
+        self.view.see(effects, now_s)
+        if now_s >= self._at_s and not self.svg:
+            self._console.print(self.view, end="")
+            svg = self._console.export_svg(title="pirate-run mitre_bend", unique_id="run")
+            self.svg = re.sub(r"\s*@font-face \{.*?\}", "", svg, flags=re.DOTALL).replace(
+                "Fira Code", "monospace"
+            )
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 36)], ids=lambda size: f"{size[0]}x{size[1]}")
+def test_the_view_is_as_in_the_documents(size: tuple[int, int]) -> None:
+    found = Picture(size, 14.0).svg
+    file = ROOT / "docs" / "pictures" / f"run_{size[0]}x{size[1]}.svg"
+    if os.environ.get("GOLDEN") == "write":
+        file.write_text(found, encoding="utf-8")
+
+    assert found == file.read_text(encoding="utf-8")
 
 
 def _take_the_terminal() -> None:
@@ -187,7 +237,7 @@ def test_a_person_at_a_terminal_is_asked(key: str, code: int, form: tuple[str, .
 
     assert ended == code
     assert same
-    assert ("─ phases ─" in shown) == (form == ())
+    assert ("phases" in shown) == (form == ())
 
 
 def test_ctrl_c_at_a_question_leaves_the_terminal_as_it_was() -> None:

@@ -415,6 +415,22 @@ def test_nothing_is_told_of_sensors_before_the_reset_is(
     assert told[0].message.endswith("it was reset or hung: nothing had been sent to it before")
 
 
+def test_it_is_known_for_how_long_a_silent_link_is_waited_for(
+    backend: SerialBackend, device: Device, port: VirtualPort, plan: Plan
+) -> None:
+    backend.open()
+    backend.submit(1, CLAMPING)
+    run(backend, 1.0)
+    assert backend.health.patience_s == 0.0
+    device.boot_s = 1000.0
+    device.reset(port.now())
+    while not backend.health.trouble:
+        backend.advance(10.0)
+    health = backend.health
+
+    assert health.silent_s + health.patience_s == pytest.approx(plan.away_s, abs=0.05)
+
+
 def test_a_controller_that_does_not_come_back_is_a_silent_link(
     backend: SerialBackend, device: Device, port: VirtualPort, plan: Plan
 ) -> None:

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from math import degrees, isnan
+from math import degrees, isnan, nan
 
-from textual.content import Content
+from rich.text import Text
 
-from pirate_sm.console.anatomy import Motor
-from pirate_sm.console.panels import BAD, GOOD, MUTED, WARN, Part, line
-from pirate_sm.console.snapshot import Snapshot
+from pirate_sm.showing.anatomy import Motor, Reading
+from pirate_sm.showing.snapshot import Snapshot
+from pirate_sm.showing.styled import ACCENT, BAD, GOOD, MUTED, WARN, Part, line
 
 _BARS = " ▁▂▃▄▅▆▇█"
 _NEAR, _HIGH = 0.8, 0.95
 """Shares of a limit from which on a value is marked."""
 
 _WITHOUT_TREND = 70
-_LEAST_TREND = 8
+_LEAST_TREND = 7
 _WITH_TORQUE = 70
+_VALUE = 10
+"""Width of a reading, so that those beside it stay where they are."""
 
 _WRITE: Mapping[str, Callable[[float], str]] = {
     "angle": lambda value: f"{degrees(value):z.1f}°",
@@ -28,42 +30,50 @@ _WRITE: Mapping[str, Callable[[float], str]] = {
 }
 
 
-def body(snapshot: Snapshot, width: int) -> list[Content]:
-    """The table, as wide as there is room for."""
+def body(snapshot: Snapshot, width: int) -> list[Text]:
+    """Return the table, as wide as there is room for, without its heading."""
     anatomy = snapshot.scene.anatomy
-    lines = [_heading("joint", "angle", width)]
-    lines += [_motor(snapshot, each, "°", width) for each in (*anatomy.joints, *anatomy.rolls)]
-    lines.append(_heading("wheel", "speed", width))
+    lines = [_motor(snapshot, each, "°", width) for each in (*anatomy.joints, *anatomy.rolls)]
     lines += [_motor(snapshot, each, "", width) for each in anatomy.wheels]
-    return [*lines, *_readings(snapshot, width)]
+    return [*lines, *_in_cells(_readings(snapshot), width)]
 
 
-def _heading(name: str, value: str, width: int) -> Content:
+def heading(width: int) -> str:
+    """Return what the columns of the table are."""
     torque = f"{'torque':>9} " if width >= _WITH_TORQUE else ""
     trend = "trend" if width >= _WITHOUT_TREND + _LEAST_TREND else ""
     columns = (
-        f"{name:<8}{value:>11} {'of limit':<12}{torque}",
+        f"{'motor':<8}{'angle/speed':>11} {'of limit':<12}{torque}",
         f"{'current':>7} {'of stall':<9}{'heat':<10} {trend}",
     )
-    return line(("".join(columns), MUTED))
+    return "".join(columns).rstrip()
 
 
-def _motor(snapshot: Snapshot, motor: Motor, unit: str, width: int) -> Content:
+def briefly(snapshot: Snapshot, width: int) -> list[Text]:
+    """Return angles and readings alone, where there is no room for the table."""
+    joints = []
+    for motor in (*snapshot.scene.anatomy.joints, *snapshot.scene.anatomy.rolls):
+        value = snapshot.signals.get(motor.value, nan)
+        joints.append((motor.name, "–" if isnan(value) else _WRITE["angle"](value)))
+    return _in_cells([*joints, *_readings(snapshot)], width)
+
+
+def _motor(snapshot: Snapshot, motor: Motor, unit: str, width: int) -> Text:
     signals = snapshot.signals
-    value = signals.get(motor.value, float("nan"))
+    value = signals.get(motor.value, nan)
     written = "–"
     if not isnan(value):
         written = f"{degrees(value):z.1f}°" if unit else f"{value:z.2f} rad/s"
     parts: list[Part] = [(f"{motor.name[:8]:<8}", MUTED), f"{written:>11} "]
     parts += _centred(value, motor.limit, marked=bool(unit))
     if width >= _WITH_TORQUE:
-        torque = signals.get(motor.torque, float("nan"))
+        torque = signals.get(motor.torque, nan)
         parts.append(f"{'' if isnan(torque) else f'{torque * 1e3:z.0f} mNm':>9} ")
     parts += _current(snapshot, motor)
     parts += _heat(snapshot, motor)
     room = width - _WITHOUT_TREND
     if room >= _LEAST_TREND:
-        parts.append((f" {_trend(snapshot, motor, room - 1)}", "$accent"))
+        parts.append((f" {_trend(snapshot, motor, room - 1)}", ACCENT))
     return line(*parts)
 
 
@@ -80,7 +90,7 @@ def _centred(value: float, limit: float, *, marked: bool) -> list[Part]:
 
 
 def _current(snapshot: Snapshot, motor: Motor) -> list[Part]:
-    current = snapshot.signals.get(motor.current, float("nan"))
+    current = snapshot.signals.get(motor.current, nan)
     if isnan(current):
         return [f"{'–' if motor.current else '':>7} {'':<9}"]
     share = abs(current) / motor.stall_a if motor.stall_a else 0.0
@@ -126,28 +136,37 @@ def sparkline(values: Sequence[float], full: float) -> str:
     return "".join(_BARS[max(1, min(top, round(each / full * top)))] for each in values)
 
 
-def travelled(snapshot: Snapshot) -> list[Content]:
+def travelled(snapshot: Snapshot) -> list[Text]:
     """Return how far and how fast, for a screen that has no room for everything."""
+    readings = snapshot.scene.anatomy.readings
     parts: list[Part] = []
-    for label, signal, kind in snapshot.scene.anatomy.readings:
-        if kind in ("distance", "speed"):
-            value = snapshot.signals.get(signal, float("nan"))
-            written = "–" if isnan(value) else _WRITE[kind](value)
-            parts += [(f"{label} ", MUTED), f"{written}   "]
+    for each in readings:
+        if each.kind in ("distance", "speed"):
+            parts += [(f"{each.label} ", MUTED), f"{_written(snapshot, each)}  "]
     return [line(*parts)] if parts else []
 
 
-def _readings(snapshot: Snapshot, width: int) -> list[Content]:
-    cells: list[tuple[str, str]] = []
-    for label, signal, kind in snapshot.scene.anatomy.readings:
-        value = snapshot.signals.get(signal, float("nan"))
-        cells.append((label, "–" if isnan(value) else _WRITE[kind](value)))
-    room = 20
-    across = max(1, width // room)
-    lines = []
-    for start in range(0, len(cells), across):
-        parts: list[Part] = []
-        for label, written in cells[start : start + across]:
-            parts += [(f"{label} ", MUTED), written.ljust(max(room - len(label) - 1, 0))]
-        lines.append(line(*parts))
+def _written(snapshot: Snapshot, reading: Reading) -> str:
+    """A distance is told with what the runs before this one came, where there were any."""
+    value = snapshot.signals.get(reading.signal, nan)
+    written = "–" if isnan(value) else _WRITE[reading.kind](value)
+    before_m = snapshot.before_m if reading.kind == "distance" else 0.0
+    return f"{before_m:z.2f}+{written}" if round(before_m, 2) else written
+
+
+def _readings(snapshot: Snapshot) -> list[tuple[str, str]]:
+    readings = snapshot.scene.anatomy.readings
+    return [(each.label, _written(snapshot, each)) for each in readings]
+
+
+def _in_cells(cells: Sequence[tuple[str, str]], width: int) -> list[Text]:
+    """As many side by side as there is room for."""
+    lines = [line()]
+    for label, written in cells:
+        cell = line((f"{label} ", MUTED), written.ljust(_VALUE))
+        if len(lines[-1]) + len(cell) > width + 1 and lines[-1]:
+            lines.append(line())
+        lines[-1].append_text(cell).append(" ")
+    for each in lines:
+        each.rstrip()
     return lines

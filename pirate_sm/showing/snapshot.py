@@ -1,20 +1,24 @@
-"""What the console draws: one moment of a run, wherever it comes from; nothing in it changes."""
+"""What views draw: one moment of a run, wherever it comes from; nothing in it changes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from math import nan
+from typing import TYPE_CHECKING
 
-from pirate_sm.backends.pico.health import LinkHealth
-from pirate_sm.console.anatomy import Anatomy
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.by_hand import BY_HAND
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.truth import Truth
+from pirate_sm.showing.anatomy import Anatomy
 from pirate_sm.showing.memory import Story
+
+if TYPE_CHECKING:
+    from pirate_sm.backends.pico.health import LinkHealth
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,7 @@ class Snapshot:
         link: How the link is; None where there is none.
         trends: The last values of the signals that the anatomy follows, oldest first.
         over: Whether nothing can happen any more.
+        before_m: What the odometer had counted in the runs before this one.
     """
 
     scene: Scene
@@ -69,8 +74,15 @@ class Snapshot:
     link: LinkHealth | None = None
     trends: Mapping[str, tuple[float, ...]] | None = None
     over: bool = False
+    before_m: float = 0.0
 
     @cached_property
     def signals(self) -> Mapping[str, float]:
         """Every signal in SI, NaN where unknown."""
         return {} if self.state is None else self.scene.engine.signals(self.state)
+
+    @property
+    def odometry_m(self) -> float:
+        """What the odometer has counted in this run; NaN where unknown."""
+        place = self.scene.robot.odometry
+        return nan if self.state is None or place < 0 else self.state.sensing.numbers[place]

@@ -1,83 +1,141 @@
-"""The words of the console, panel by panel: snapshots in, styled lines out."""
+"""What a person reads of a run, panel by panel: snapshots in, styled lines out."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import isinf, isnan
 
-from textual.content import Content
+from rich.text import Text
 
-from pirate_sm.console.pose import SIDES, pose_of
-from pirate_sm.console.reasons import choices
-from pirate_sm.console.snapshot import Snapshot
-from pirate_sm.engine.program import Wait
+from pirate_sm.engine.program import Question, Wait
 from pirate_sm.engine.robot_state import state_change
+from pirate_sm.model.effects import Ended
 from pirate_sm.showing.memory import Told
-from pirate_sm.showing.telling import shortened
-from pirate_sm.showing.visible import visible
+from pirate_sm.showing.pose import SIDES, pose_of
+from pirate_sm.showing.snapshot import Snapshot
+from pirate_sm.showing.styled import (
+    ACCENT,
+    BAD,
+    FLAG,
+    GOOD,
+    MUTED,
+    STRONG,
+    WARN,
+    Part,
+    fitted,
+    in_columns,
+    line,
+)
+from pirate_sm.showing.telling import UNCONFIRMED, away, shortened
 
-MUTED = "$foreground 55%"
-GOOD, WARN, BAD = "$text-success", "$text-warning", "$text-error"
+TOPICS = {
+    "fault": BAD, "error": BAD, "warning": WARN, "detected": GOOD, "ended": STRONG,
+}  # fmt: skip
 
-TOPICS = {"fault": BAD, "error": BAD, "warning": WARN, "detected": GOOD, "ended": "bold"}
+OUTCOME = {"succeeded": GOOD, "interrupted": WARN}
+"""Styles of how a run has ended; any other end is bad."""
 
 _TWO_COLUMNS = 70
 
-Part = str | tuple[str, str]
+Flag = tuple[str, str]
+"""A word with a sign, and its style."""
 
 
-def line(*parts: Part) -> Content:
-    """One line; control characters from files are written out."""
-    return Content.assemble(
-        *(visible(each) if isinstance(each, str) else (visible(each[0]), each[1]) for each in parts)
-    )
+def ended_flag(ended: Ended) -> Flag:
+    """Return how a run has ended."""
+    style = OUTCOME.get(ended.outcome, BAD)
+    return f"■ {_outcome(ended.outcome)}", f"{FLAG}.{style}"
 
 
-def mode(snapshot: Snapshot) -> tuple[str, str]:
-    """Who has the robot, in a word with a sign, and its style."""
-    state = snapshot.state
+def _outcome(outcome: str) -> str:
+    return "STOPPED" if outcome == "interrupted" else outcome.upper()
+
+
+def mode(snapshot: Snapshot) -> Flag:
+    """Return who has the robot, in a word with a sign, and its style."""
+    state, ended = snapshot.state, snapshot.story.ended
     if snapshot.over:
-        return "■ OVER", "bold reverse $text-error"
+        return ended_flag(ended) if ended is not None else ("■ OVER", f"{FLAG}.{BAD}")
     if state is None:
-        return "… OPENING", "bold reverse"
+        return "… OPENING", FLAG
     if state.mission.ending is not None or state.mission.ended:
-        return "■ ENDING", "bold reverse $text-warning"
+        return "■ ENDING", f"{FLAG}.{WARN}"
     if not snapshot.scene.mission:
-        return "◆ BY HAND", "bold reverse $text-accent"
+        return "◆ BY HAND", f"{FLAG}.{ACCENT}"
     if state.mission.paused:
-        return "‖ PAUSED", "bold reverse $text-warning"
-    return "▶ RUNNING", "bold reverse $text-success"
+        return "‖ PAUSED", f"{FLAG}.{WARN}"
+    return "▶ RUNNING", f"{FLAG}.{GOOD}"
 
 
-def header(snapshot: Snapshot, width: int) -> Content:
-    """Who has the robot, which mission, robot, pipe and backend, and what time it is."""
+def header(
+    snapshot: Snapshot, width: int, *, flag: Flag | None = None, how: str = "", pace: str = ""
+) -> Text:
+    """Return what runs where, and what time it is.
+
+    Args:
+        snapshot: The moment.
+        width: Of the line.
+        flag: What is said first; by default who has the robot.
+        how: More about the backend, beside the names.
+        pace: What stands before the time; by default the backend.
+    """
     scene = snapshot.scene
-    word, style = mode(snapshot)
+    word, style = flag or mode(snapshot)
     pipe = f" in {scene.loaded.pipe_name}" if scene.loaded.pipe_name else ""
     name = scene.mission or "no mission"
-    left = line((f" {word} ", style), " ", (name, "bold"), f" on {scene.robot.name}{pipe}")
-    right = f"{scene.backend}  {snapshot.now_s:8.1f} s "
-    room = max(width - len(right), 0)
-    return Content.assemble(left.truncate(room, ellipsis=True).pad_right(room - len(left)), right)
+    more = f", {how}" if how else ""
+    left = line((f" {word} ", style), " ", (name, STRONG), f" on {scene.robot.name}{pipe}{more}")
+    right = f" {pace or scene.backend}  {snapshot.now_s:8.1f} s "
+    return fitted(left, max(width - len(right), 0)).append(right)
 
 
-def alarm(snapshot: Snapshot, seen: int) -> Content | None:
+def alarm(snapshot: Snapshot, seen: int, hint: str = "   (Esc: seen)") -> Text | None:
     """Return how the last mission ended, else the newest thing that is wrong.
 
-    Either stays until the operator has seen it; None: there is nothing.
+    How it ended stays until the operator has seen it; what is wrong also goes when the engine
+    knows that it is over. None: there is nothing.
+
+    Args:
+        snapshot: The moment.
+        seen: Number of the last line that the operator has seen.
+        hint: How it is taken down.
     """
     banner, told = snapshot.story.banner, snapshot.story.alarm
-    trouble = snapshot.link.trouble if snapshot.link else ""
-    if trouble and snapshot.link:
-        return line(f" ⚠ link: {trouble}, for {snapshot.link.silent_s:.1f} s ")
+    if (found := trouble(snapshot)) is not None:
+        return found
     if banner is not None and banner.number > seen:
         outcome, _, why = banner.line.text.partition(": ")
-        word = "STOPPED" if outcome == "interrupted" else outcome.upper()
-        return line(f" ■ {banner.now_s:.1f} s  {word}: {why}   (Esc: seen) ")
-    if told is None or told.number <= seen:
+        return line(f" ■ {banner.now_s:.1f} s  {_outcome(outcome)}: {why}{hint} ")
+    if told is None or told.number <= seen or _is_past(snapshot, told):
         return None
     topic, text = told.line
-    return line(f" ⚠ {told.now_s:.1f} s  {topic}: {text}   (Esc: seen) ")
+    return line(f" ⚠ {told.now_s:.1f} s  {topic}: {text}{hint} ")
+
+
+def trouble(snapshot: Snapshot) -> Text | None:
+    """Return what is wrong with the link now, and whether a stop waits for it; None: nothing."""
+    link, state = snapshot.link, snapshot.state
+    if link is None or state is None:
+        return None
+    stopping = state.mission.ending is not None or state.mission.ended
+    said = away(link, stopping=stopping)
+    if not said and snapshot.over and not link.stopped:
+        said = UNCONFIRMED
+    return line(f" ⚠ {said} ") if said else None
+
+
+def _is_past(snapshot: Snapshot, told: Told) -> bool:
+    """Whether a fault was told that the signals show no more."""
+    state, robot = snapshot.state, snapshot.scene.robot
+    if told.line.topic != "fault" or state is None:
+        return False
+    code, faults = told.line.text.partition(": ")[0], state.faults
+    if code in _UNHEARD:
+        return not (faults.silent or faults.blind)
+    rules = [index for index, rule in enumerate(robot.faults) if rule.code == code]
+    return bool(rules) and not faults.raised.intersection(rules)
+
+
+_UNHEARD = {"sensor.silent", "link.silent"}
 
 
 def shows_success(snapshot: Snapshot, seen: int) -> bool:
@@ -88,7 +146,7 @@ def shows_success(snapshot: Snapshot, seen: int) -> bool:
     return banner.line.text.startswith("succeeded")
 
 
-def states(snapshot: Snapshot, width: int) -> list[Content]:
+def states(snapshot: Snapshot, width: int) -> list[Text]:
     """The state of each region, with an open mark where it is not confirmed; contacts; words."""
     state, robot = snapshot.state, snapshot.scene.robot
     if state is None:
@@ -100,28 +158,15 @@ def states(snapshot: Snapshot, width: int) -> list[Content]:
     for region, label, name in zip(robot.regions, labels, change.states, strict=True):
         open_ = region in change.unconfirmed
         mark, style = ("○", WARN) if open_ else ("●", GOOD)
-        text = f"{name} ?" if open_ else name
         cells.append(
-            line((f"{mark} ", style), (f"{label:<{wide}} ", MUTED), (text, style if open_ else ""))
+            line((f"{mark} ", style), (f"{label:<{wide}} ", MUTED), (name, style if open_ else ""))
         )
     if width < _TWO_COLUMNS:
         return [*cells, _contacts(snapshot), _words(snapshot)]
-    return _in_columns([*cells, _words(snapshot), _contacts(snapshot)], width, 2)
+    return in_columns([*cells, _words(snapshot), _contacts(snapshot)], width, 2)
 
 
-def _in_columns(cells: Sequence[Content], width: int, count: int) -> list[Content]:
-    room = width // count
-    rows = -(-len(cells) // count)
-    return [
-        Content("").join(
-            [each.truncate(room, ellipsis=True).pad_right(max(room - len(each), 0))
-             for each in cells[row::rows]]
-        )
-        for row in range(rows)
-    ]  # fmt: skip
-
-
-def _contacts(snapshot: Snapshot) -> Content:
+def _contacts(snapshot: Snapshot) -> Text:
     """Which wall each wheel touches."""
     pose = pose_of(snapshot)
     parts: list[Part] = [("  at wall ", MUTED)]
@@ -133,28 +178,28 @@ def _contacts(snapshot: Snapshot) -> Content:
     return line(*parts)
 
 
-def _words(snapshot: Snapshot) -> Content:
+def _words(snapshot: Snapshot) -> Text:
     """What is said from outside, as far as it is known."""
     state, robot = snapshot.state, snapshot.scene.robot
     assert state is not None
     count = len(robot.regions)
     parts: list[Part] = ["  "]
     for name, word in zip(robot.vocabulary.words[count:], state.words[count:], strict=True):
-        parts += [(f"{name} ", MUTED), (f"{word or '–'}   ", "bold" if word else MUTED)]
+        parts += [(f"{name} ", MUTED), (f"{word or '–'}   ", STRONG if word else MUTED)]
     return line(*parts)
 
 
-def now(snapshot: Snapshot, width: int) -> list[Content]:
+def now(snapshot: Snapshot, width: int) -> list[Text]:
     """What is under way or waited for, and how long still."""
     state = snapshot.state
     if state is None:
         return [line(("the backend is being opened …", MUTED))]
     ended = snapshot.story.ended
     if snapshot.over and ended is not None:
-        return [line((f"{ended.outcome}: {ended.message}", BAD)), line("Press q to leave.")]
+        return [line((ended.message, OUTCOME.get(ended.outcome, BAD)))]
     lines = _moving(snapshot, width)
     if state.mission.paused and snapshot.scene.mission:
-        lines.append(line(("‖ ", WARN), "paused: drive by hand, or let it go on"))
+        lines.append(line(("‖ ", WARN), "paused: drive by hand, or go on"))
     return lines + (_waiting(snapshot, width) if snapshot.scene.mission else []) or [
         line((_idle(snapshot), MUTED))
     ]
@@ -169,7 +214,7 @@ def _idle(snapshot: Snapshot) -> str:
     return way or "wheels are driven"
 
 
-def _moving(snapshot: Snapshot, width: int) -> list[Content]:
+def _moving(snapshot: Snapshot, width: int) -> list[Text]:
     state = snapshot.state
     motion = state.robot.motion if state is not None else None
     if state is None or motion is None:
@@ -182,7 +227,7 @@ def _moving(snapshot: Snapshot, width: int) -> list[Content]:
     return [line(("▶ ", GOOD), f"{name}: until it is done"), bar(spent_s, limit_s, width)]
 
 
-def _waiting(snapshot: Snapshot, width: int) -> list[Content]:
+def _waiting(snapshot: Snapshot, width: int) -> list[Text]:
     state = snapshot.state
     if state is None or not state.mission.begun:
         return []
@@ -196,17 +241,17 @@ def _waiting(snapshot: Snapshot, width: int) -> list[Content]:
     return [*lines, bar(spent_s, here.within_s, width)]
 
 
-def bar(spent_s: float, limit_s: float, width: int) -> Content:
+def bar(spent_s: float, limit_s: float, width: int) -> Text:
     """How much of a time has gone, and how much is left."""
     if isinf(limit_s) or isnan(limit_s):
         return line((f"  {spent_s:.1f} s so far", MUTED))
     text = f" {max(limit_s - spent_s, 0.0):.1f} s left"
     room = max(width - len(text) - 2, 4)
     full = round(room * min(1.0, max(0.0, spent_s / limit_s))) if limit_s else room
-    return line("  ", ("━" * full, "$accent"), ("─" * (room - full), MUTED), text)
+    return line("  ", ("━" * full, ACCENT), ("─" * (room - full), MUTED), text)
 
 
-def phases(snapshot: Snapshot, width: int, rows: int) -> list[Content]:
+def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:
     """The mission's phases around the present one: done, current, not yet."""
     program, state, story = snapshot.scene.loaded.program, snapshot.state, snapshot.story
     if not snapshot.scene.mission:
@@ -223,20 +268,20 @@ def phases(snapshot: Snapshot, width: int, rows: int) -> list[Content]:
             spent_s += snapshot.now_s - story.phase.since_s
         time = f"{spent_s:7.1f} s" if spent_s else ""
         mark, style = "·", MUTED
-        if name == current:
-            mark, style = "▶", "bold"
-        elif current.startswith(f"{name}/"):
+        if name == current and story.ended is None:
+            mark, style = "▶", STRONG
+        elif current.startswith(f"{name}/") and story.ended is None:
             mark, style = "▷", ""
         elif name in story.spent_s:
             mark, style = "✓", GOOD
-        if name == current and state is not None:
+        if mark == "▶" and state is not None:
             own += program.round_note(state.mission.pc)
         room = max(width - len(time) - 3, 4)
-        lines.append(line((f"{mark} {own[:room]:<{room}} {time}", style)))
+        lines.append(fitted(line((f"{mark} {own}", style)), room + 2).append(f" {time}", style))
     return lines
 
 
-def link(snapshot: Snapshot) -> list[Content]:
+def link(snapshot: Snapshot) -> list[Text]:
     """How the link is."""
     health = snapshot.link
     if health is None:
@@ -256,18 +301,35 @@ def link(snapshot: Snapshot) -> list[Content]:
     ]  # fmt: skip
 
 
-def question(snapshot: Snapshot) -> Content | None:
-    """What the operator is asked, with the keys that answer; None while nothing is."""
+def choices(snapshot: Snapshot) -> tuple[str, tuple[str, ...]]:
+    """Return what the mission asks the operator now, and the answers; both empty when nothing."""
+    state = snapshot.state
+    if state is None or snapshot.over or state.mission.paused or not state.mission.begun:
+        return "", ()
+    here = snapshot.scene.loaded.program.instructions[state.mission.pc]
+    if isinstance(here, Question):
+        return here.text, tuple(choice for choice, _ in here.choices)
+    if isinstance(here, Wait):
+        words = tuple(trigger.answer for trigger in here.triggers if trigger.answer)
+        return ("The mission waits for your word" if words else ""), words
+    return "", ()
+
+
+def question(snapshot: Snapshot, width: int) -> list[Text]:
+    """Return what the operator is asked, with the keys that answer; nothing while nothing is."""
     asked, offered = choices(snapshot)
     if not offered:
-        return None
-    keys: list[Part] = []
+        return []
+    lines = [line((f"? {asked}  ", STRONG))]
     for number, choice in enumerate(offered, 1):
-        keys += [(f" {number} ", "reverse"), f" {choice}   "]
-    return line((f" ? {asked}  ", "bold"), *keys)
+        key = line((f"[{number}] {choice}  ", STRONG))
+        if len(lines[-1]) + len(key) > width:
+            lines.append(line("  "))
+        lines[-1].append_text(key)
+    return lines
 
 
-def told_line(told: Told) -> Content:
+def told_line(told: Told) -> Text:
     """A line of the log."""
     topic, text = told.line
     style = TOPICS.get(topic, "")

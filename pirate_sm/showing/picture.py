@@ -7,17 +7,30 @@ an outline; a light is a fan of rays.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
 from math import atan2, cos, floor, hypot, log, sin
 
-from pirate_sm.console.anatomy import Anatomy
-from pirate_sm.console.pose import SIDES, Place, Pose, contact, pose_of
-from pirate_sm.console.snapshot import Snapshot
+from pirate_sm.showing.anatomy import Anatomy
 from pirate_sm.showing.canvas import ACROSS, DOWN, Canvas
+from pirate_sm.showing.pose import SIDES, Place, Pose, contact, pose_of
+from pirate_sm.showing.snapshot import Snapshot
 
 WALL, TOUCH, BODY, HELD, WHEEL, FREE, LIGHT, NOTE = (
     "wall", "touch", "body", "held", "wheel", "free", "light", "note",
 )  # fmt: skip
+
+ON_A_TERMINAL: Mapping[str, str] = {
+    WALL: "bright_black",
+    TOUCH: "yellow",
+    BODY: "bright_black",
+    HELD: "cyan",
+    WHEEL: "bold green",
+    FREE: "default",
+    LIGHT: "bright_yellow",
+    NOTE: "bright_black",
+}
+"""How each of them looks in the colours that every terminal has."""
 
 _ROOM = 1.18
 _STEP = 1.12

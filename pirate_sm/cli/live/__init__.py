@@ -1,1 +1,0 @@
-"""The view of a running mission on a terminal; loaded only when there is one."""

@@ -1,0 +1,40 @@
+"""Styled lines in the colours of Textual's theme."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rich.text import Text
+from textual.content import Content, Span
+
+from pirate_sm.showing import styled
+from pirate_sm.showing.styled import ACCENT, BAD, FLAG, GOOD, MUTED, STRONG, WARN, Part
+
+_THEMED: Mapping[str, str] = {
+    MUTED: "$foreground 55%",
+    STRONG: "bold",
+    GOOD: "$text-success",
+    WARN: "$text-warning",
+    BAD: "$text-error",
+    ACCENT: "$accent",
+    FLAG: "bold reverse",
+    f"{FLAG}.{GOOD}": "bold reverse $text-success",
+    f"{FLAG}.{WARN}": "bold reverse $text-warning",
+    f"{FLAG}.{BAD}": "bold reverse $text-error",
+    f"{FLAG}.{ACCENT}": "bold reverse $accent",
+}
+
+
+def themed(text: Text) -> Content:
+    """Return the text as Textual shows it."""
+    spans = [
+        Span(each.start, each.end, _THEMED[style])
+        for each in text.spans
+        if (style := str(each.style))
+    ]
+    return Content(text.plain, spans)
+
+
+def line(*parts: Part) -> Content:
+    """Return one line of these parts."""
+    return themed(styled.line(*parts))
