@@ -5,18 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 
-from pirate_sm.errors import UsageError
+from pirate_sm.cli.progress import progress
+from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.expressions import NumberType
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.model.effects import Effect
 from pirate_sm.recording.reader import Recording, read_recording
 from pirate_sm.recording.reloading import as_recorded, recorded_mission
-from pirate_sm.recording.replay import Difference, replay
+from pirate_sm.recording.replay import Difference, Replayed, replay
 from pirate_sm.showing.visible import visible
-from pirate_sm.units import DIMENSIONLESS, format_quantity
+from pirate_sm.units import DIMENSIONLESS, TIME, QuantityError, format_quantity, read_quantity
 
 SAME, DIFFERENT = 0, 1
 
@@ -32,29 +34,84 @@ class Changed:
     pipe: str | None = None
 
 
-def run_replay(path: str, changed: Changed) -> int:
+@dataclass(frozen=True)
+class Stretch:
+    """The part of a run that is asked for, as the command line says it.
+
+    Attributes:
+        from_s: Where it begins, 0 or more; ``until_s`` where it ends, infinite for the end.
+    """
+
+    from_s: float = 0.0
+    until_s: float = inf
+
+    @classmethod
+    def of(cls, from_: str | None, until: str | None) -> Stretch:
+        """The stretch between two times in words, ``3 h``.
+
+        Raises:
+            UsageError: They are no times, or it ends before it begins.
+        """
+        found = cls(_time("--from", from_, 0.0), _time("--until", until, inf))
+        if found.until_s <= found.from_s:
+            raise UsageError("--until must be later than --from")
+        return found
+
+
+def _time(option: str, text: str | None, otherwise: float) -> float:
+    if text is None:
+        return otherwise
+    try:
+        time_s = read_quantity(text, TIME)
+    except QuantityError as error:
+        raise UsageError(f"{option}: {error}") from None
+    if not time_s >= 0:
+        raise UsageError(f"{option}: a time since the run began is not negative")
+    return time_s
+
+
+def run_replay(path: str, changed: Changed, stretch: Stretch) -> int:
     """The recording has been executed again, and it has been said how that went.
 
     Raises:
-        RecordingError: The recording cannot be read.
+        RecordingError: The recording cannot be read, or there is nothing to execute in it.
         LoadError: What it shall be replayed with cannot be used.
         UsageError: Likewise.
     """
-    recording = _read(path)
-    with _mission(recording, changed) as loaded:
-        result = replay(recording, loaded, changed=changed != Changed())
-        _say(_headline(recording))
-        if result.difference is not None:
-            for line in _told(result.difference, result.steps):
-                _say(line)
-            return DIFFERENT
-    _say(
-        f"the same came out again: {result.effects} effects of {result.steps} inputs, "
-        f"up to {result.until_s:.3f} s"
-    )
-    if not recording.complete:
+    other = changed != Changed()
+    if other and stretch.from_s:
+        raise UsageError("--from goes on from what was recorded, so it excludes another --mission")
+    with _reading(path) as recording, _mission(recording, changed) as loaded:
+        if stretch.from_s > recording.until_s:
+            raise RecordingError(
+                f"{path} holds nothing after {recording.until_s:.3f} s: nothing was executed again"
+            )
+        after = recording.checkpoint(stretch.from_s) if stretch.from_s else None
+        if stretch.from_s and after is None:
+            _say(f"no checkpoint up to {stretch.from_s:g} s can be used: it begins at the start")
+        result = replay(recording, loaded, changed=other, after=after, until_s=stretch.until_s)
+    _say(_headline(recording))
+    if result.difference is not None:
+        for line in _told(result.difference, result.steps):
+            _say(line)
+        return DIFFERENT
+    if not result.executed:
+        raise RecordingError(
+            f"{path} holds nothing to execute again: "
+            f"{'the stretch' if recording.until_s else 'it'} ends before the engine was started"
+        )
+    _say(_same(result))
+    if not recording.complete and result.until_s >= recording.until_s:
         _say("the recording ends there; the run itself was cut short")
     return SAME
+
+
+def _same(result: Replayed) -> str:
+    since = f"from {result.from_s:.3f} s " if result.from_s else ""
+    return (
+        f"the same came out again: {result.effects} effects of {result.steps} inputs, "
+        f"{since}up to {result.until_s:.3f} s"
+    )
 
 
 def run_compare(first: str, second: str) -> int:
@@ -67,8 +124,7 @@ def run_compare(first: str, second: str) -> int:
 
     courses, loadeds = [], []
     for path in (first, second):
-        recording = _read(path)
-        with recorded_mission(recording.header) as loaded:
+        with _reading(path) as recording, recorded_mission(recording.header) as loaded:
             courses.append(course_of(recording, loaded))
             loadeds.append(loaded)
         _say(f"{'B' if len(courses) > 1 else 'A'}: {_headline(recording)}")
@@ -109,13 +165,12 @@ def run_export(path: str, csv: str | None, urdf: str | None) -> int:
     """
     if csv is None and urdf is None:
         raise UsageError("say what to export: --csv DIR, --urdf FILE")
-    recording = _read(path)
-    with recorded_mission(recording.header) as loaded:
+    written: list[str] = []
+    with _reading(path) as recording, recorded_mission(recording.header) as loaded:
         if csv is not None:
             from pirate_sm.recording.tables import write_tables
 
-            for file in write_tables(recording, loaded, Path(csv)):
-                _say(str(file))
+            written += map(str, write_tables(recording, loaded, Path(csv)))
         if urdf is not None:
             from pirate_sm.recording.urdf import urdf as text_of
 
@@ -123,15 +178,20 @@ def run_export(path: str, csv: str | None, urdf: str | None) -> int:
                 Path(urdf).write_text(text_of(loaded.loaded_robot.profile), encoding="utf-8")
             except OSError as error:
                 raise UsageError(f"{urdf} cannot be written: {error.strerror}") from None
-            _say(urdf)
+            written.append(urdf)
+    for file in written:
+        _say(file)
     return 0
 
 
-def _read(path: str) -> Recording:
-    recording = read_recording(Path(path))
-    for notice in recording.notices:
-        _say(f"{path}: {notice}")
-    return recording
+@contextmanager
+def _reading(path: str) -> Iterator[Recording]:
+    """The recording; while the block goes through it, a terminal shows how far it has come."""
+    with progress(f"reading {visible(path)}") as watch:
+        recording = read_recording(Path(path), watch)
+        for notice in recording.notices:
+            _say(f"{path}: {notice}")
+        yield recording
 
 
 @contextmanager

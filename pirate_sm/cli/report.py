@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from pirate_sm.cli.progress import progress
 from pirate_sm.errors import UsageError
 from pirate_sm.recording.reader import read_recording
 from pirate_sm.report.page import html
@@ -26,7 +27,8 @@ def write_report(recording: str, output: Path | None) -> int:
     place = output or path.with_suffix(".html")
     if place.resolve() == path.resolve():
         raise UsageError(f"'{place}' is the recording itself")
-    text = html(report_of(read_recording(path)))
+    with progress(f"reading {visible(recording)}") as watch:
+        text = html(report_of(read_recording(path, watch)))
     try:
         place.write_text(text, encoding="utf-8")
     except OSError as error:

@@ -167,10 +167,11 @@ class FileTopics:
                 schema: Schema = Schema.read(_stream(records[start:end]))
                 self.schemas[schema.id] = schema
 
-    def schema_of(self, number: int) -> tuple[str, str, bytes]:
-        """Name, encoding and text of the schema of a topic; empty without one."""
-        schema = self.schemas.get(self.channels[number].schema_id)
-        return (schema.name, schema.encoding, schema.data) if schema else ("", "", b"")
+    def described(self, number: int) -> tuple[str, str, bytes]:
+        """A topic, the name of its schema and that schema; empty without one."""
+        channel = self.channels[number]
+        schema = self.schemas.get(channel.schema_id)
+        return (channel.topic, schema.name, schema.data) if schema else (channel.topic, "", b"")
 
 
 def messages_in(records: bytes) -> Iterator[Entry]:

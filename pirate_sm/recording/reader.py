@@ -132,10 +132,15 @@ class Recording:
             RecordingError: It is damaged.
         """
         for place in reversed(range(len(self.content.pieces))):
-            *_, last = [None, *self._rows(self._read(place), self._by_name, None)]
+            *_, last = [None, *self._rows(self._read(place), None)]
             if last is not None:
                 return last.at_s
         return 0.0
+
+    @cached_property
+    def starts_s(self) -> list[float]:
+        """When each piece of the file begins."""
+        return [self._time_s(piece.start_ns) for piece in self.content.pieces]
 
     def checkpoint(self, at_s: float) -> Checkpoint | None:
         """The last checkpoint up to this time; None where there is none that can be used.
@@ -145,14 +150,20 @@ class Recording:
         Raises:
             RecordingError: It is damaged.
         """
-        if self.header.version != __version__:
-            return None
-        starts_s = [self._time_s(piece.start_ns) for piece in self.content.pieces]
-        for place in reversed(range(bisect_right(starts_s, at_s))):
+        for place in reversed(range(bisect_right(self.starts_s, at_s))):
             found = [each for each in self._checkpoints(place) if each.at_s <= at_s]
             if found:
                 return found[-1]
         return None
+
+    def checkpoints(self) -> Iterator[Checkpoint]:
+        """Every checkpoint that can be used, in order.
+
+        Raises:
+            RecordingError: It is damaged.
+        """
+        for place in range(len(self.content.pieces)):
+            yield from self._checkpoints(place)
 
     def steps(self, after: Checkpoint | None = None) -> Iterator[Step]:
         """Everything that the engine was given, in order, and what came of it.
@@ -163,19 +174,27 @@ class Recording:
         Raises:
             RecordingError: It is damaged.
         """
-        number, started, place = 0, False, 0
-        if after is not None:
-            number, started, place = after.step + 1, True, after.place
-        skipping = after is not None
-        for entries in self._commits(place):
-            rows = self._rows(entries, self._by_name, None if skipping else number)
-            if skipping:
-                rows = [step for step in rows if step.number >= number]
-            skipping = False
-            number += len(rows)
+        started = after is not None
+        for rows in self.commits(after):
             for step in rows:
                 started = started or step.by == "start"
                 yield step if started or step.by != "engine" else step._replace(by="seen")
+
+    def commits(self, after: Checkpoint | None = None) -> Iterator[list[Step]]:
+        """The steps of each piece, in order; those before the start are taken for the engine's.
+
+        Args:
+            after: Where to begin; None: at the beginning.
+
+        Raises:
+            RecordingError: It is damaged.
+        """
+        first, number = (after.place, after.step + 1) if after is not None else (0, 0)
+        for place, entries in self._pieces(first):
+            rows = self._rows(entries, number if place > first or after is None else None)
+            steps = [step for step in rows if step.number >= number]
+            number += len(steps)
+            yield steps
 
     def shown(self, *topics: str) -> Iterator[Shown]:
         """What was made for viewers, in order: of these topics, or of all.
@@ -183,7 +202,7 @@ class Recording:
         Raises:
             RecordingError: It is damaged.
         """
-        for entries in self._commits(0):
+        for _, entries in self._pieces(0):
             for topic, time_ns, data in entries:
                 if topic in topics if topics else not topic.startswith(ENGINE):
                     yield Shown(topic, self._time_s(time_ns), json.loads(data))
@@ -201,6 +220,8 @@ class Recording:
 
     def _checkpoints(self, place: int) -> Iterator[Checkpoint]:
         """Those in a piece that this version of the engine can use."""
+        if self.header.version != __version__:
+            return
         for topic, _, data in self._read(place):
             if topic == STATE.name:
                 try:
@@ -209,15 +230,15 @@ class Recording:
                 except ValueError:
                     return
 
-    def _commits(self, first: int) -> Iterator[list[Told]]:
-        """The messages of each commit, which holds whole steps."""
+    def _pieces(self, first: int) -> Iterator[tuple[int, list[Told]]]:
+        """Number and messages of each piece, which holds whole steps."""
         for place in range(first, len(self.content.pieces)):
             self.watch(self.content.pieces[place].at / self.content.size)
-            yield self._read(place)
+            yield place, self._read(place)
         self.watch(1.0)
 
     def _read(self, place: int) -> list[Told]:
-        """The messages of one commit."""
+        """The messages of a piece."""
         try:
             return self._chunks.read(place)
         except DamagedError as error:
@@ -229,13 +250,12 @@ class Recording:
     def _chunks(self) -> Chunks:
         return Chunks(self.path, self.content.pieces)
 
-    def _rows(
-        self, entries: Sequence[Told], topics: dict[str, Topic], first: int | None
-    ) -> list[Step]:
+    def _rows(self, entries: Sequence[Told], first: int | None) -> list[Step]:
+        """The steps among messages; ``first``: the number of the first of them, None: any."""
         inputs: dict[int, tuple[float, Any]] = {}
         effects: dict[int, list[tuple[int, Effect]]] = defaultdict(list)
         for name, _, data in entries:
-            topic = topics.get(name)
+            topic = self._by_name.get(name)
             if topic is None:
                 continue
             try:
