@@ -17,6 +17,9 @@ from pirate_sm.report.model import Lane, Light, Scene, Series, Span, Wheel
 from pirate_sm.report.sampling import Samples
 
 MOST_POSES = 6_000
+_MOST_KEPT = 40_000
+"""So many poses at most are in memory, however long a run is: an hour of a simulation's."""
+
 EVERY_S = 0.05
 """A pose twenty times a second is enough for the eye; what lies between is drawn in between."""
 
@@ -32,14 +35,26 @@ class Poses:
     true: bool
     times_s: list[float] = field(default_factory=list)
     points: list[tuple[Place, ...]] = field(default_factory=list)
+    _apart_s: float = field(default=0.0, repr=False)
 
     def add(self, at_s: float, points: Sequence[Place]) -> None:
-        """There is one more; one of the same moment is replaced."""
-        if self.times_s and at_s <= self.times_s[-1]:
-            self.times_s.pop()
+        """There is one more; one of the same moment is replaced.
+
+        Of very many only some are kept, evenly; the newest one always is.
+        """
+        times_s = self.times_s
+        if times_s and (at_s <= times_s[-1] or self._too_close()):
+            times_s.pop()
             self.points.pop()
-        self.times_s.append(at_s)
+        times_s.append(at_s)
         self.points.append(tuple(points))
+        if len(times_s) > _MOST_KEPT:
+            self._apart_s = 2 * (times_s[-1] - times_s[0]) / len(times_s)
+            del times_s[1:-1:2], self.points[1:-1:2]
+
+    def _too_close(self) -> bool:
+        """Whether the newest pose is only there as long as it is the newest."""
+        return len(self.times_s) > 1 and self.times_s[-1] < self.times_s[-2] + self._apart_s
 
     def thinned(self, most: int = MOST_POSES) -> Poses:
         """At most so many of them, evenly; the last one stays."""
