@@ -28,6 +28,10 @@ def replay(
         typer.Option("--from", metavar="TIME", help="Begin at the checkpoint before this time."),
     ] = None,
     until: Annotated[str | None, typer.Option(metavar="TIME", help="End at this time.")] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option("--jobs", "-j", min=1, help="Processes; all processors where it is long."),
+    ] = None,
     debug: Annotated[bool, _DEBUG] = False,
 ) -> None:
     """Execute a recording again and tell whether the same comes out.
@@ -39,7 +43,7 @@ def replay(
     def work() -> int:
         from pirate_sm.cli.recordings import Changed, Stretch, run_replay
 
-        return run_replay(recording, Changed(mission, robot, pipe), Stretch.of(from_, until))
+        return run_replay(recording, Changed(mission, robot, pipe), Stretch.of(from_, until), jobs)
 
     raise typer.Exit(guarded(work, debug))
 

@@ -48,9 +48,11 @@ class _Line:
         self._began_s = clock()
         self._due_s = self._began_s + _FIRST_S
         self._last = 0.0
-        self._there = False
+        self._there = self._over = False
 
     def show(self, share: float) -> None:
+        if self._over:  # something else has the terminal now
+            return
         now_s = self._clock()
         if share < self._last:
             self._began_s = now_s
@@ -62,6 +64,7 @@ class _Line:
         self._write(f"{_CLEARED}{self._what}: {share:.0%}{self._left(share, now_s)}")
 
     def clear(self) -> None:
+        self._over = True
         if self._there:
             self._write(_CLEARED)
 

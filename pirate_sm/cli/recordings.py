@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -21,6 +22,9 @@ from pirate_sm.showing.visible import visible
 from pirate_sm.units import DIMENSIONLESS, TIME, QuantityError, format_quantity, read_quantity
 
 SAME, DIFFERENT = 0, 1
+
+LONG_S = 900.0
+"""From so much mission time on it is worth while to share a replay out among processes."""
 
 _MOST_SIGNALS = 12
 
@@ -70,8 +74,15 @@ def _time(option: str, text: str | None, otherwise: float) -> float:
     return time_s
 
 
-def run_replay(path: str, changed: Changed, stretch: Stretch) -> int:
+def run_replay(path: str, changed: Changed, stretch: Stretch, jobs: int | None) -> int:
     """The recording has been executed again, and it has been said how that went.
+
+    Args:
+        path: The recording.
+        changed: What it is replayed with in place of its own texts.
+        stretch: What of it.
+        jobs: Among how many processes it is shared out; None: as many as there are processors
+            where it is long.
 
     Raises:
         RecordingError: The recording cannot be read, or there is nothing to execute in it.
@@ -89,7 +100,14 @@ def run_replay(path: str, changed: Changed, stretch: Stretch) -> int:
         after = recording.checkpoint(stretch.from_s) if stretch.from_s else None
         if stretch.from_s and after is None:
             _say(f"no checkpoint up to {stretch.from_s:g} s can be used: it begins at the start")
-        result = replay(recording, loaded, changed=other, after=after, until_s=stretch.until_s)
+        jobs = 1 if other else jobs or _jobs(recording, stretch)
+        if jobs > 1 and next(recording.checkpoints(after), None) is not None:
+            from pirate_sm.recording.sharing import replay_shared
+
+            result = replay_shared(recording, jobs, after=after, until_s=stretch.until_s)
+        else:
+            until_s = stretch.until_s
+            result = replay(recording, loaded, changed=other, after=after, until_s=until_s)
     _say(_headline(recording))
     if result.difference is not None:
         for line in _told(result.difference, result.steps):
@@ -104,6 +122,13 @@ def run_replay(path: str, changed: Changed, stretch: Stretch) -> int:
     if not recording.complete and result.until_s >= recording.until_s:
         _say("the recording ends there; the run itself was cut short")
     return SAME
+
+
+def _jobs(recording: Recording, stretch: Stretch) -> int:
+    """As many processes as there are processors, where that is worth while."""
+    if min(stretch.until_s, recording.until_s) - stretch.from_s < LONG_S:
+        return 1
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _same(result: Replayed) -> str:

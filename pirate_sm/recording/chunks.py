@@ -15,7 +15,7 @@ from pirate_sm.recording.mcap_records import (
 )
 
 
-class Told(NamedTuple):
+class Message(NamedTuple):
     """A message and its topic; ``time_ns`` is when it was, ns since 1970."""
 
     topic: str
@@ -40,7 +40,7 @@ class Chunks:
         self._pieces = pieces
         self._learned = 0
 
-    def read(self, place: int) -> list[Told]:
+    def read(self, place: int) -> list[Message]:
         """The messages of a piece, in the order of writing.
 
         Args:
@@ -51,7 +51,7 @@ class Chunks:
             OSError: The file cannot be read.
         """
         return [
-            Told(self.topics.names[number], time_ns, data)
+            Message(self.topics.names[number], time_ns, data)
             for number, time_ns, data in self.entries(place)
         ]
 

@@ -14,11 +14,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cached_property
-from hashlib import sha256
+from itertools import groupby
+from math import inf
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
-
-from mcap.records import Attachment
 
 from pirate_sm import __version__
 from pirate_sm.engine.robot_state import RobotState
@@ -26,11 +25,12 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.folders import shown
 from pirate_sm.model.effects import Effect
-from pirate_sm.model.events import ALPHABET_VERSION, Event
+from pirate_sm.model.events import Event
 from pirate_sm.recording.alphabet import ENGINE, STATE, Abandoned, Started, Topic, Topics
+from pirate_sm.recording.beginning import damaged, read_header
 from pirate_sm.recording.bodies import body_from_text
-from pirate_sm.recording.chunks import Chunks, Told
-from pirate_sm.recording.header import FORMAT, PROFILE, REPAIRED, RUN, RunHeader, header_from_json
+from pirate_sm.recording.chunks import Chunks, Message
+from pirate_sm.recording.header import PROFILE, REPAIRED, RunHeader
 from pirate_sm.recording.mcap_records import Content, DamagedError, NotMcapError, read_content
 from pirate_sm.recording.states import state_from_text
 
@@ -60,6 +60,14 @@ class Step(NamedTuple):
     by: Literal["seen", "start", "engine", "runtime"]
     body: RobotState | None = None
     paused: bool = False
+
+
+class Told(NamedTuple):
+    """What came of a step; ``number`` and ``at_s`` are those of the step."""
+
+    number: int
+    at_s: float
+    effects: tuple[Effect, ...]
 
 
 class Shown(NamedTuple):
@@ -156,14 +164,19 @@ class Recording:
                 return found[-1]
         return None
 
-    def checkpoints(self) -> Iterator[Checkpoint]:
+    def checkpoints(self, after: Checkpoint | None = None) -> Iterator[Checkpoint]:
         """Every checkpoint that can be used, in order.
+
+        Args:
+            after: Only those that come after this one; None: all.
 
         Raises:
             RecordingError: It is damaged.
         """
-        for place in range(len(self.content.pieces)):
-            yield from self._checkpoints(place)
+        for place in range(after.place if after else 0, len(self.content.pieces)):
+            for each in self._checkpoints(place):
+                if after is None or each.step > after.step:
+                    yield each
 
     def steps(self, after: Checkpoint | None = None) -> Iterator[Step]:
         """Everything that the engine was given, in order, and what came of it.
@@ -196,13 +209,37 @@ class Recording:
             number += len(steps)
             yield steps
 
-    def shown(self, *topics: str) -> Iterator[Shown]:
-        """What was made for viewers, in order: of these topics, or of all.
+    def effects(self) -> Iterator[Told]:
+        """All that the engine gave back, in order: sooner read than the steps that it came of.
 
         Raises:
             RecordingError: It is damaged.
         """
         for _, entries in self._pieces(0):
+            rows: list[tuple[int, int, float, Effect]] = []
+            for name, _, data in entries:
+                topic = self._by_name.get(name)
+                if topic is not None and not topic.is_input:
+                    rows += [
+                        (number, nth, at_s, made)
+                        for number, at_s, nth, made in self._decoded(topic, data)
+                    ]
+            rows.sort(key=lambda row: row[:2])
+            for number, same_step in groupby(rows, key=lambda row: row[0]):
+                given = list(same_step)
+                yield Told(number, given[0][2], tuple(row[3] for row in given))
+
+    def shown(self, *topics: str, since_s: float = -inf) -> Iterator[Shown]:
+        """What was made for viewers, in order: of these topics, or of all.
+
+        Args:
+            topics: Their names.
+            since_s: Of what was before this time only the newest may come.
+
+        Raises:
+            RecordingError: It is damaged.
+        """
+        for _, entries in self._pieces(max(bisect_right(self.starts_s, since_s) - 2, 0)):
             for topic, time_ns, data in entries:
                 if topic in topics if topics else not topic.startswith(ENGINE):
                     yield Shown(topic, self._time_s(time_ns), json.loads(data))
@@ -230,19 +267,19 @@ class Recording:
                 except ValueError:
                     return
 
-    def _pieces(self, first: int) -> Iterator[tuple[int, list[Told]]]:
+    def _pieces(self, first: int) -> Iterator[tuple[int, list[Message]]]:
         """Number and messages of each piece, which holds whole steps."""
         for place in range(first, len(self.content.pieces)):
             self.watch(self.content.pieces[place].at / self.content.size)
             yield place, self._read(place)
         self.watch(1.0)
 
-    def _read(self, place: int) -> list[Told]:
+    def _read(self, place: int) -> list[Message]:
         """The messages of a piece."""
         try:
             return self._chunks.read(place)
         except DamagedError as error:
-            raise _damaged(self.path, str(error)) from None
+            raise damaged(self.path, str(error)) from None
         except OSError as error:
             raise _unreadable(self.path, error) from None
 
@@ -250,7 +287,14 @@ class Recording:
     def _chunks(self) -> Chunks:
         return Chunks(self.path, self.content.pieces)
 
-    def _rows(self, entries: Sequence[Told], first: int | None) -> list[Step]:
+    def _decoded(self, topic: Topic, data: bytes) -> Iterator[tuple[int, float, int, Any]]:
+        """Step, time, place and content of each row of a message."""
+        try:
+            yield from topic.decode(data)
+        except ValueError as error:
+            raise damaged(self.path, str(error)) from None
+
+    def _rows(self, entries: Sequence[Message], first: int | None) -> list[Step]:
         """The steps among messages; ``first``: the number of the first of them, None: any."""
         inputs: dict[int, tuple[float, Any]] = {}
         effects: dict[int, list[tuple[int, Effect]]] = defaultdict(list)
@@ -258,22 +302,19 @@ class Recording:
             topic = self._by_name.get(name)
             if topic is None:
                 continue
-            try:
-                for number, at_s, place, made in topic.decode(data):
-                    if topic.is_input:
-                        inputs[number] = (at_s, made)
-                    else:
-                        effects[number].append((place, made))
-            except ValueError as error:
-                raise _damaged(self.path, str(error)) from None
+            for number, at_s, place, made in self._decoded(topic, data):
+                if topic.is_input:
+                    inputs[number] = (at_s, made)
+                else:
+                    effects[number].append((place, made))
         if first is None:
             first = min(inputs, default=0)
         if inputs.keys() != set(range(first, first + len(inputs))) or effects.keys() - inputs:
-            raise _damaged(self.path, f"steps are missing after the first {first}")
+            raise damaged(self.path, f"steps are missing after the first {first}")
         try:
             return [_step(number, *inputs[number], effects[number]) for number in sorted(inputs)]
         except ValueError as error:
-            raise _damaged(self.path, str(error)) from None
+            raise damaged(self.path, str(error)) from None
 
 
 def _step(number: int, at_s: float, made: Any, effects: list[tuple[int, Effect]]) -> Step:
@@ -301,60 +342,15 @@ def read_recording(path: Path, watch: Callable[[float], None] = _nobody) -> Reco
     except NotMcapError:
         raise RecordingError(f"{shown(path)} is not a recording: it is not an MCAP file") from None
     except DamagedError as error:
-        raise _damaged(path, str(error)) from None
+        raise damaged(path, str(error)) from None
     except OSError as error:
         raise _unreadable(path, error) from None
     except ValueError:
         raise RecordingError(f"there is no file '{shown(path)}'") from None
     if content.profile not in (PROFILE, None):
         raise RecordingError(f"{shown(path)} is an MCAP file, but not a recording of a mission")
-    return Recording(path, _header(path, content), content, watch)
+    return Recording(path, read_header(path, content), content, watch)
 
 
 def _unreadable(path: Path, error: OSError) -> RecordingError:
     return RecordingError(f"{shown(path)} cannot be read: {error.strerror}")
-
-
-def _header(path: Path, content: Content) -> RunHeader:
-    attached = content.attachments
-    if RUN not in attached:
-        if content.complete:
-            raise _damaged(path, f"{RUN} is missing")
-        raise RecordingError(f"{shown(path)} was cut off before anything was recorded")
-    data = attached[RUN].data
-    _check_versions(path, data)
-    try:
-        header = header_from_json(data, _texts(attached))
-    except KeyError:
-        if content.complete or content.pieces:
-            raise _damaged(path, "a text that the run was made from is missing") from None
-        raise RecordingError(f"{shown(path)} was cut off before anything was recorded") from None
-    except ValueError:
-        raise _damaged(path, f"{RUN} does not say what it should") from None
-    for file in header.files:
-        if sha256(file.text.encode()).hexdigest() != file.sha256:
-            raise _damaged(path, f"{file.name} is not the text that was run")
-    return header
-
-
-def _texts(attached: dict[str, Attachment]) -> dict[str, str]:
-    return {name: each.data.decode(errors="replace") for name, each in attached.items()}
-
-
-def _check_versions(path: Path, data: bytes) -> None:
-    try:
-        plain = json.loads(data)
-        found = plain["format"], plain["alphabet"]
-        version = str(plain["version"])
-    except (ValueError, KeyError, TypeError):
-        raise _damaged(path, f"{RUN} does not say what it should") from None
-    if found != (FORMAT, ALPHABET_VERSION):
-        raise RecordingError(
-            f"{shown(path)} was recorded by version {version} "
-            f"(format {found[0]}, alphabet {found[1]}), "
-            f"which this version cannot read (format {FORMAT}, alphabet {ALPHABET_VERSION})"
-        )
-
-
-def _damaged(path: Path, how: str) -> RecordingError:
-    return RecordingError(f"{shown(path)} is damaged: {how}")

@@ -108,6 +108,7 @@ def replay(
     *,
     changed: bool = False,
     after: Checkpoint | None = None,
+    until: Checkpoint | None = None,
     until_s: float = inf,
 ) -> Replayed:
     """The recording has been executed again up to its end or the first difference.
@@ -119,6 +120,7 @@ def replay(
         loaded: The mission; the one in the recording, or another one.
         changed: Whether it is another one: then lines and columns of its file do not count.
         after: The checkpoint to begin with; None: the start.
+        until: The checkpoint to end with; None: the end.
         until_s: Nothing after this time is executed.
 
     Raises:
@@ -126,11 +128,11 @@ def replay(
     """
     from_s = after.at_s if after is not None else 0.0
     done = Replayed(0, 0, from_s, None, executed=False, from_s=from_s)
-    checkpoints = iter(()) if changed else recording.checkpoints()
+    checkpoints = iter(()) if changed else recording.checkpoints(after)
     due = next(checkpoints, None)
     for again in rerun(recording, loaded, after):
         step = again.step
-        if step.at_s > until_s:
+        if step.at_s > until_s or (until is not None and step.number > until.step):
             break
         recorded, now = step.effects, again.effects
         if changed:

@@ -43,6 +43,8 @@ def test_the_share_and_what_is_left_are_shown_on_one_line_that_goes() -> None:
         assert screen.line == "reading it: 50%, 1:40 min left"
         tell(0.75)
         assert screen.line == "reading it: 50%, 1:40 min left"
+    clock.now_s = 200.0
+    tell(0.9)
     assert screen.line == ""
     assert "\n" not in screen.getvalue()
 
