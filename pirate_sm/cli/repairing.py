@@ -52,4 +52,4 @@ def _lost(done: Repaired) -> Iterator[str]:
     else:
         yield "what the run did after that: it had not been written"
     if done.torn_bytes:
-        yield f"the last {done.torn_bytes} bytes of the file, which are a piece that is not whole"
+        yield f"the last {done.torn_bytes} bytes of the file, which are not whole"

@@ -115,7 +115,7 @@ def test_a_recording_that_was_cut_short_is_repaired(
     assert result.exit_code == 0
     assert torn.read_bytes() == before
     assert "cut.repaired.mcap holds" in result.stdout
-    assert "the last 1000 bytes of the file, which are a piece that is not whole" in result.stdout
+    assert "the last 1000 bytes of the file, which are not whole" in result.stdout
     assert again.exit_code == 0
     assert "the recording ends early" in again.stdout
     assert "the run itself was cut short" in again.stdout
