@@ -5,8 +5,9 @@ from __future__ import annotations
 from array import array
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
-from itertools import groupby
+from itertools import compress, count, groupby
 from math import isnan, nan
+from operator import ne
 
 from pirate_sm.report.model import Series
 
@@ -91,10 +92,11 @@ class Samples:
         """
         if numbers is self._last:
             return
+        last = self._last
         changed = {
             index
-            for index, (old, new) in enumerate(zip(self._last, numbers, strict=True))
-            if old != new and not (isnan(old) and isnan(new))
+            for index in compress(count(), map(ne, last, numbers))
+            if not (isnan(last[index]) and isnan(numbers[index]))
         }
         for index in changed.union(told):
             self._curves[index].add(at_s, numbers[index])
@@ -135,13 +137,13 @@ def thinned(
 
     The first and the last point stay, and a gap in what is known stays a gap.
     """
-    count = len(times_s)
-    if count <= most:
+    size = len(times_s)
+    if size <= most:
         return list(times_s), list(values)
     buckets = max(1, most // _EACH)
     kept = {0}
     for number in range(buckets):
-        bucket = range(count * number // buckets, count * (number + 1) // buckets)
+        bucket = range(size * number // buckets, size * (number + 1) // buckets)
         kept.update(_telling(bucket, values))
     chosen = sorted(kept)
     return [times_s[index] for index in chosen], [values[index] for index in chosen]

@@ -11,6 +11,7 @@ from pirate_sm.engine.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
+from pirate_sm.recording.evenly import add_evenly
 from pirate_sm.recording.placing import Placing
 from pirate_sm.report.charts import Travel
 from pirate_sm.report.model import Lane, Light, Scene, Series, Span, Wheel
@@ -42,19 +43,8 @@ class Poses:
 
         Of very many only some are kept, evenly; the newest one always is.
         """
-        times_s = self.times_s
-        if times_s and (at_s <= times_s[-1] or self._too_close()):
-            times_s.pop()
-            self.points.pop()
-        times_s.append(at_s)
-        self.points.append(tuple(points))
-        if len(times_s) > _MOST_KEPT:
-            self._apart_s = 2 * (times_s[-1] - times_s[0]) / len(times_s)
-            del times_s[1:-1:2], self.points[1:-1:2]
-
-    def _too_close(self) -> bool:
-        """Whether the newest pose is only there as long as it is the newest."""
-        return len(self.times_s) > 1 and self.times_s[-1] < self.times_s[-2] + self._apart_s
+        new = at_s, tuple(points)
+        self._apart_s = add_evenly(self.times_s, self.points, new, self._apart_s, _MOST_KEPT)
 
     def thinned(self, most: int = MOST_POSES) -> Poses:
         """At most so many of them, evenly; the last one stays."""
