@@ -11,6 +11,7 @@ import json
 from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cached_property
@@ -51,6 +52,7 @@ class Step(NamedTuple):
             itself. ``engine``: a step of it. ``runtime``: the engine was given up.
         body: Of a start: what an earlier mission had commanded the robot to.
         paused: Of a start: whether the operator had the robot first.
+        state: What the engine remembered after it, where the recording says so.
     """
 
     number: int
@@ -60,6 +62,7 @@ class Step(NamedTuple):
     by: Literal["seen", "start", "engine", "runtime"]
     body: RobotState | None = None
     paused: bool = False
+    state: EngineState | None = None
 
 
 class Told(NamedTuple):
@@ -257,15 +260,17 @@ class Recording:
 
     def _checkpoints(self, place: int) -> Iterator[Checkpoint]:
         """Those in a piece that this version of the engine can use."""
-        if self.header.version != __version__:
-            return
         for topic, _, data in self._read(place):
             if topic == STATE.name:
-                try:
-                    for step, at_s, _, made in STATE.decode(data):
-                        yield Checkpoint(step, at_s, state_from_text(made.state), place)
-                except ValueError:
-                    return
+                yield from self._remembered(data, place)
+
+    def _remembered(self, data: bytes, place: int = 0) -> Iterator[Checkpoint]:
+        """The checkpoints of a message; none where another version has written it."""
+        if self.header.version != __version__:
+            return
+        for step, at_s, _, made in self._decoded(STATE, data):
+            with suppress(ValueError):
+                yield Checkpoint(step, at_s, state_from_text(made.state), place)
 
     def _pieces(self, first: int) -> Iterator[tuple[int, list[Message]]]:
         """Number and messages of each piece, which holds whole steps."""
@@ -298,7 +303,10 @@ class Recording:
         """The steps among messages; ``first``: the number of the first of them, None: any."""
         inputs: dict[int, tuple[float, Any]] = {}
         effects: dict[int, list[tuple[int, Effect]]] = defaultdict(list)
+        states: dict[int, EngineState] = {}
         for name, _, data in entries:
+            if name == STATE.name:
+                states |= {each.step: each.state for each in self._remembered(data)}
             topic = self._by_name.get(name)
             if topic is None:
                 continue
@@ -312,9 +320,12 @@ class Recording:
         if inputs.keys() != set(range(first, first + len(inputs))) or effects.keys() - inputs:
             raise damaged(self.path, f"steps are missing after the first {first}")
         try:
-            return [_step(number, *inputs[number], effects[number]) for number in sorted(inputs)]
+            steps = [_step(number, *inputs[number], effects[number]) for number in sorted(inputs)]
         except ValueError as error:
             raise damaged(self.path, str(error)) from None
+        if states:
+            return [step._replace(state=states.get(step.number)) for step in steps]
+        return steps
 
 
 def _step(number: int, at_s: float, made: Any, effects: list[tuple[int, Effect]]) -> Step:

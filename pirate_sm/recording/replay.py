@@ -128,8 +128,6 @@ def replay(
     """
     from_s = after.at_s if after is not None else 0.0
     done = Replayed(0, 0, from_s, None, executed=False, from_s=from_s)
-    checkpoints = iter(()) if changed else recording.checkpoints(after)
-    due = next(checkpoints, None)
     for again in rerun(recording, loaded, after):
         step = again.step
         if step.at_s > until_s or (until is not None and step.number > until.step):
@@ -137,9 +135,7 @@ def replay(
         recorded, now = step.effects, again.effects
         if changed:
             recorded, now = _placeless(recorded), _placeless(now)
-        while due is not None and due.step < step.number:
-            due = next(checkpoints, None)
-        remembers = _apart(due.state, again.state) if due and due.step == step.number else ()
+        remembers = () if changed else _apart(_remembered(step, until), again.state)
         if remembers or not same(recorded, now):
             return replace(done, difference=_difference(again, loaded, remembers))
         done = Replayed(
@@ -149,9 +145,14 @@ def replay(
     return done
 
 
+def _remembered(step: Step, until: Checkpoint | None) -> EngineState | None:
+    """What the engine remembered after a step; None where nobody knows."""
+    return until.state if until is not None and until.step == step.number else step.state
+
+
 def _apart(recorded: Any, now: Any, where: str = "") -> tuple[str, ...]:
     """Where two states of the engine are not the same: the names of their parts."""
-    if same(recorded, now):
+    if (recorded is None and not where) or same(recorded, now):
         return ()
     if type(recorded) is not type(now) or not hasattr(recorded, "_fields"):
         return (where or "everything",)
@@ -192,7 +193,8 @@ def _difference(again: Rerun, loaded: LoadedMission, remembers: tuple[str, ...])
         place = getattr(loaded.program.instructions[pc], "place", "")
     if recorded or replayed:  # these say more
         remembers = ()
-    return Difference(again.step, recorded, replayed, phase, place, remembers)
+    step = again.step._replace(state=None)  # it holds NaN, which is not the same as itself
+    return Difference(step, recorded, replayed, phase, place, remembers)
 
 
 def _without_common(
