@@ -251,6 +251,10 @@ def _told(difference: Difference, steps: int) -> Iterator[str]:
     yield f"the first {steps} inputs gave the same; then, at {step.at_s:.3f} s, {event} does not"
     where = f"in the phase {difference.phase}" if difference.phase else "at the start"
     yield f"  {where}" + (f" ({difference.place})" if difference.place else "")
+    if difference.remembers:
+        parts = ", ".join(difference.remembers)
+        yield f"  its effects are the same; what the engine remembers then is not: {parts}"
+        return
     yield "  recorded:"
     yield from _listed(difference.recorded)
     yield "  now:"

@@ -103,6 +103,20 @@ def test_where_nothing_was_executed_nothing_came_out_the_same(pirate: Any, run: 
     assert "the same" not in nothing.stdout + beyond.stdout
 
 
+def test_a_state_that_differs_without_an_effect_is_told(pirate: Any, tmp_path: Path) -> None:
+    right = recorder.state_to_text
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(recorder, "CHECKPOINT_S", 2.0)
+        patch.setattr(recorder, "state_to_text", lambda it: right(it._replace(wake_at_s=1e6)))
+        path = tmp_path / "other.mcap"
+        CliRunner().invoke(only_run, ["mitre_bend", "--quiet", "--record", str(path)])
+    result = pirate("replay", path)
+
+    assert result.exit_code == 1
+    assert "what the engine remembers then is not: wake_at_s" in result.stdout
+    assert "nothing" not in result.stdout
+
+
 def test_a_recording_that_was_cut_short_is_repaired(
     pirate: Any, run: Path, recorded: bytes
 ) -> None:
