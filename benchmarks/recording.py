@@ -1,14 +1,23 @@
 """What it costs to keep a run: speed, processor time, size.
 
     python -m benchmarks.recording
+    python -m benchmarks.recording --hours 10 [--keep long.mcap]
 
 The same mission, up and down a straight pipe for ten minutes, with and without a recording; as
 fast as it goes, and for a while in real time, where the share of one processor counts. Processor
 time is that of the whole process, with the thread that writes.
+
+With ``--hours`` so much mission time is recorded and then read by the commands that read
+recordings, each as a process of its own: time on the wall, processor time, most memory. A file
+named by ``--keep`` is made once and used again.
 """
 
 from __future__ import annotations
 
+import argparse
+import os
+import resource
+import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
@@ -123,6 +132,58 @@ def _run(path: Path | None, factor: float, until_s: float) -> Cost:
     return Cost(wall_s, processor_s, result.now_s, size, beginning)
 
 
+def measure_long(hours: float, kept: Path | None) -> None:
+    """What reading a long recording costs is printed."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        path = kept or folder / "long.mcap"
+        if not path.exists():
+            mission = folder / "long.yaml"
+            text = MISSION.read_text(encoding="utf-8")
+            mission.write_text(text.replace("10 min", f"{hours:g} h"), encoding="utf-8")
+            _command("run", str(mission), "--no-check", "-q", "--speed", "max", "--record", path)
+        size = path.stat().st_size
+        print(f"    {hours:g} h of mission time, {size / 1e6:.0f} MB")
+        torn = folder / "torn.mcap"
+        with path.open("rb") as whole, torn.open("wb") as file:
+            while block := whole.read(1 << 20):
+                file.write(block)
+            file.truncate(size * 99 // 100)
+        _command("replay", path, "--jobs", 1)
+        _command("replay", path)
+        _command("replay", path, "--from", f"{hours * 0.9:g} h", "--until", f"{hours * 0.91:g} h")
+        _command("repair", torn)
+        _command("report", path, "-o", folder / "long.html")
+
+
+def _command(*arguments: object) -> None:
+    """The command has been run; what it took is printed."""
+    words = [str(each) for each in arguments]
+    code = "from pirate_sm.cli.entry import main; main()"
+    began_s = perf_counter()
+    child = subprocess.Popen(
+        [sys.executable, "-c", code, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    _, status, used = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    what = " ".join(word for word in words if "/" not in word)
+    print(
+        f"        {what:<46} {perf_counter() - began_s:6.1f} s, {_processor_s(used):6.1f} s of "
+        f"processors, {used.ru_maxrss / 1e3:5.0f} MB, exit code {child.returncode}"
+    )
+
+
+def _processor_s(used: resource.struct_rusage) -> float:
+    return used.ru_utime + used.ru_stime
+
+
 if __name__ == "__main__":
-    measure_recording()
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--hours", type=float, help="read a recording of so many hours")
+    parser.add_argument("--keep", type=Path, help="the long recording, made where it is missing")
+    given = parser.parse_args()
+    if given.hours:
+        measure_long(given.hours, given.keep)
+    else:
+        measure_recording()
     sys.exit(0)

@@ -14,7 +14,7 @@ from pirate_sm.checking.project import Report, Wishes, check_paths
 from pirate_sm.checking.rehearsal import Rehearse
 from pirate_sm.checking.reports.text import explained, listed, text_report
 from pirate_sm.errors import UsageError
-from pirate_sm.showing.visible import visible
+from pirate_sm.visible import visible
 
 CLEAN, FOUND, NOTHING = 0, 1, 2
 

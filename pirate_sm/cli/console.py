@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 
 from pirate_sm.cli.encoding import shows_signs
 from pirate_sm.cli.guard import say, say_bug
+from pirate_sm.cli.progress import progress
 from pirate_sm.cli.recording import RecordingWishes, recorded
 from pirate_sm.cli.run import is_terminal
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.by_hand import BY_HAND
 from pirate_sm.runtime.outcome import BUG, SUCCEEDED
 from pirate_sm.runtime.stopping import CaughtSignals
+from pirate_sm.visible import visible
 from pirate_sm.wiring import Order, Prepared, load, prepare
 
 if TYPE_CHECKING:
@@ -93,8 +95,9 @@ def _view(path: str) -> int:
     from pirate_sm.console.viewer import Viewer
     from pirate_sm.recording.reader import read_recording
 
-    say("reading the recording ...")
-    Viewer(reel_of(read_recording(Path(path))), Path(path).name).run()
+    with progress(f"reading {visible(path)}") as watch:
+        reel = reel_of(read_recording(Path(path), watch))
+    Viewer(reel, Path(path).name).run()
     return SUCCEEDED
 
 

@@ -18,7 +18,7 @@ from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.folders import shown
 from pirate_sm.loading.mission import load_mission
-from pirate_sm.showing.visible import visible
+from pirate_sm.visible import visible
 
 SAME, DIFFERENT = 0, 1
 

@@ -18,7 +18,7 @@ from pirate_sm.cli.connecting import GUARD_FOR, calibrate, doctor
 from pirate_sm.cli.drawing import graph
 from pirate_sm.cli.emulating import bay
 from pirate_sm.cli.encoding import degrade
-from pirate_sm.cli.keeping import compare, export, replay
+from pirate_sm.cli.keeping import compare, export, repair, replay
 from pirate_sm.cli.operating import console
 from pirate_sm.cli.planning import plan, robot
 from pirate_sm.cli.reporting import report
@@ -285,6 +285,7 @@ commands.command("replay")(replay)
 commands.command("compare")(compare)
 commands.command("export")(export)
 commands.command("report")(report)
+commands.command("repair")(repair)
 
 
 @new.command("mission")

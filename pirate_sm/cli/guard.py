@@ -11,7 +11,7 @@ from contextlib import suppress
 from pirate_sm.errors import PirateError
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
 from pirate_sm.runtime.stopping import OUTPUT_LOST
-from pirate_sm.showing.visible import visible
+from pirate_sm.visible import visible
 
 _LOST = {errno.EPIPE, errno.ENOSPC, errno.EBADF}
 """What writing to a standard output fails with that is closed or full."""

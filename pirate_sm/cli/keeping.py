@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -22,18 +23,27 @@ def replay(
     pipe: Annotated[
         str | None, typer.Option(metavar="NAME", help="With --mission: the pipe.")
     ] = None,
+    from_: Annotated[
+        str | None,
+        typer.Option("--from", metavar="TIME", help="Begin at the checkpoint before this time."),
+    ] = None,
+    until: Annotated[str | None, typer.Option(metavar="TIME", help="End at this time.")] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option("--jobs", "-j", min=1, help="Processes; all processors where it is long."),
+    ] = None,
     debug: Annotated[bool, _DEBUG] = False,
 ) -> None:
     """Execute a recording again and tell whether the same comes out.
 
-    Exit codes: 0 the same, 1 something else, 2 it cannot be read.
+    Exit codes: 0 the same, 1 something else, 2 it cannot be read or holds nothing to execute.
     """
     from pirate_sm.cli.guard import guarded
 
     def work() -> int:
-        from pirate_sm.cli.recordings import Changed, run_replay
+        from pirate_sm.cli.recordings import Changed, Stretch, run_replay
 
-        return run_replay(recording, Changed(mission, robot, pipe))
+        return run_replay(recording, Changed(mission, robot, pipe), Stretch.of(from_, until), jobs)
 
     raise typer.Exit(guarded(work, debug))
 
@@ -81,5 +91,27 @@ def export(
         from pirate_sm.cli.recordings import Wanted, run_export
 
         return run_export(recording, Wanted(csv, urdf, lichtblick, plotjuggler))
+
+    raise typer.Exit(guarded(work, debug))
+
+
+def repair(
+    recording: Annotated[str, _RECORDING],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="OUT.mcap", help="RUN.repaired.mcap otherwise."),
+    ] = None,
+    debug: Annotated[bool, _DEBUG] = False,
+) -> None:
+    """Give a recording that was cut short its end and its index, in a new file.
+
+    Exit codes: 0 written, or it is whole already; 2 it cannot be read or the file not be written.
+    """
+    from pirate_sm.cli.guard import guarded
+
+    def work() -> int:
+        from pirate_sm.cli.repairing import run_repair
+
+        return run_repair(recording, output)
 
     raise typer.Exit(guarded(work, debug))

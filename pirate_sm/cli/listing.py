@@ -15,8 +15,8 @@ from pirate_sm.loading.validate import validate
 from pirate_sm.model.base import Frozen
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import Pipe
-from pirate_sm.showing.visible import visible
 from pirate_sm.units import describe
+from pirate_sm.visible import visible
 
 Row = Sequence[str]
 M = TypeVar("M", bound=Frozen)

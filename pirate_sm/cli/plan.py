@@ -25,8 +25,8 @@ from pirate_sm.loading.by_hand import by_hand
 from pirate_sm.loading.configuration import read_states
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.robot import LoadedRobot, load_robot
-from pirate_sm.showing.visible import visible
 from pirate_sm.spelling import nearest, one_of
+from pirate_sm.visible import visible
 
 FOUND, NONE = 0, 1
 

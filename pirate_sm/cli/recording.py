@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from itertools import count
@@ -34,8 +34,6 @@ RUNS_VARIABLE = "PIRATE_SM_RUNS"
 
 _LIVE_S = 0.1
 """So often viewers that look on get something new."""
-
-_FAILED = "the recording ends here, the run goes on: "
 
 
 @dataclass(frozen=True)
@@ -69,7 +67,9 @@ class Kept:
     side: SideChannel | None = None
 
     def follow(self, run: MissionRun) -> None:
-        """Viewers are shown this run."""
+        """Viewers are shown this run, and its state is kept now and then."""
+        if self.tap is not None:
+            self.tap.follow(lambda: run.state)
         if self.side is None:
             return
         from pirate_sm.recording.viewing import Snapshot
@@ -132,8 +132,11 @@ def recorded(prepared: Prepared, wishes: RecordingWishes, factor: float) -> Iter
             yield Kept(replace(prepared, notices=notices), recorder, (warner,), side)
         finally:
             recorder.close()
-            if recorder.failure and not warner.told:
-                say(f"warning: {name or 'live'} is incomplete: {recorder.failure}")
+            if path is not None and name and not recorder.begun:
+                with suppress(OSError):
+                    path.unlink()  # the run was refused
+            if recorder.failure and warner.told != (ends := until_when(recorder)):
+                say(f"warning: {name or 'live'}: {ends}")
             if side.failure:
                 say(f"warning: viewers see less than there is: {side.failure}")
 
@@ -179,6 +182,13 @@ def _begun(path: Path, header: RunHeader, *, asked: bool) -> tuple[RecordingFile
         return None, path
 
 
+def until_when(recorder: Recorder) -> str:
+    """Until when a recording holds that has ended before its run, and why it has."""
+    if recorder.kept_s is None:
+        return f"nothing of the run is recorded: {recorder.failure}"
+    return f"the recording holds until {recorder.kept_s:.3f} s and ends there: {recorder.failure}"
+
+
 class Warner:
     """A companion that tells once, when the recording has ended before the run."""
 
@@ -186,7 +196,7 @@ class Warner:
 
     def __init__(self, recorder: Recorder) -> None:
         self._recorder = recorder
-        self.told = False
+        self.told = ""
 
     @property
     def due_s(self) -> float:
@@ -198,8 +208,8 @@ class Warner:
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """The warning."""
-        self.told = True
-        return (Log("warning", f"{_FAILED}{self._recorder.failure}"),)
+        self.told = until_when(self._recorder)
+        return (Log("warning", f"{self.told}; the run goes on"),)
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Nothing."""
@@ -219,7 +229,7 @@ def _path(wishes: RecordingWishes, prepared: Prepared, began: datetime) -> Path 
 
 def _open(path: Path, header: RunHeader, *, anew: bool) -> tuple[RecordingFile, Path]:
     """A file that was not there before, and its path; ``anew``: of the next free name."""
-    from pirate_sm.recording.file import DiskFile, RecordingFile
+    from pirate_sm.recording.file import DiskFile
 
     sink: Sink
     for number in count(2):
@@ -230,8 +240,22 @@ def _open(path: Path, header: RunHeader, *, anew: bool) -> tuple[RecordingFile, 
                 raise
             path = path.with_stem(f"{path.stem.partition('~')[0]}~{number}")
         else:
-            return RecordingFile(sink, header), path
+            return _headed(sink, path, header), path
     raise AssertionError("numbers do not end")
+
+
+def _headed(sink: Sink, path: Path, header: RunHeader) -> RecordingFile:
+    """The recording with its beginning written; where that fails there is no file."""
+    from pirate_sm.recording.file import RecordingFile
+
+    try:
+        return RecordingFile(sink, header)
+    except BaseException:
+        with suppress(OSError):
+            sink.close()
+        with suppress(OSError):
+            path.unlink()
+        raise
 
 
 def _header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:

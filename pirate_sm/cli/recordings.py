@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 
-from pirate_sm.errors import UsageError
+from pirate_sm.cli.progress import progress
+from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.expressions import NumberType
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
@@ -15,11 +18,14 @@ from pirate_sm.model.effects import Effect
 from pirate_sm.recording.header import RunHeader
 from pirate_sm.recording.reader import Recording, read_recording
 from pirate_sm.recording.reloading import as_recorded, recorded_mission
-from pirate_sm.recording.replay import Difference, replay
-from pirate_sm.showing.visible import visible
-from pirate_sm.units import DIMENSIONLESS, format_quantity
+from pirate_sm.recording.replay import Difference, Replayed, replay
+from pirate_sm.units import DIMENSIONLESS, TIME, QuantityError, format_quantity, read_quantity
+from pirate_sm.visible import visible
 
 SAME, DIFFERENT = 0, 1
+
+LONG_S = 900.0
+"""From so much mission time on it is worth while to share a replay out among processes."""
 
 _MOST_SIGNALS = 12
 
@@ -43,29 +49,105 @@ class Wanted:
     plotjuggler: str | None = None
 
 
-def run_replay(path: str, changed: Changed) -> int:
+@dataclass(frozen=True)
+class Stretch:
+    """The part of a run that is asked for, as the command line says it.
+
+    Attributes:
+        from_s: Where it begins, 0 or more; ``until_s`` where it ends, infinite for the end.
+    """
+
+    from_s: float = 0.0
+    until_s: float = inf
+
+    @classmethod
+    def of(cls, from_: str | None, until: str | None) -> Stretch:
+        """The stretch between two times in words, ``3 h``.
+
+        Raises:
+            UsageError: They are no times, or it ends before it begins.
+        """
+        found = cls(_time("--from", from_, 0.0), _time("--until", until, inf))
+        if found.until_s <= found.from_s:
+            raise UsageError("--until must be later than --from")
+        return found
+
+
+def _time(option: str, text: str | None, otherwise: float) -> float:
+    if text is None:
+        return otherwise
+    try:
+        time_s = read_quantity(text, TIME)
+    except QuantityError as error:
+        raise UsageError(f"{option}: {error}") from None
+    if not time_s >= 0:
+        raise UsageError(f"{option}: a time since the run began is not negative")
+    return time_s
+
+
+def run_replay(path: str, changed: Changed, stretch: Stretch, jobs: int | None) -> int:
     """The recording has been executed again, and it has been said how that went.
 
+    Args:
+        path: The recording.
+        changed: What it is replayed with in place of its own texts.
+        stretch: What of it.
+        jobs: Among how many processes it is shared out; None: as many as there are processors
+            where it is long.
+
     Raises:
-        RecordingError: The recording cannot be read.
+        RecordingError: The recording cannot be read, or there is nothing to execute in it.
         LoadError: What it shall be replayed with cannot be used.
         UsageError: Likewise.
     """
-    recording = _read(path)
-    with _mission(recording, changed) as loaded:
-        result = replay(recording, loaded, changed=changed != Changed())
-        _say(_headline(recording))
-        if result.difference is not None:
-            for line in _told(result.difference, result.steps):
-                _say(line)
-            return DIFFERENT
-    _say(
-        f"the same came out again: {result.effects} effects of {result.steps} inputs, "
-        f"up to {result.until_s:.3f} s"
-    )
-    if not recording.complete:
+    other = changed != Changed()
+    if other and stretch.from_s:
+        raise UsageError("--from goes on from what was recorded, so it excludes another --mission")
+    with _reading(path) as recording, _mission(recording, changed) as loaded:
+        if stretch.from_s > recording.until_s:
+            raise RecordingError(
+                f"{path} holds nothing after {recording.until_s:.3f} s: nothing was executed again"
+            )
+        after = recording.checkpoint(stretch.from_s) if stretch.from_s else None
+        if stretch.from_s and after is None:
+            _say(f"no checkpoint up to {stretch.from_s:g} s can be used: it begins at the start")
+        jobs = 1 if other else jobs or _jobs(recording, stretch)
+        if jobs > 1 and next(recording.checkpoints(after), None) is not None:
+            from pirate_sm.recording.sharing import replay_shared
+
+            result = replay_shared(recording, jobs, after=after, until_s=stretch.until_s)
+        else:
+            until_s = stretch.until_s
+            result = replay(recording, loaded, changed=other, after=after, until_s=until_s)
+    _say(_headline(recording))
+    if result.difference is not None:
+        for line in _told(result.difference, result.steps):
+            _say(line)
+        return DIFFERENT
+    if not result.executed:
+        raise RecordingError(
+            f"{path} holds nothing to execute again: "
+            f"{'the stretch' if recording.until_s else 'it'} ends before the engine was started"
+        )
+    _say(_same(result))
+    if not recording.complete and result.until_s >= recording.until_s:
         _say("the recording ends there; the run itself was cut short")
     return SAME
+
+
+def _jobs(recording: Recording, stretch: Stretch) -> int:
+    """As many processes as there are processors, where that is worth while."""
+    if min(stretch.until_s, recording.until_s) - stretch.from_s < LONG_S:
+        return 1
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _same(result: Replayed) -> str:
+    since = f"from {result.from_s:.3f} s " if result.from_s else ""
+    return (
+        f"the same came out again: {result.effects} effects of {result.steps} inputs, "
+        f"{since}up to {result.until_s:.3f} s"
+    )
 
 
 def run_compare(first: str, second: str) -> int:
@@ -78,9 +160,8 @@ def run_compare(first: str, second: str) -> int:
 
     courses, loadeds, headers = [], [], []
     for path in (first, second):
-        recording = _read(path)
-        headers.append(recording.header)
-        with recorded_mission(recording.header) as loaded:
+        with _reading(path) as recording, recorded_mission(recording.header) as loaded:
+            headers.append(recording.header)
             courses.append(course_of(recording, loaded))
             loadeds.append(loaded)
         _say(f"{'B' if len(courses) > 1 else 'A'}: {_headline(recording)}")
@@ -138,9 +219,8 @@ def run_export(path: str, wanted: Wanted) -> int:
     """
     if wanted == Wanted():
         raise UsageError("say what to export: --csv DIR, --urdf, --lichtblick, --plotjuggler FILE")
-    recording = _read(path)
     written: list[str] = []
-    with recorded_mission(recording.header) as loaded:
+    with _reading(path) as recording, recorded_mission(recording.header) as loaded:
         if wanted.csv is not None:
             from pirate_sm.recording.tables import write_tables
 
@@ -169,11 +249,14 @@ def _texts(loaded: LoadedMission, wanted: Wanted) -> Iterator[tuple[str, str]]:
         yield wanted.plotjuggler, layouts.plotjuggler_layout(loaded)
 
 
-def _read(path: str) -> Recording:
-    recording = read_recording(Path(path))
-    for notice in recording.notices:
-        _say(f"{path}: {notice}")
-    return recording
+@contextmanager
+def _reading(path: str) -> Iterator[Recording]:
+    """The recording; while the block goes through it, a terminal shows how far it has come."""
+    with progress(f"reading {visible(path)}") as watch:
+        recording = read_recording(Path(path), watch)
+        for notice in recording.notices:
+            _say(f"{path}: {notice}")
+        yield recording
 
 
 @contextmanager
@@ -208,6 +291,10 @@ def _told(difference: Difference, steps: int) -> Iterator[str]:
     yield f"the first {steps} inputs gave the same; then, at {step.at_s:.3f} s, {event} does not"
     where = f"in the phase {difference.phase}" if difference.phase else "at the start"
     yield f"  {where}" + (f" ({difference.place})" if difference.place else "")
+    if difference.remembers:
+        parts = ", ".join(difference.remembers)
+        yield f"  its effects are the same; what the engine remembers then is not: {parts}"
+        return
     yield "  recorded:"
     yield from _listed(difference.recorded)
     yield "  now:"

@@ -9,13 +9,14 @@ from urllib.parse import quote
 
 from pirate_sm import __version__
 from pirate_sm.cli.guard import say
+from pirate_sm.cli.progress import progress
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.recording.reader import Recording, read_recording
 from pirate_sm.report.index import index_html
 from pirate_sm.report.listing import Listed, listed, unreadable
 from pirate_sm.report.page import html
 from pirate_sm.report.recorded import report_of
-from pirate_sm.showing.visible import visible
+from pirate_sm.visible import visible
 
 _INDEX = "index.html"
 _HEAD = 2_000
@@ -54,7 +55,9 @@ def _write_report(path: Path, output: Path | None) -> int:
     place = output or path.with_suffix(".html")
     if place.resolve() == path.resolve():
         raise UsageError(f"'{place}' is the recording itself")
-    _write(place, html(report_of(read_recording(path))))
+    with progress(f"reading {visible(str(path))}") as watch:
+        text = html(report_of(read_recording(path, watch)))
+    _write(place, text)
     return 0
 
 
@@ -73,14 +76,18 @@ def _one(path: Path, index: Path) -> Listed:
     """The run as the list has it; its own page is there."""
     page = path.with_suffix(".html")
     link = quote(Path(os.path.relpath(page.resolve(), index.resolve().parent)).as_posix())
+    text = ""
     try:
-        recording = read_recording(path)
-        run = listed(recording, link)
-        if not _is_fresh(page, recording):
-            _write(page, html(report_of(recording)))
+        with progress(f"reading {visible(str(path))}") as watch:
+            recording = read_recording(path, watch)
+            run = listed(recording, link)
+            if not _is_fresh(page, recording):
+                text = html(report_of(recording))
     except RecordingError as error:
         say(str(error))
         return unreadable(path, str(error))
+    if text:
+        _write(page, text)
     return run
 
 

@@ -11,7 +11,7 @@ from pirate_sm.drawing.robot_page import robot_page
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import load_robot
-from pirate_sm.showing.visible import visible
+from pirate_sm.visible import visible
 
 
 def write_page(name: str | None, output: Path | None, *, html: bool = False) -> int:

@@ -26,8 +26,8 @@ from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.observing import Observer, Watcher
 from pirate_sm.runtime.outcome import BUG, Result
 from pirate_sm.runtime.stopping import OUTPUT_LOST, CaughtSignals, StopRequests
-from pirate_sm.showing.visible import visible
 from pirate_sm.units import LENGTH, TIME, Dimension, QuantityError, read_quantity
+from pirate_sm.visible import visible
 from pirate_sm.wiring import Order, Prepared, answers, prepare
 
 if TYPE_CHECKING:

@@ -159,7 +159,7 @@ class Viewer(App[None]):
 
     def action_phase(self, by: int) -> None:
         """At the beginning of the phase before or after this one."""
-        starts = sorted({frame.story.phase.since_s for frame in self.reel.frames})
+        starts = self.reel.phases_s
         if by > 0:
             later = [each for each in starts if each > self.time_s + 1e-6]
             self._move(later[0] if later else self.reel.length_s)

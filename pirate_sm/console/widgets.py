@@ -21,7 +21,7 @@ from pirate_sm.showing import body as body_panel
 from pirate_sm.showing import panels, picture
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.styled import ACCENT, FLAG, GOOD, MUTED, STRONG, line
-from pirate_sm.showing.visible import visible
+from pirate_sm.visible import visible
 
 _QUIET = "quiet"
 

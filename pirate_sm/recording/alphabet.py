@@ -15,13 +15,16 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple, TypeAlias, get_args, get_type_hints
+from typing import Any, Final, NamedTuple, TypeAlias, get_args, get_type_hints
 
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events
 from pirate_sm.recording.json_values import NUMBER, WHOLE, JsonSchema, Kind, kind_of
 
-IN, OUT = "/engine/in/", "/engine/out/"
+ENGINE = "/engine/"
+"""Topics of the engine begin with this; all others are for viewers."""
+
+IN, OUT = f"{ENGINE}in/", f"{ENGINE}out/"
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 _TIME = replace(NUMBER, schema={"type": "number"})
@@ -42,6 +45,16 @@ class Started(NamedTuple):
 
 class Abandoned(NamedTuple):
     """The engine is no longer asked; the effects are those of the program around it."""
+
+
+class Remembered(NamedTuple):
+    """What the engine remembered after a step: from there on it can be executed again.
+
+    Attributes:
+        state: Its state as JSON.
+    """
+
+    state: str
 
 
 Input: TypeAlias = events.Event | Started | Abandoned
@@ -87,7 +100,7 @@ class Topic:
     @cached_property
     def keys(self) -> tuple[str, ...]:
         """The columns that every row has."""
-        return ("step", "t_s") if self.is_input else ("step", "t_s", "nth")
+        return ("step", "t_s", "nth") if self.name.startswith(OUT) else ("step", "t_s")
 
     @cached_property
     def schema(self) -> JsonSchema:
@@ -161,7 +174,7 @@ class Topic:
                 for number, (name, kind) in enumerate(self.fields)
             ]
             steps, times = batch["step"], [NUMBER.decode(at) for at in batch["t_s"]]
-            places = [0] * len(steps) if self.is_input else batch["nth"]
+            places = batch["nth"] if "nth" in self.keys else [0] * len(steps)
             made = zip(*columns, strict=True) if columns else [()] * len(steps)
             for step, at_s, place, values in zip(steps, times, places, made, strict=True):
                 yield WHOLE.decode(step), at_s, WHOLE.decode(place), self.made(*values)
@@ -209,6 +222,10 @@ def _topic(where: str, made: type[Any]) -> Topic:
 
 def _fields(made: type[Any]) -> tuple[tuple[str, Kind], ...]:
     return tuple((name, kind_of(hint)) for name, hint in get_type_hints(made).items())
+
+
+STATE: Final = Topic(f"{ENGINE}state", Remembered, _fields(Remembered))
+"""Checkpoints, see :mod:`pirate_sm.recording.states`."""
 
 
 def _frames(board: int, channels: Sequence[str]) -> Topic:

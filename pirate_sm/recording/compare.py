@@ -8,6 +8,7 @@ slower than its simulation is compared where it does the same.
 
 from __future__ import annotations
 
+from array import array
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -17,11 +18,15 @@ from math import isnan, sqrt
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import SensorFrame
+from pirate_sm.recording.evenly import add_evenly
 from pirate_sm.recording.reader import Recording
 from pirate_sm.recording.replay import engine_of, rerun
 
 SAMPLES = 50
 """So many places between two marks are compared."""
+
+_MOST_KEPT = 60_000
+"""So many frames of a run at most are compared: all those of a quarter of an hour."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +42,8 @@ class Course:
     """A run as it is compared.
 
     Attributes:
-        times: Of the frames; ``values`` their signals, in the order of ``names``.
+        times: Of the frames, of a long run only of some, evenly; ``values`` their signals, in the
+            order of ``names``.
         kinds: What each signal is, such as a current; for ranges that signals share.
     """
 
@@ -45,11 +51,11 @@ class Course:
     names: tuple[str, ...] = ()
     kinds: tuple[str, ...] = ()
     times: list[float] = field(default_factory=list)
-    values: list[tuple[float, ...]] = field(default_factory=list)
+    values: list[Sequence[float]] = field(default_factory=list)
     ended: fx.Ended | None = None
     until_s: float = 0.0
 
-    def at(self, time_s: float) -> tuple[float, ...] | None:
+    def at(self, time_s: float) -> Sequence[float] | None:
         """The signals as they were last known at a time."""
         place = bisect_right(self.times, time_s) - 1
         return self.values[place] if place >= 0 else None
@@ -110,6 +116,7 @@ def course_of(recording: Recording, loaded: LoadedMission) -> Course:
     engine = engine_of(recording, loaded)
     vocabulary = loaded.robot.vocabulary
     kinds = tuple(str(vocabulary.types[name]) for name in vocabulary.numbers)
+    apart_s = 0.0
     found = Course(names=vocabulary.numbers, kinds=kinds)
     for again in rerun(recording, loaded):
         at_s = again.step.at_s
@@ -121,8 +128,8 @@ def course_of(recording: Recording, loaded: LoadedMission) -> Course:
             if isinstance(effect, fx.Ended):
                 found.ended = effect
         if again.state is not None and isinstance(again.step.event, SensorFrame):
-            found.times.append(at_s)
-            found.values.append(tuple(engine.signals(again.state).values()))
+            new = at_s, array("d", engine.signals(again.state).values())
+            apart_s = add_evenly(found.times, found.values, new, apart_s, _MOST_KEPT)
     return found
 
 

@@ -110,7 +110,70 @@ class _Gathered(BytesIO):
         return data
 
 
-class RecordingFile:
+class Pieces:
+    """An MCAP file being written, one piece at a time.
+
+    Args:
+        sink: Where the bytes go.
+    """
+
+    def __init__(self, sink: Sink) -> None:
+        self._sink = sink
+        self._gathered = _Gathered()
+        # Only a cut ends a chunk.
+        self._writer = Writer(
+            self._gathered,
+            chunk_size=sys.maxsize,
+            compression=CompressionType.ZSTD,
+        )
+        self._writer.start(PROFILE, f"pirate_sm {__version__} mcap {mcap.__version__}")
+
+    def attach(self, name: str, media_type: str, data: bytes, time_ns: int) -> None:
+        """The text is attached."""
+        self._writer.add_attachment(time_ns, time_ns, name, media_type, data)
+
+    def note(self, name: str, content: Mapping[str, str]) -> None:
+        """The metadata stands after what was cut last."""
+        self._writer.add_metadata(name, dict(content))
+
+    def topic(self, name: str, schema_name: str, schema: bytes) -> int:
+        """Return the number of a new topic of JSON messages."""
+        number = self._writer.register_schema(schema_name, "jsonschema", schema)
+        return self._writer.register_channel(name, "json", number)
+
+    def message(self, topic: int, time_ns: int, data: bytes) -> None:
+        """The message will be part of the next cut."""
+        self._writer.add_message(topic, time_ns, data, time_ns)
+
+    def cut(self) -> bytes:
+        """What was added since the last cut, as one piece of the file that is whole in itself."""
+        self._writer.flush()  # type: ignore[no-untyped-call]
+        return self._gathered.take()
+
+    def write(self, data: bytes) -> None:
+        """The pieces are in the file, in the order of their cuts.
+
+        Raises:
+            OSError: They are not; a part may be.
+        """
+        if data:
+            self._sink.write(data)
+
+    def finish(self) -> None:
+        """The file is complete, with the index that readers look for at the end.
+
+        Raises:
+            OSError: It is not.
+        """
+        self._writer.finish()  # type: ignore[no-untyped-call]
+        self.write(self._gathered.take())
+
+    def close(self) -> None:
+        """Nothing more is written."""
+        self._sink.close()
+
+
+class RecordingFile(Pieces):
     """A recording being written; its header is on the disk.
 
     Args:
@@ -122,21 +185,12 @@ class RecordingFile:
     """
 
     def __init__(self, sink: Sink, header: RunHeader) -> None:
-        self._sink = sink
-        self._gathered = _Gathered()
-        # Only a commit ends a chunk.
-        self._writer = Writer(
-            self._gathered,
-            chunk_size=sys.maxsize,
-            compression=CompressionType.ZSTD,
-        )
-        self._channels: dict[str, int] = {}
+        super().__init__(sink)
+        self._topics: dict[str, int] = {}
         self._zero_ns = round(datetime.fromisoformat(header.began).timestamp() * NS_PER_S)
-        library = f"pirate_sm {__version__} mcap {mcap.__version__}"
-        self._writer.start(PROFILE, library)
-        self._attach(RUN, "application/json", _json(header.to_json()))
+        self.attach(RUN, "application/json", _json(header.to_json()), self._zero_ns)
         for file in header.files:
-            self._attach(file.attachment, "application/yaml", file.text.encode())
+            self.attach(file.attachment, "application/yaml", file.text.encode(), self._zero_ns)
         self.write(self._gathered.take())
 
     def time_ns(self, at_s: float) -> int:
@@ -155,43 +209,10 @@ class RecordingFile:
             schema: JSON Schema of the topic; counts when the topic comes for the first time.
             schema_name: Name of the schema.
         """
-        channel = self._channels.get(topic)
-        if channel is None:
-            number = self._writer.register_schema(schema_name, "jsonschema", _json(schema))
-            channel = self._writer.register_channel(topic, "json", number)
-            self._channels[topic] = channel
-        time_ns = self.time_ns(at_s)
-        self._writer.add_message(channel, time_ns, data, time_ns)
-
-    def cut(self) -> bytes:
-        """What was added since the last cut, as one piece of the file that is whole in itself."""
-        self._writer.flush()  # type: ignore[no-untyped-call]
-        return self._gathered.take()
-
-    def write(self, data: bytes) -> None:
-        """The pieces are in the file, in the order of their cuts.
-
-        Raises:
-            OSError: They are not; a part may be.
-        """
-        if data:
-            self._sink.write(data)
-
-    def finish(self) -> None:
-        """The recording is complete, with the index that readers look for at the end.
-
-        Raises:
-            OSError: It is not.
-        """
-        self._writer.finish()  # type: ignore[no-untyped-call]
-        self.write(self._gathered.take())
-
-    def close(self) -> None:
-        """Nothing more is written."""
-        self._sink.close()
-
-    def _attach(self, name: str, media_type: str, data: bytes) -> None:
-        self._writer.add_attachment(self._zero_ns, self._zero_ns, name, media_type, data)
+        number = self._topics.get(topic)
+        if number is None:
+            number = self._topics[topic] = self.topic(topic, schema_name, _json(schema))
+        self.message(number, self.time_ns(at_s), data)
 
 
 def _json(data: Mapping[str, Any]) -> bytes:

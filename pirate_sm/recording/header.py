@@ -24,6 +24,8 @@ PROFILE = "pirate_sm"
 
 RUN = "run.json"
 FILES = "files/"
+REPAIRED = "pirate_sm.repaired"
+"""Metadata of a recording whose writer was cut short and which was given its end later."""
 
 Role: TypeAlias = Literal["mission", "profile", "chart", "called", "pipe"]
 

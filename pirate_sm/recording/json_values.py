@@ -135,11 +135,13 @@ def kind_of(hint: Any) -> Kind:
     if get_origin(hint) is Literal:
         words = get_args(hint)
         schema = {"type": "string", "enum": list(words)}
-        return Kind(f"one of {', '.join(words)}", _one_of(words), schema=schema)
+        return Kind(f"one of {', '.join(words)}", one_of(words), schema=schema)
     return _KINDS[hint]
 
 
-def _one_of(words: tuple[str, ...]) -> Callable[[Any], str]:
+def one_of(words: tuple[str, ...]) -> Callable[[Any], str]:
+    """What reads one of these words and refuses any other."""
+
     def decode(value: Any) -> str:
         if value not in words:
             raise ValueError(f"{value!r} is none of {', '.join(words)}")

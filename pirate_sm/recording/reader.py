@@ -1,41 +1,43 @@
 """Recordings are read again, also those of runs that were cut short.
 
 ``read_recording(path).steps()`` gives everything that the engine was given, in order, and what came
-of it.
+of it. Only the piece that is being read is in memory, so a recording may be of any length; where
+it holds checkpoints, :meth:`Recording.checkpoint`, reading can begin in the middle.
 """
 
 from __future__ import annotations
 
 import json
+from bisect import bisect_right
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import datetime
-from hashlib import sha256
+from functools import cached_property
+from itertools import groupby
+from math import inf
 from pathlib import Path
-from typing import Any, Final, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
-from mcap.records import Attachment, Chunk, Message
-
+from pirate_sm import __version__
 from pirate_sm.engine.robot_state import RobotState
+from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.folders import shown
 from pirate_sm.model.effects import Effect
-from pirate_sm.model.events import ALPHABET_VERSION, Event
-from pirate_sm.recording.alphabet import IN, OUT, Abandoned, Started, Topic, Topics
+from pirate_sm.model.events import Event
+from pirate_sm.recording.alphabet import ENGINE, STATE, Abandoned, Started, Topic, Topics
+from pirate_sm.recording.beginning import damaged, read_header
 from pirate_sm.recording.bodies import body_from_text
-from pirate_sm.recording.header import FORMAT, PROFILE, RUN, RunHeader, header_from_json
-from pirate_sm.recording.mcap_records import (
-    Content,
-    DamagedError,
-    NotMcapError,
-    messages_of,
-    read_content,
-)
+from pirate_sm.recording.chunks import Chunks, Message
+from pirate_sm.recording.header import PROFILE, REPAIRED, RunHeader
+from pirate_sm.recording.mcap_records import Content, DamagedError, NotMcapError, read_content
+from pirate_sm.recording.states import state_from_text
 
-LARGEST_FILE: Final = 1 << 30
+NS_PER_S = 1_000_000_000
 
-_CUT_SHORT = "the recording ends early: what came in the last half second of the run may be missing"
+_WHY_EARLY = "a run that was killed lost its last half second, one whose disk was full the rest"
 
 
 class Step(NamedTuple):
@@ -50,6 +52,7 @@ class Step(NamedTuple):
             itself. ``engine``: a step of it. ``runtime``: the engine was given up.
         body: Of a start: what an earlier mission had commanded the robot to.
         paused: Of a start: whether the operator had the robot first.
+        state: What the engine remembered after it, where the recording says so.
     """
 
     number: int
@@ -59,6 +62,15 @@ class Step(NamedTuple):
     by: Literal["seen", "start", "engine", "runtime"]
     body: RobotState | None = None
     paused: bool = False
+    state: EngineState | None = None
+
+
+class Told(NamedTuple):
+    """What came of a step; ``number`` and ``at_s`` are those of the step."""
+
+    number: int
+    at_s: float
+    effects: tuple[Effect, ...]
 
 
 class Shown(NamedTuple):
@@ -69,83 +81,251 @@ class Shown(NamedTuple):
     content: dict[str, Any]
 
 
+class Checkpoint(NamedTuple):
+    """The engine's state in the middle of a run, from where it can be executed again.
+
+    Attributes:
+        step: The step after which the state was such.
+        at_s: When that was, time since the run began.
+        state: What the engine remembered then.
+        place: Number of the piece of the file that holds it.
+    """
+
+    step: int
+    at_s: float
+    state: EngineState
+    place: int = 0
+
+
+def _nobody(share: float) -> None:
+    """Nobody is told."""
+
+
 @dataclass(frozen=True)
 class Recording:
-    """A recording that has been looked through.
+    """A recording whose beginning has been read.
 
     Attributes:
         path: Of its file.
         header: What was run, with every text that it was made from.
-        complete: Whether it was written to its end.
-        notices: What a person should know although it can be read.
+        content: Where everything is in the file.
+        watch: Is told how much of the recording has been gone through, from 0 to 1.
     """
 
     path: Path
     header: RunHeader
-    complete: bool
-    notices: tuple[str, ...]
-    _chunks: tuple[Chunk, ...] = field(repr=False)
+    content: Content = field(repr=False)
+    watch: Callable[[float], None] = field(default=_nobody, repr=False)
 
-    def steps(self) -> Iterator[Step]:
-        """Everything that the engine was given, in order, and what came of it.
+    @property
+    def complete(self) -> bool:
+        """Whether it was written to its end by the run."""
+        return self.content.complete and REPAIRED not in self.content.metadata
+
+    @cached_property
+    def notices(self) -> tuple[str, ...]:
+        """What a person should know although it can be read.
 
         Raises:
             RecordingError: It is damaged.
         """
-        topics = Topics(self.header.layout).by_name
-        number, started = 0, False
-        for messages in self._commits():
-            rows = self._rows(messages, topics, number)
-            number += len(rows)
+        if self.complete:
+            return ()
+        if not self.until_s:
+            return ("the recording ends early, as the run began",)
+        return (f"the recording ends early, at {self.until_s:.3f} s: {_WHY_EARLY}",)
+
+    @cached_property
+    def until_s(self) -> float:
+        """Until when it holds: time of the last step in it, 0 where there is none.
+
+        Raises:
+            RecordingError: It is damaged.
+        """
+        for place in reversed(range(len(self.content.pieces))):
+            *_, last = [None, *self._rows(self._read(place), None)]
+            if last is not None:
+                return last.at_s
+        return 0.0
+
+    @cached_property
+    def starts_s(self) -> list[float]:
+        """When each piece of the file begins."""
+        return [self._time_s(piece.start_ns) for piece in self.content.pieces]
+
+    def checkpoint(self, at_s: float) -> Checkpoint | None:
+        """The last checkpoint up to this time; None where there is none that can be used.
+
+        Only the version that recorded can use one: another one may number its states otherwise.
+
+        Raises:
+            RecordingError: It is damaged.
+        """
+        for place in reversed(range(bisect_right(self.starts_s, at_s))):
+            found = [each for each in self._checkpoints(place) if each.at_s <= at_s]
+            if found:
+                return found[-1]
+        return None
+
+    def checkpoints(self, after: Checkpoint | None = None) -> Iterator[Checkpoint]:
+        """Every checkpoint that can be used, in order.
+
+        Args:
+            after: Only those that come after this one; None: all.
+
+        Raises:
+            RecordingError: It is damaged.
+        """
+        for place in range(after.place if after else 0, len(self.content.pieces)):
+            for each in self._checkpoints(place):
+                if after is None or each.step > after.step:
+                    yield each
+
+    def steps(self, after: Checkpoint | None = None) -> Iterator[Step]:
+        """Everything that the engine was given, in order, and what came of it.
+
+        Args:
+            after: Where to begin; None: at the beginning.
+
+        Raises:
+            RecordingError: It is damaged.
+        """
+        started = after is not None
+        for rows in self.commits(after):
             for step in rows:
                 started = started or step.by == "start"
                 yield step if started or step.by != "engine" else step._replace(by="seen")
 
-    def shown(self, *topics: str) -> Iterator[Shown]:
-        """What was made for viewers, in order: of these topics, or of all.
+    def commits(self, after: Checkpoint | None = None) -> Iterator[list[Step]]:
+        """The steps of each piece, in order; those before the start are taken for the engine's.
+
+        Args:
+            after: Where to begin; None: at the beginning.
 
         Raises:
             RecordingError: It is damaged.
         """
-        zero_ns = datetime.fromisoformat(self.header.began).timestamp() * 1e9
-        for messages in self._commits():
-            for topic, message in messages:
-                if topic in topics if topics else not topic.startswith((IN, OUT)):
-                    at_s = (message.log_time - round(zero_ns)) / 1e9
-                    yield Shown(topic, at_s, json.loads(message.data))
+        first, number = (after.place, after.step + 1) if after is not None else (0, 0)
+        for place, entries in self._pieces(first):
+            rows = self._rows(entries, number if place > first or after is None else None)
+            steps = [step for step in rows if step.number >= number]
+            number += len(steps)
+            yield steps
 
-    def _commits(self) -> Iterator[Sequence[tuple[str, Message]]]:
-        """The messages of each commit, which holds whole steps."""
-        topics: dict[int, str] = {}
-        for chunk in self._chunks:
-            try:
-                yield messages_of(chunk, topics)
-            except DamagedError as error:
-                raise _damaged(self.path, str(error)) from None
+    def effects(self) -> Iterator[Told]:
+        """All that the engine gave back, in order: sooner read than the steps that it came of.
 
-    def _rows(
-        self, messages: Sequence[tuple[str, Message]], topics: dict[str, Topic], first: int
-    ) -> list[Step]:
+        Raises:
+            RecordingError: It is damaged.
+        """
+        for _, entries in self._pieces(0):
+            rows: list[tuple[int, int, float, Effect]] = []
+            for name, _, data in entries:
+                topic = self._by_name.get(name)
+                if topic is not None and not topic.is_input:
+                    rows += [
+                        (number, nth, at_s, made)
+                        for number, at_s, nth, made in self._decoded(topic, data)
+                    ]
+            rows.sort(key=lambda row: row[:2])
+            for number, same_step in groupby(rows, key=lambda row: row[0]):
+                given = list(same_step)
+                yield Told(number, given[0][2], tuple(row[3] for row in given))
+
+    def shown(self, *topics: str, since_s: float = -inf) -> Iterator[Shown]:
+        """What was made for viewers, in order: of these topics, or of all.
+
+        Args:
+            topics: Their names.
+            since_s: Of what was before this time only the newest may come.
+
+        Raises:
+            RecordingError: It is damaged.
+        """
+        for _, entries in self._pieces(max(bisect_right(self.starts_s, since_s) - 2, 0)):
+            for topic, time_ns, data in entries:
+                if topic in topics if topics else not topic.startswith(ENGINE):
+                    yield Shown(topic, self._time_s(time_ns), json.loads(data))
+
+    @cached_property
+    def _by_name(self) -> dict[str, Topic]:
+        return Topics(self.header.layout).by_name
+
+    @cached_property
+    def _zero_ns(self) -> int:
+        return round(datetime.fromisoformat(self.header.began).timestamp() * NS_PER_S)
+
+    def _time_s(self, time_ns: int) -> float:
+        return (time_ns - self._zero_ns) / NS_PER_S
+
+    def _checkpoints(self, place: int) -> Iterator[Checkpoint]:
+        """Those in a piece that this version of the engine can use."""
+        for topic, _, data in self._read(place):
+            if topic == STATE.name:
+                yield from self._remembered(data, place)
+
+    def _remembered(self, data: bytes, place: int = 0) -> Iterator[Checkpoint]:
+        """The checkpoints of a message; none where another version has written it."""
+        if self.header.version != __version__:
+            return
+        for step, at_s, _, made in self._decoded(STATE, data):
+            with suppress(ValueError):
+                yield Checkpoint(step, at_s, state_from_text(made.state), place)
+
+    def _pieces(self, first: int) -> Iterator[tuple[int, list[Message]]]:
+        """Number and messages of each piece, which holds whole steps."""
+        for place in range(first, len(self.content.pieces)):
+            self.watch(self.content.pieces[place].at / self.content.size)
+            yield place, self._read(place)
+        self.watch(1.0)
+
+    def _read(self, place: int) -> list[Message]:
+        """The messages of a piece."""
+        try:
+            return self._chunks.read(place)
+        except DamagedError as error:
+            raise damaged(self.path, str(error)) from None
+        except OSError as error:
+            raise _unreadable(self.path, error) from None
+
+    @cached_property
+    def _chunks(self) -> Chunks:
+        return Chunks(self.path, self.content.pieces)
+
+    def _decoded(self, topic: Topic, data: bytes) -> Iterator[tuple[int, float, int, Any]]:
+        """Step, time, place and content of each row of a message."""
+        try:
+            yield from topic.decode(data)
+        except ValueError as error:
+            raise damaged(self.path, str(error)) from None
+
+    def _rows(self, entries: Sequence[Message], first: int | None) -> list[Step]:
+        """The steps among messages; ``first``: the number of the first of them, None: any."""
         inputs: dict[int, tuple[float, Any]] = {}
         effects: dict[int, list[tuple[int, Effect]]] = defaultdict(list)
-        for name, message in messages:
-            topic = topics.get(name)
+        states: dict[int, EngineState] = {}
+        for name, _, data in entries:
+            if name == STATE.name:
+                states |= {each.step: each.state for each in self._remembered(data)}
+            topic = self._by_name.get(name)
             if topic is None:
                 continue
-            try:
-                for number, at_s, place, made in topic.decode(message.data):
-                    if topic.is_input:
-                        inputs[number] = (at_s, made)
-                    else:
-                        effects[number].append((place, made))
-            except ValueError as error:
-                raise _damaged(self.path, str(error)) from None
+            for number, at_s, place, made in self._decoded(topic, data):
+                if topic.is_input:
+                    inputs[number] = (at_s, made)
+                else:
+                    effects[number].append((place, made))
+        if first is None:
+            first = min(inputs, default=0)
         if inputs.keys() != set(range(first, first + len(inputs))) or effects.keys() - inputs:
-            raise _damaged(self.path, f"steps are missing after the first {first}")
+            raise damaged(self.path, f"steps are missing after the first {first}")
         try:
-            return [_step(number, *inputs[number], effects[number]) for number in sorted(inputs)]
+            steps = [_step(number, *inputs[number], effects[number]) for number in sorted(inputs)]
         except ValueError as error:
-            raise _damaged(self.path, str(error)) from None
+            raise damaged(self.path, str(error)) from None
+        if states:
+            return [step._replace(state=states.get(step.number)) for step in steps]
+        return steps
 
 
 def _step(number: int, at_s: float, made: Any, effects: list[tuple[int, Effect]]) -> Step:
@@ -157,76 +337,31 @@ def _step(number: int, at_s: float, made: Any, effects: list[tuple[int, Effect]]
     return Step(number, at_s, made, given, "engine")
 
 
-def read_recording(path: Path) -> Recording:
+def read_recording(path: Path, watch: Callable[[float], None] = _nobody) -> Recording:
     """The recording in this file, as far as it goes.
 
+    Args:
+        path: The file.
+        watch: Is told how much of it has been gone through, whenever it is gone through.
+
     Raises:
-        RecordingError: There is none, it is something else, or it is damaged.
+        RecordingError: There is none, it is something else, or its beginning is damaged.
     """
     try:
-        content = read_content(_bytes(path))
+        with path.open("rb") as file:
+            content = read_content(file)
     except NotMcapError:
         raise RecordingError(f"{shown(path)} is not a recording: it is not an MCAP file") from None
     except DamagedError as error:
-        raise _damaged(path, str(error)) from None
-    if content.profile not in (PROFILE, None):
-        raise RecordingError(f"{shown(path)} is an MCAP file, but not a recording of a mission")
-    header = _header(path, content)
-    notices = () if content.complete else (_CUT_SHORT,)
-    return Recording(path, header, content.complete, notices, content.chunks)
-
-
-def _bytes(path: Path) -> bytes:
-    try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise RecordingError(f"{shown(path)} is larger than any recording")
-        return path.read_bytes()
+        raise damaged(path, str(error)) from None
     except OSError as error:
-        raise RecordingError(f"{shown(path)} cannot be read: {error.strerror}") from None
+        raise _unreadable(path, error) from None
     except ValueError:
         raise RecordingError(f"there is no file '{shown(path)}'") from None
+    if content.profile not in (PROFILE, None):
+        raise RecordingError(f"{shown(path)} is an MCAP file, but not a recording of a mission")
+    return Recording(path, read_header(path, content), content, watch)
 
 
-def _header(path: Path, content: Content) -> RunHeader:
-    attached = content.attachments
-    if RUN not in attached:
-        if content.complete:
-            raise _damaged(path, f"{RUN} is missing")
-        raise RecordingError(f"{shown(path)} was cut off before anything was recorded")
-    data = attached[RUN].data
-    _check_versions(path, data)
-    try:
-        header = header_from_json(data, _texts(attached))
-    except KeyError:
-        if content.complete or content.chunks:
-            raise _damaged(path, "a text that the run was made from is missing") from None
-        raise RecordingError(f"{shown(path)} was cut off before anything was recorded") from None
-    except ValueError:
-        raise _damaged(path, f"{RUN} does not say what it should") from None
-    for file in header.files:
-        if sha256(file.text.encode()).hexdigest() != file.sha256:
-            raise _damaged(path, f"{file.name} is not the text that was run")
-    return header
-
-
-def _texts(attached: dict[str, Attachment]) -> dict[str, str]:
-    return {name: each.data.decode(errors="replace") for name, each in attached.items()}
-
-
-def _check_versions(path: Path, data: bytes) -> None:
-    try:
-        plain = json.loads(data)
-        found = plain["format"], plain["alphabet"]
-        version = str(plain["version"])
-    except (ValueError, KeyError, TypeError):
-        raise _damaged(path, f"{RUN} does not say what it should") from None
-    if found != (FORMAT, ALPHABET_VERSION):
-        raise RecordingError(
-            f"{shown(path)} was recorded by version {version} "
-            f"(format {found[0]}, alphabet {found[1]}), "
-            f"which this version cannot read (format {FORMAT}, alphabet {ALPHABET_VERSION})"
-        )
-
-
-def _damaged(path: Path, how: str) -> RecordingError:
-    return RecordingError(f"{shown(path)} is damaged: {how}")
+def _unreadable(path: Path, error: OSError) -> RecordingError:
+    return RecordingError(f"{shown(path)} cannot be read: {error.strerror}")

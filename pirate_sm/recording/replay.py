@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from math import isnan
+from dataclasses import dataclass, replace
+from math import inf, isnan
 from typing import Any, NamedTuple
 
 from pirate_sm.engine.engine import Engine
@@ -13,7 +13,7 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import SensorFrame, SignalReport
-from pirate_sm.recording.reader import Recording, Step
+from pirate_sm.recording.reader import Checkpoint, Recording, Step
 
 
 class Rerun(NamedTuple):
@@ -37,6 +37,8 @@ class Difference:
         recorded: Effects of the recording that the replay does not have at this place.
         replayed: Effects of the replay in their place.
         phase: The phase of the mission then; ``place`` its place in the file, if it has one.
+        remembers: What the engine remembers otherwise than was recorded, ``sensing.numbers``;
+            empty where the effects differ.
     """
 
     step: Step
@@ -44,6 +46,7 @@ class Difference:
     replayed: tuple[Effect, ...]
     phase: str
     place: str
+    remembers: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -55,12 +58,16 @@ class Replayed:
         effects: How many in these.
         until_s: Time of the last of them.
         difference: The first difference; None where there is none.
+        executed: Whether the engine was executed at all.
+        from_s: Where it began.
     """
 
     steps: int
     effects: int
     until_s: float
     difference: Difference | None
+    executed: bool = True
+    from_s: float = 0.0
 
 
 def engine_of(recording: Recording, loaded: LoadedMission) -> Engine:
@@ -68,16 +75,23 @@ def engine_of(recording: Recording, loaded: LoadedMission) -> Engine:
     return Engine(loaded.robot, loaded.program, nominal=recording.header.nominal)
 
 
-def rerun(recording: Recording, loaded: LoadedMission) -> Iterator[Rerun]:
+def rerun(
+    recording: Recording, loaded: LoadedMission, after: Checkpoint | None = None
+) -> Iterator[Rerun]:
     """Every step of the recording given to the engine again, in order.
+
+    Args:
+        recording: What was recorded.
+        loaded: The mission.
+        after: The checkpoint to begin with; only one of this mission will do. None: the start.
 
     Raises:
         RecordingError: The recording is damaged.
     """
     engine = engine_of(recording, loaded)
-    state: EngineState | None = None
+    state = after.state if after is not None else None
     seen: list[SensorFrame | SignalReport] = []
-    for step in recording.steps():
+    for step in recording.steps(after):
         effects = step.effects
         if step.by == "seen" and isinstance(step.event, SensorFrame | SignalReport):
             seen.append(step.event)
@@ -88,27 +102,63 @@ def rerun(recording: Recording, loaded: LoadedMission) -> Iterator[Rerun]:
         yield Rerun(step, state, effects)
 
 
-def replay(recording: Recording, loaded: LoadedMission, *, changed: bool = False) -> Replayed:
+def replay(
+    recording: Recording,
+    loaded: LoadedMission,
+    *,
+    changed: bool = False,
+    after: Checkpoint | None = None,
+    until: Checkpoint | None = None,
+    until_s: float = inf,
+) -> Replayed:
     """The recording has been executed again up to its end or the first difference.
+
+    What the engine remembers is compared, too, wherever the recording holds it.
 
     Args:
         recording: What was recorded.
         loaded: The mission; the one in the recording, or another one.
         changed: Whether it is another one: then lines and columns of its file do not count.
+        after: The checkpoint to begin with; None: the start.
+        until: The checkpoint to end with; None: the end.
+        until_s: Nothing after this time is executed.
 
     Raises:
         RecordingError: The recording is damaged.
     """
-    steps, told, until_s = 0, 0, 0.0
-    for again in rerun(recording, loaded):
+    from_s = after.at_s if after is not None else 0.0
+    done = Replayed(0, 0, from_s, None, executed=False, from_s=from_s)
+    for again in rerun(recording, loaded, after):
         step = again.step
+        if step.at_s > until_s or (until is not None and step.number > until.step):
+            break
         recorded, now = step.effects, again.effects
         if changed:
             recorded, now = _placeless(recorded), _placeless(now)
-        if not same(recorded, now):
-            return Replayed(steps, told, until_s, _difference(again, loaded))
-        steps, told, until_s = steps + 1, told + len(step.effects), step.at_s
-    return Replayed(steps, told, until_s, None)
+        remembers = () if changed else _apart(_remembered(step, until), again.state)
+        if remembers or not same(recorded, now):
+            return replace(done, difference=_difference(again, loaded, remembers))
+        done = Replayed(
+            done.steps + 1, done.effects + len(step.effects), step.at_s, None,
+            executed=done.executed or step.by in ("start", "engine"), from_s=from_s,
+        )  # fmt: skip
+    return done
+
+
+def _remembered(step: Step, until: Checkpoint | None) -> EngineState | None:
+    """What the engine remembered after a step; None where nobody knows."""
+    return until.state if until is not None and until.step == step.number else step.state
+
+
+def _apart(recorded: Any, now: Any, where: str = "") -> tuple[str, ...]:
+    """Where two states of the engine are not the same: the names of their parts."""
+    if (recorded is None and not where) or same(recorded, now):
+        return ()
+    if type(recorded) is not type(now) or not hasattr(recorded, "_fields"):
+        return (where or "everything",)
+    parts = zip(recorded._fields, recorded, now, strict=True)
+    inside = [_apart(one, other, f"{where}.{name}".strip(".")) for name, one, other in parts]
+    return tuple(each for found in inside for each in found)
 
 
 _PLACE = re.compile(r":\d+:\d+")
@@ -134,14 +184,17 @@ def same(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
-def _difference(again: Rerun, loaded: LoadedMission) -> Difference:
+def _difference(again: Rerun, loaded: LoadedMission, remembers: tuple[str, ...]) -> Difference:
     recorded, replayed = _without_common(again.step.effects, again.effects)
     phase = place = ""
     if again.state is not None:
         pc = again.state.mission.pc
         phase = loaded.program.phase_of[pc]
         place = getattr(loaded.program.instructions[pc], "place", "")
-    return Difference(again.step, recorded, replayed, phase, place)
+    if recorded or replayed:  # these say more
+        remembers = ()
+    step = again.step._replace(state=None)  # it holds NaN, which is not the same as itself
+    return Difference(step, recorded, replayed, phase, place, remembers)
 
 
 def _without_common(

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from array import array
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from itertools import compress, count, groupby
 from math import isnan, nan
+from operator import ne
 
 from pirate_sm.report.model import Series
 
@@ -12,12 +15,71 @@ MOST_POINTS = 4_000
 """A screen has fewer columns; a run of ten minutes has about as many frames of each board."""
 
 
+_MOST_KEPT = 4 * MOST_POINTS
+"""So many points of a number at most are in memory, however long a run is."""
+
+_EACH = 4
+"""So many points of a bucket tell what was in it: the least, the largest, a gap, the last."""
+
+_FINEST_S = 1 / 64
+
+
+class Curve:
+    """A number over time, of which only so much is kept that it still looks the same.
+
+    Once there are too many points, what they were within equal lengths of time is kept: all along
+    the run it is as fine, and the longer the run the coarser.
+    """
+
+    def __init__(self) -> None:
+        self._times, self._values = array("d"), array("d")
+        self._bucket_s = 0.0
+
+    def add(self, at_s: float, value: float) -> None:
+        """There is one more point; ``at_s`` does not go back."""
+        self._times.append(at_s)
+        self._values.append(value)
+        if len(self._times) > _MOST_KEPT:
+            self._thin()
+
+    def points(self) -> tuple[list[float], list[float]]:
+        """Times and values."""
+        if self._bucket_s:
+            self._thin()
+        return list(self._times), list(self._values)
+
+    def _thin(self) -> None:
+        """There are at most half as many points as may be."""
+        times, values = self._times, self._values
+        span_s, bucket_s = times[-1] - times[0], self._bucket_s or _FINEST_S
+        while span_s / bucket_s > _MOST_KEPT / 2 / _EACH - 2:
+            bucket_s *= 2
+        self._bucket_s = bucket_s
+        buckets = groupby(range(len(times)), key=lambda index: times[index] // bucket_s)
+        kept = [0, *(index for _, bucket in buckets for index in _telling(list(bucket), values))]
+        if kept[1] == 0:
+            del kept[0]
+        self._times = array("d", [times[index] for index in kept])
+        self._values = array("d", [values[index] for index in kept])
+
+
+def _telling(bucket: Sequence[int], values: Sequence[float]) -> Iterable[int]:
+    """The indexes of a bucket that tell what was in it, in order."""
+    known = [index for index in bucket if not isnan(values[index])]
+    kept = {bucket[-1]}
+    if known:
+        kept.add(min(known, key=values.__getitem__))
+        kept.add(max(known, key=values.__getitem__))
+    if len(known) < len(bucket):
+        kept.add(next(index for index in bucket if isnan(values[index])))
+    return sorted(kept)
+
+
 class Samples:
     """What each of some numbers was, whenever it was told or changed."""
 
     def __init__(self, count: int) -> None:
-        self._times: list[list[float]] = [[] for _ in range(count)]
-        self._values: list[list[float]] = [[] for _ in range(count)]
+        self._curves = [Curve() for _ in range(count)]
         self._last: tuple[float, ...] = (nan,) * count
 
     def take(self, at_s: float, numbers: tuple[float, ...], told: Sequence[int] = ()) -> None:
@@ -30,14 +92,14 @@ class Samples:
         """
         if numbers is self._last:
             return
+        last = self._last
         changed = {
             index
-            for index, (old, new) in enumerate(zip(self._last, numbers, strict=True))
-            if old != new and not (isnan(old) and isnan(new))
+            for index in compress(count(), map(ne, last, numbers))
+            if not (isnan(last[index]) and isnan(numbers[index]))
         }
         for index in changed.union(told):
-            self._times[index].append(at_s)
-            self._values[index].append(numbers[index])
+            self._curves[index].add(at_s, numbers[index])
         self._last = numbers
 
     def series(
@@ -60,7 +122,8 @@ class Samples:
             main: As in the curve.
             until_s: Until when the last value held; None: only then.
         """
-        times, values = list(self._times[index]), [v * scale for v in self._values[index]]
+        times, values = self._curves[index].points()
+        values = [value * scale for value in values]
         if until_s is not None and times and times[-1] < until_s:
             times.append(until_s)
             values.append(values[-1])
@@ -70,23 +133,18 @@ class Samples:
 def thinned(
     times_s: Sequence[float], values: Sequence[float], most: int = MOST_POINTS
 ) -> tuple[list[float], list[float]]:
-    """At most about so many points that look the same: of each bucket the least and the largest.
+    """At most about so many points that look the same: of each bucket those that tell most.
 
     The first and the last point stay, and a gap in what is known stays a gap.
     """
-    count = len(times_s)
-    if count <= most:
+    size = len(times_s)
+    if size <= most:
         return list(times_s), list(values)
-    buckets = max(1, most // 3)
-    kept = {0, count - 1}
+    buckets = max(1, most // _EACH)
+    kept = {0}
     for number in range(buckets):
-        bucket = range(count * number // buckets, count * (number + 1) // buckets)
-        known = [index for index in bucket if not isnan(values[index])]
-        if known:
-            kept.add(min(known, key=values.__getitem__))
-            kept.add(max(known, key=values.__getitem__))
-        if len(known) < len(bucket):
-            kept.add(next(index for index in bucket if isnan(values[index])))
+        bucket = range(size * number // buckets, size * (number + 1) // buckets)
+        kept.update(_telling(bucket, values))
     chosen = sorted(kept)
     return [times_s[index] for index in chosen], [values[index] for index in chosen]
 

@@ -11,12 +11,16 @@ from pirate_sm.engine.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
+from pirate_sm.recording.evenly import add_evenly
 from pirate_sm.recording.placing import Placing
 from pirate_sm.report.charts import Travel
 from pirate_sm.report.model import Lane, Light, Scene, Series, Span, Wheel
 from pirate_sm.report.sampling import Samples
 
 MOST_POSES = 6_000
+_MOST_KEPT = 40_000
+"""So many poses at most are in memory, however long a run is: an hour of a simulation's."""
+
 EVERY_S = 0.05
 """A pose twenty times a second is enough for the eye; what lies between is drawn in between."""
 
@@ -32,14 +36,15 @@ class Poses:
     true: bool
     times_s: list[float] = field(default_factory=list)
     points: list[tuple[Place, ...]] = field(default_factory=list)
+    _apart_s: float = field(default=0.0, repr=False)
 
     def add(self, at_s: float, points: Sequence[Place]) -> None:
-        """There is one more; one of the same moment is replaced."""
-        if self.times_s and at_s <= self.times_s[-1]:
-            self.times_s.pop()
-            self.points.pop()
-        self.times_s.append(at_s)
-        self.points.append(tuple(points))
+        """There is one more; one of the same moment is replaced.
+
+        Of very many only some are kept, evenly; the newest one always is.
+        """
+        new = at_s, tuple(points)
+        self._apart_s = add_evenly(self.times_s, self.points, new, self._apart_s, _MOST_KEPT)
 
     def thinned(self, most: int = MOST_POSES) -> Poses:
         """At most so many of them, evenly; the last one stays."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Container, Mapping, Sequence
+from copy import copy
 from typing import NamedTuple
 
 from pirate_sm.engine.robot import RobotSpec
@@ -121,6 +122,16 @@ class Memory:
             self.phase, dict(self.spent_s), self.wait, self.question, self.setpoints,
             tuple(self.recent), self.alarm, self.ended, self.banner,
         )  # fmt: skip
+
+    def twin(self) -> Memory:
+        """Another one that knows the same, and goes on by itself."""
+        twin = copy(self)
+        twin._teller, twin.recent, twin.spent_s = (
+            copy(self._teller),
+            self.recent.copy(),
+            {**self.spent_s},
+        )
+        return twin
 
     def _note(self, effect: fx.Effect, now_s: float) -> None:
         match effect:

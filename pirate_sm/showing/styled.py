@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from rich.text import Text
 
-from pirate_sm.showing.visible import visible
+from pirate_sm.visible import visible
 
 MUTED, STRONG, GOOD, WARN, BAD, ACCENT = "muted", "bold", "good", "warn", "bad", "accent"
 

@@ -15,7 +15,9 @@ from recording_runs import record
 from pirate_sm.console.reel import reel_of
 from pirate_sm.console.viewer import Viewer
 from pirate_sm.console.widgets import Lines
+from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot_state import states_of
+from pirate_sm.recording import recorder
 from pirate_sm.wiring import Order
 
 
@@ -39,8 +41,55 @@ def state_at(reel, time_s):
 def test_moments_are_those_of_the_run(reel):
     assert state_at(reel, 0.0)["BendingState"] == "Unclamped"
     assert state_at(reel, reel.length_s)["BendingState"] == "DoubleClamped"
-    assert reel.at(-1.0) is reel.frames[0]
-    assert reel.at(1e9) is reel.frames[-1]
+    assert reel.at(-1.0) is reel.at(0.0)
+    assert reel.at(1e9).now_s == reel.length_s
+
+
+@pytest.fixture(scope="module")
+def both(tmp_path_factory):
+    """The same run with a checkpoint every two seconds, and without any."""
+    made = []
+    for every_s in (2.0, 1e9):
+        path = tmp_path_factory.mktemp("runs") / "bend.mcap"
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(recorder, "CHECKPOINT_S", every_s)
+            made.append(reel_of(record(path, Order("mitre_bend", seed=4))))
+    return made
+
+
+@pytest.mark.parametrize("share", [0.0, 0.1, 0.37, 0.5, 0.83, 0.99, 1.0])
+def test_a_moment_is_the_same_wherever_its_making_began(both, share):
+    begun_late, whole = (reel.at(share * reel.length_s) for reel in both)
+
+    assert both[0].phases_s == both[1].phases_s
+    assert both[0].length_s == both[1].length_s
+    assert abs(begun_late.now_s - whole.now_s) < 0.2
+    if begun_late.now_s == whole.now_s:
+        assert repr(begun_late.state) == repr(whole.state)
+        assert begun_late.truth == whole.truth
+    assert begun_late.story.phase == whole.story.phase
+    assert begun_late.story.recent == whole.story.recent
+    assert begun_late.over == whole.over == (share == 1.0)
+
+
+def test_only_moments_that_are_looked_at_are_made(both, monkeypatch):
+    made = 0
+    right = Engine.step
+
+    def counted(*arguments):
+        nonlocal made
+        made += 1
+        return right(*arguments)
+
+    monkeypatch.setattr(Engine, "step", counted)
+    late, whole = both
+    for reel in both:
+        reel._frames.cache_clear()
+    late.at(late.length_s / 2)
+    few, made = made, 0
+    whole.at(whole.length_s / 2)
+
+    assert 0 < few < made / 3
 
 
 @pytest.mark.parametrize("size", [(80, 24), (160, 48)])
@@ -60,8 +109,8 @@ def test_a_person_scrubs_back_and_forth(reel, size):
     seen = asyncio.run(scrub())
 
     assert seen[:4] == [round(reel.length_s, 3), 0.0, 1.0, 2.0]
-    phases = sorted({frame.story.phase.since_s for frame in reel.frames})
-    assert seen[4] == round(next(each for each in phases if each > 2.0), 3)
+    assert reel.phases_s == sorted(set(reel.phases_s))
+    assert seen[4] == round(next(each for each in reel.phases_s if each > 2.0), 3)
     assert seen[5] < seen[4]
 
 

@@ -9,7 +9,7 @@ from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.project import Report
 from pirate_sm.checking.reports.marking import excerpt
-from pirate_sm.showing.visible import visible
+from pirate_sm.visible import visible
 
 
 def junit_report(report: Report, fail_on: Severity) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import pytest
 from typer.testing import Result
 
-from pirate_sm.recording import live
+from pirate_sm.recording import live, recorder
 from pirate_sm.recording.file import DiskFile
 from pirate_sm.recording.reader import read_recording
 
@@ -138,7 +139,55 @@ def test_a_disk_that_fills_up_is_told_once_and_the_mission_runs(
     told = (result.stdout + result.stderr).count("No space left on device")
     assert result.exit_code == 0
     assert told == 1
+    assert "nothing of the run is recorded" in result.stdout + result.stderr
     assert "succeeded" in result.stdout
+
+
+def test_until_when_a_recording_holds_is_said_as_a_reader_finds_it(
+    here: Path, pirate_run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    room, right = 100_000, DiskFile.write
+    monkeypatch.setattr(recorder, "_HELP_AT", 50)
+    monkeypatch.setattr(recorder, "_MOST_STEPS", 100)
+
+    def full(self: DiskFile, data: bytes, /) -> None:
+        nonlocal room
+        right(self, data[: max(room, 0)])
+        room -= len(data)
+        if room < 0:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(DiskFile, "write", full)
+    result: Any = pirate_run("mitre_bend", "--plain", "--record", "a.mcap")
+
+    (said,) = re.findall(r"the recording holds until ([\d.]+) s", result.stdout + result.stderr)
+    recording = read_recording(here / "a.mcap")
+    assert result.exit_code == 0
+    assert f"{recording.until_s:.3f}" == said
+    assert recording.until_s > 0.5
+    assert not recording.complete
+
+
+def test_a_run_that_is_refused_leaves_no_file(here: Path, pirate_run: Run) -> None:
+    result = pirate_run(*TRACE[:1], "--quiet", "--detector", "operator", "--record", "a.mcap")
+
+    assert result.exit_code == 2
+    assert list(here.rglob("*.mcap")) == []
+
+
+@pytest.mark.parametrize("asked", [True, False])
+def test_a_file_whose_beginning_cannot_be_written_is_not_left_behind(
+    asked: bool, here: Path, pirate_run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(self: DiskFile, data: bytes, /) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(DiskFile, "write", full)
+    result = pirate_run(*TRACE, *(("--record", "kept/a.mcap") if asked else ()))
+
+    assert result.exit_code == (2 if asked else 0)
+    assert "No space left on device" in result.stderr
+    assert list(here.rglob("*.mcap")) == []
 
 
 def test_a_run_can_be_looked_at_without_being_kept(

@@ -41,6 +41,7 @@ def record(path: Path, order: Order) -> Recording:
     if not prepared.attended:
         companions.append(FirstChoice("a test"))
     run = MissionRun(prepared.engine, prepared.backend, companions=companions, tap=recorder)
+    recorder.follow(lambda: run.state)
     run.execute()
     recorder.close()
     assert not recorder.failure
@@ -76,6 +77,8 @@ def record_serial(path: Path, mission: str, switches: Switches, seed: int = 0) -
     )
     recorder = Recorder(RecordingFile(DiskFile(path), header), header, real_time=False)
     companions = [*says.companions, FirstChoice("a test")]
-    MissionRun(engine, backend, companions=companions, tap=recorder).execute()
+    run = MissionRun(engine, backend, companions=companions, tap=recorder)
+    recorder.follow(lambda: run.state)
+    run.execute()
     recorder.close()
     return read_recording(path)

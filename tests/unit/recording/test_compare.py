@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from recording_runs import record
 
+from pirate_sm.recording import compare as module
 from pirate_sm.recording.compare import Course, Mark, compare, course_of
 from pirate_sm.recording.reloading import recorded_mission
 from pirate_sm.wiring import Order
@@ -23,6 +24,17 @@ def test_a_run_is_where_it_is(tmp_path):
 
     assert result.parted is None
     assert all(leg.first_s == leg.second_s for leg in result.legs)
+    assert all(each.most == 0 for each in result.deviations)
+
+
+def test_of_a_long_run_some_frames_are_kept_all_along(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "_MOST_KEPT", 200)
+    one = course(tmp_path, "one", Order("mitre_bend", seed=1))
+
+    assert 90 < len(one.times) == len(one.values) <= 200
+    assert one.times[-1] == pytest.approx(one.until_s, abs=0.1)
+    result = compare(one, one)
+    assert result.parted is None
     assert all(each.most == 0 for each in result.deviations)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tracemalloc
 from io import BytesIO
 from pathlib import Path
 from random import Random
@@ -15,6 +16,7 @@ from mcap.writer import MCAP0_MAGIC, Writer
 
 from pirate_sm.errors import RecordingError
 from pirate_sm.recording.file import RecordingFile
+from pirate_sm.recording.mcap_records import read_content
 from pirate_sm.recording.reader import read_recording
 from pirate_sm.recording.recorder import Recorder
 
@@ -81,6 +83,73 @@ def test_a_recording_cut_off_anywhere_is_read_up_to_there(whole: bytes, tmp_path
         assert "ends early" in notices[0]
         before = steps
     assert before == STEPS + 2
+
+
+def test_at_whatever_byte_it_is_cut_off_whole_pieces_stay_and_nothing_else(
+    whole: bytes,
+) -> None:
+    chunks = chunks_of(whole)[:2]
+    ends = [end for _, end in chunks]
+    for length in range(chunks[0][0], chunks[-1][1] + 40):
+        content = read_content(BytesIO(whole[:length]))
+
+        assert len(content.pieces) == sum(end <= length for end in ends)
+        assert not content.complete
+        assert content.size == length
+        assert chunks[0][0] <= content.whole <= length
+        assert content.whole >= max((end for end in ends if end <= length), default=0)
+
+
+def test_until_when_a_recording_holds_is_said(whole: bytes, tmp_path: Path) -> None:
+    begins, _ = chunks_of(whole)[7]
+    path = tmp_path / "run.mcap"
+    path.write_bytes(whole[: begins + 300])
+    recording = read_recording(path)
+    *_, last = recording.steps()
+
+    assert recording.until_s == last.at_s
+    assert f"at {last.at_s:.3f} s" in recording.notices[0]
+
+
+def test_no_recording_is_too_large(whole: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    begins, _ = chunks_of(whole)[7]
+    path.write_bytes(whole[:begins])
+    with path.open("r+b") as file:
+        file.truncate(3 << 30)  # a hole, as some file systems leave one after a power cut
+
+    recording = read_recording(path)
+
+    assert len(list(recording.steps())) > STEPS // 2
+    assert not recording.complete
+
+
+def test_only_the_piece_that_is_read_is_in_memory(whole: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    path.write_bytes(whole)
+    recording = read_recording(path)
+    tracemalloc.start()
+    try:
+        most = [0.0, 0.0]
+        for step in recording.steps():
+            half = step.number >= STEPS // 2
+            most[half] = max(most[half], tracemalloc.get_traced_memory()[0])
+    finally:
+        tracemalloc.stop()
+
+    assert most[1] < most[0] * 1.2
+
+
+def test_whoever_watches_is_told_how_much_has_been_read(whole: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    path.write_bytes(whole)
+    told: list[float] = []
+    for _ in read_recording(path, told.append).steps():
+        pass
+
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+    assert len(told) > PIECES
 
 
 def test_a_recording_cut_off_in_its_beginning_holds_nothing(whole: bytes, tmp_path: Path) -> None:

@@ -111,6 +111,7 @@ def test_a_full_disk_ends_the_recording_and_keeps_what_was_there(tmp_path: Path)
     steps = list(recording.steps())
 
     assert one.failure == "No space left on device"
+    assert one.kept_s == recording.until_s == steps[-1].at_s
     assert not recording.complete
     assert len(recording.notices) == 1
     assert [(step.event, step.at_s, step.effects) for step in steps[1:102]] == told[: len(steps)]

@@ -11,9 +11,12 @@ from recording_runs import ROOT, record, record_serial
 from pirate_sm.bay.switches import Switches
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model.effects import CommandStatus, Setpoints
+from pirate_sm.recording import reader as reading
+from pirate_sm.recording import recorder as recording_module
 from pirate_sm.recording.reader import read_recording
 from pirate_sm.recording.reloading import as_recorded, recorded_mission
 from pirate_sm.recording.replay import replay, rerun, same
+from pirate_sm.recording.states import state_from_text, state_to_text
 from pirate_sm.wiring import Order
 
 SHIPPED = sorted(path.stem for path in (ROOT / "sequences").glob("*.yaml"))
@@ -153,3 +156,106 @@ def test_a_rerun_knows_the_engine_after_every_step(bend):
 )
 def test_unknown_is_the_same_as_unknown_and_nothing_else_is_rounded(one, other, alike):
     assert same(one, other) is alike
+
+
+# --- beginning anywhere ---------------------------------------------------------------------
+
+
+@pytest.fixture
+def often(monkeypatch):
+    """Checkpoints come several times in a run of seconds."""
+    monkeypatch.setattr(recording_module, "CHECKPOINT_S", 2.0)
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_from_every_checkpoint_the_same_comes_out_again(name, tmp_path, often):
+    recording = record(tmp_path / "run.mcap", Order(name, seed=2))
+    checkpoints = list(recording.checkpoints())
+
+    with recorded_mission(recording.header) as loaded:
+        whole = replay(recording, loaded)
+        assert whole.difference is None
+        assert len(checkpoints) >= whole.until_s // 2.1 - 1
+        for checkpoint in checkpoints:
+            result = replay(recording, loaded, after=checkpoint)
+            assert result.difference is None
+            assert result.steps == whole.steps - checkpoint.step - 1
+            assert result.until_s == max(whole.until_s, checkpoint.at_s)
+
+
+def test_from_every_checkpoint_over_a_bad_line_the_same_comes_out_again(tmp_path, often):
+    switches = Switches(loss_in=0.2, loss_out=0.2, corruption=0.01, reset_at_s=(9.0,))
+    recording = record_serial(tmp_path / "run.mcap", "mitre_bend", switches, seed=3)
+
+    with recorded_mission(recording.header) as loaded:
+        for checkpoint in recording.checkpoints():
+            assert replay(recording, loaded, after=checkpoint).difference is None
+
+
+def test_a_state_comes_back_whatever_the_engine_is_at(bend):
+    with recorded_mission(bend.header) as loaded:
+        states = [again.state for again in rerun(bend, loaded) if again.state is not None]
+
+    for state in states[:: len(states) // 300]:
+        assert same(state_from_text(state_to_text(state)), state)
+
+
+@pytest.mark.parametrize(
+    "written", ["{}", "[]", "nonsense", "null", '{"robot": 3}', '{"faults": {}}']
+)
+def test_a_state_of_another_engine_is_refused(written):
+    with pytest.raises(ValueError):  # noqa: PT011 - of whatever kind
+        state_from_text(written)
+
+
+def test_the_checkpoint_before_a_time_is_found(tmp_path, often):
+    recording = record(tmp_path / "run.mcap", Order("mitre_bend", seed=2))
+    every = list(recording.checkpoints())
+
+    assert recording.checkpoint(every[0].at_s - 0.001) is None
+    assert recording.checkpoint(every[2].at_s) == every[2]
+    assert recording.checkpoint(every[3].at_s - 0.001) == every[2]
+    assert recording.checkpoint(1e9) == every[-1]
+
+
+def test_a_state_that_has_changed_is_a_difference(tmp_path, often, monkeypatch):
+    right, calls = recording_module.state_to_text, 0
+
+    def wrong(state):
+        nonlocal calls
+        calls += 1
+        sensing = state.sensing._replace(loss=0.875)
+        return right(state._replace(sensing=sensing) if calls == 3 else state)
+
+    monkeypatch.setattr(recording_module, "state_to_text", wrong)
+    recording = record(tmp_path / "run.mcap", Order("mitre_bend", seed=2))
+    third = list(recording.checkpoints())[2]
+
+    with recorded_mission(recording.header) as loaded:
+        result = replay(recording, loaded)
+
+    assert result.difference is not None
+    assert result.difference.step.number == third.step
+    assert result.difference.remembers == ("sensing.loss",)
+
+
+def test_another_version_does_not_take_checkpoints_for_its_own(tmp_path, often, monkeypatch):
+    recording = record(tmp_path / "run.mcap", Order("mitre_bend", seed=2))
+    monkeypatch.setattr(reading, "__version__", "0.0.1")
+
+    assert recording.checkpoint(1e9) is None
+    assert list(recording.checkpoints()) == []
+    with recorded_mission(recording.header) as loaded:
+        assert replay(recording, loaded).difference is None
+
+
+def test_a_replay_of_a_stretch_ends_where_it_shall(tmp_path, often):
+    recording = record(tmp_path / "run.mcap", Order("mitre_bend", seed=2))
+    checkpoint = recording.checkpoint(5.0)
+
+    with recorded_mission(recording.header) as loaded:
+        result = replay(recording, loaded, after=checkpoint, until_s=8.0)
+
+    assert 4.0 < result.from_s <= 5.0
+    assert 7.9 < result.until_s <= 8.0
+    assert 0 < result.steps < 400

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pirate_sm.report import sampling
 from pirate_sm.report.model import Series
-from pirate_sm.report.sampling import Samples, thinned, value_at
+from pirate_sm.report.sampling import Curve, Samples, thinned, value_at
 
 NUMBERS = st.floats(-1e6, 1e6) | st.just(nan)
 
@@ -26,6 +27,53 @@ def test_a_thinned_curve_keeps_its_extremes_its_ends_and_its_gaps(values: list[f
         kept = [value for value in thin_values if not isnan(value)]
         assert (min(kept), max(kept)) == (min(known), max(known))
     assert any(map(isnan, thin_values)) == any(map(isnan, values))
+
+
+def test_what_a_thinned_curve_holds_at_last_is_what_held_then():
+    times = [float(number) for number in range(400)]
+    values = [0.0, 9.0, 5.0, *([5.0] * 397)]
+
+    thin_times, thin_values = thinned(times, values, 40)
+
+    after = [value for at_s, value in zip(thin_times, thin_values, strict=True) if at_s > 10]
+    assert set(after) == {5.0}
+
+
+@given(st.lists(NUMBERS, min_size=1, max_size=600), st.floats(0.001, 50.0))
+def test_a_curve_of_any_length_looks_the_same_and_takes_no_more_room(
+    values: list[float], apart_s: float
+):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sampling, "_MOST_KEPT", 64)
+        curve, most = Curve(), 0
+        for number, value in enumerate(values):
+            curve.add(number * apart_s, value)
+            most = max(most, len(curve._times))
+        times, kept = curve.points()
+
+    assert most <= 65
+    assert len(kept) == len(times) <= len(values)
+    assert sorted(times) == times
+    assert (times[0], times[-1]) == (0.0, (len(values) - 1) * apart_s)
+    assert repr((kept[0], kept[-1])) == repr((values[0], values[-1]))
+    known = [value for value in values if not isnan(value)]
+    if known:
+        seen = [value for value in kept if not isnan(value)]
+        assert (min(seen), max(seen)) == (min(known), max(known))
+    assert any(map(isnan, kept)) == any(map(isnan, values))
+
+
+def test_a_long_curve_is_as_fine_all_along():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sampling, "_MOST_KEPT", 400)
+        curve = Curve()
+        for number in range(20_000):
+            curve.add(0.5 * number, number % 7)
+        times, _ = curve.points()
+
+    in_each = [sum(low <= at_s < low + 1_000 for at_s in times) for low in range(0, 10_000, 1_000)]
+    assert min(in_each) > max(in_each) * 0.7
+    assert max(in_each) < 40
 
 
 @given(st.lists(st.tuples(NUMBERS, NUMBERS), max_size=30))

@@ -2,12 +2,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 from math import hypot
 from pathlib import Path
 
 from pirate_sm.recording.reader import read_recording
 from pirate_sm.recording.reloading import recorded_mission
 from pirate_sm.recording.replay import rerun
+from pirate_sm.report import scene
 from pirate_sm.report.gathering import About, gather
 from pirate_sm.report.model import Report
 from pirate_sm.report.scene import MOST_POSES, Poses
@@ -22,6 +24,21 @@ def test_of_many_poses_some_stay_evenly_and_the_last_one():
 
     assert MOST_POSES / 2 < len(thin.times_s) <= MOST_POSES + 1
     assert (thin.times_s[0], thin.times_s[-1]) == (0.0, poses.times_s[-1])
+
+
+def test_of_a_very_long_run_no_more_poses_are_kept_and_the_newest_always_is(monkeypatch):
+    monkeypatch.setattr(scene, "_MOST_KEPT", 100)
+    poses, most = Poses(true=True), 0
+    for number in range(5_000):
+        poses.add(0.1 * number, ((float(number), 0.0),))
+        most = max(most, len(poses.times_s))
+        assert (poses.times_s[-1], poses.points[-1]) == (0.1 * number, ((float(number), 0.0),))
+
+    gaps = [after - before for before, after in pairwise(poses.times_s[:-1])]
+    assert most <= 101
+    assert poses.times_s[0] == 0.0
+    assert len(poses.times_s) > 40
+    assert max(gaps) < 3 * min(gaps)
 
 
 def test_without_truth_joints_and_odometer_say_where_the_robot_is(

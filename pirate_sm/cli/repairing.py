@@ -1,0 +1,55 @@
+"""`pirate repair`: a recording whose writer was cut short gets its end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from pirate_sm.cli.progress import progress
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.folders import shown
+from pirate_sm.recording.reader import read_recording
+from pirate_sm.recording.repair import Repaired, is_whole, repair
+from pirate_sm.visible import visible
+
+
+def run_repair(recording: str, output: Path | None) -> int:
+    """Whatever is whole stands in a new file, and it has been said what is lost.
+
+    Args:
+        recording: The recording.
+        output: The new file; None: beside the recording, with ``.repaired`` in its name.
+
+    Raises:
+        RecordingError: The recording cannot be read.
+        UsageError: The new file cannot be written.
+    """
+    path = Path(recording)
+    place = output or path.with_suffix(f".repaired{path.suffix}")
+    with progress(f"reading {visible(recording)}") as watch:
+        found = read_recording(path, watch)
+        if is_whole(found):
+            print(visible(f"{shown(path)} is whole: there is nothing to repair"))
+            return 0
+        try:
+            done = repair(found, place)
+        except FileExistsError:
+            raise UsageError(f"{shown(place)} exists already; --output names another") from None
+        except OSError as error:
+            raise UsageError(f"{shown(place)} cannot be written: {error.strerror}") from None
+    print(visible(f"{shown(place)} holds {done.steps} inputs, until {done.until_s:.3f} s"))
+    for line in _lost(done):
+        print(visible(f"lost: {line}"))
+    return 0
+
+
+def _lost(done: Repaired) -> Iterator[str]:
+    if done.damage:
+        yield (
+            f"what came from there on, until about {done.left_until_s:.1f} s or later: "
+            f"{done.damage}"
+        )
+    else:
+        yield "what the run did after that: it had not been written"
+    if done.torn_bytes:
+        yield f"the last {done.torn_bytes} bytes of the file, which are not whole"

@@ -1,0 +1,111 @@
+"""A recording whose writer was cut short gets the end and the index that other programs look for.
+
+Everything that is whole goes into a new file in the order of writing. Steps after a missing one
+could not be executed again, so what follows damage is left out.
+"""
+
+from __future__ import annotations
+
+from contextlib import closing
+from pathlib import Path
+from typing import NamedTuple
+
+from pirate_sm.errors import RecordingError
+from pirate_sm.recording.chunks import Chunks
+from pirate_sm.recording.file import DiskFile, Pieces
+from pirate_sm.recording.header import REPAIRED
+from pirate_sm.recording.reader import Recording, Step
+
+_LEAST_BYTES = 1 << 20
+"""So many bytes of messages at least are in one piece: nothing can be cut short any more."""
+
+
+class Repaired(NamedTuple):
+    """What a new recording holds, and what not.
+
+    Attributes:
+        steps: How many steps it holds.
+        until_s: Until when.
+        torn_bytes: So many bytes at the end of the old file are not whole.
+        damage: Why more was left out; empty where nothing was.
+        left_until_s: Until about when that goes.
+    """
+
+    steps: int = 0
+    until_s: float = 0.0
+    torn_bytes: int = 0
+    damage: str = ""
+    left_until_s: float = 0.0
+
+
+def is_whole(recording: Recording) -> bool:
+    """Whether it has its end, and all that it says it holds is there."""
+    if not recording.content.complete:
+        return False
+    try:
+        for _ in recording.commits():
+            pass
+    except RecordingError:
+        return False
+    return True
+
+
+def repair(recording: Recording, path: Path) -> Repaired:
+    """Whatever is whole stands in a new file that has its end.
+
+    Args:
+        recording: What is to be repaired; its file stays as it is.
+        path: The new file.
+
+    Raises:
+        FileExistsError: There is one of this name, which stays as it is.
+        OSError: It cannot be written; there is none then.
+    """
+    with closing(DiskFile(path)) as sink:
+        try:
+            return _write(recording, Pieces(sink))
+        except BaseException:
+            path.unlink()
+            raise
+
+
+def _write(recording: Recording, file: Pieces) -> Repaired:
+    content, copy = recording.content, _Copy(recording, file)
+    for each in content.attachments.values():
+        file.attach(each.name, each.media_type, each.data, each.log_time)
+    damage, left_until_s = "", 0.0
+    try:
+        for place, steps in enumerate(recording.commits()):
+            copy.take(place, steps)
+    except RecordingError as error:
+        damage, left_until_s = str(error), max(recording.starts_s)
+    file.write(file.cut())
+    torn_bytes = content.size - content.whole
+    file.note(REPAIRED, {"until_s": repr(copy.until_s), "torn_bytes": str(torn_bytes)})
+    file.finish()
+    return Repaired(copy.steps, copy.until_s, torn_bytes, damage, left_until_s)
+
+
+class _Copy:
+    """Hands piece after piece to the new file."""
+
+    def __init__(self, recording: Recording, file: Pieces) -> None:
+        self.steps, self.until_s = 0, 0.0
+        self._chunks = Chunks(recording.path, recording.content.pieces)
+        self._file = file
+        self._topics: dict[int, int] = {}
+        self._uncut = 0
+
+    def take(self, place: int, steps: list[Step]) -> None:
+        """The new file has this piece, in which these steps are."""
+        file, topics = self._file, self._topics
+        for number, time_ns, data in self._chunks.entries(place):
+            if number not in topics:
+                topics[number] = file.topic(*self._chunks.topics.described(number))
+            file.message(topics[number], time_ns, data)
+            self._uncut += len(data)
+        if self._uncut >= _LEAST_BYTES:
+            file.write(file.cut())
+            self._uncut = 0
+        self.steps += len(steps)
+        self.until_s = steps[-1].at_s if steps else self.until_s
