@@ -144,6 +144,10 @@ class MissionRun:
         except _BackendRaisedError as failure:
             error = failure.__cause__
             message = f"the {self._backend.name} backend failed: {_told(error)}"
+            stop = self._requests.stop
+            if self.state is None and stop is not None:  # asked to end while it was being opened
+                self._abandon(Ended("interrupted", f"{stop.reason}; {message}"))
+                return self._result(stop.exit_code, error)
             self._abandon(Ended("fault", message), Fault(BACKEND_FAILED, message, "stop"))
             return self._result(BACKEND, error)
         except (_Insisted, KeyboardInterrupt):

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import inf
@@ -219,6 +220,21 @@ def test_a_backend_that_cannot_be_opened_is_sent_nothing() -> None:
     result = run(FakeEngine(), backend)
 
     assert (result.exit_code, backend.submitted, backend.closed) == (3, [], 1)
+
+
+def test_a_run_that_was_told_to_end_while_it_was_opened_says_so() -> None:
+    requests = StopRequests()
+
+    class Hanging(FakeBackend):
+        def open(self) -> Sequence[ev.Event]:
+            requests.ask(BY_SIGNAL[signal.SIGTERM])
+            raise BackendError("the port does not answer")
+
+    result = run(FakeEngine(), Hanging(), requests=requests)
+
+    assert (result.ended.outcome, result.exit_code) == ("interrupted", 143)
+    assert result.ended.message.startswith("told to terminate (SIGTERM); the ")
+    assert result.ended.message.endswith("the port does not answer")
 
 
 def test_a_fault_of_ours_ends_in_the_safe_array_and_code_4() -> None:
