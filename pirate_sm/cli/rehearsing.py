@@ -92,6 +92,8 @@ def _run(
     result = run.execute()
     if result.error is not None:
         raise result.error
+    if result.ended.outcome == "interrupted" and requests.stop is None:
+        raise KeyboardInterrupt  # it is the check that a person has interrupted
     ended = result.ended
     return RehearsedRun(seed, ended.outcome, ended.message, result.now_s), calls.nearest()
 

@@ -136,18 +136,19 @@ def _needed(robot: LoadedRobot, index: int) -> Iterator[Block]:
     if not found.any_of:
         yield Paragraph("it is taken nowhere.", "Needs:")
     elif found.unless is not None:
-        yield Paragraph(f"anything but {_need(robot, found.unless)}.", "Needs")
+        together = " together" if len(found.unless) > 1 else ""
+        yield Paragraph(f"anything but {_need(robot, found.unless, 'and')}{together}.", "Needs")
     else:
         partly = "; it is not taken in all of these combinations" if found.partly else ""
         for number, each in enumerate(found.any_of):
             yield Paragraph(f"{_need(robot, each)}{partly}.", "or" if number else "Needs")
 
 
-def _need(robot: LoadedRobot, need: Need) -> str:
+def _need(robot: LoadedRobot, need: Need, word: str = "") -> str:
     parts = [
         f"{robot.table.regions[region]} {listed(names, 'or')}" for region, names in need.items()
     ]
-    return "; ".join(parts) or "nothing"
+    return (listed(parts, word) if word else "; ".join(parts)) or "nothing"
 
 
 def _change(robot: LoadedRobot, change: Change) -> tuple[str, str, str, str]:

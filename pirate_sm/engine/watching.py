@@ -20,6 +20,8 @@ def watch(
     accepted = old.configuration != new.configuration
     if not accepted and old.marks == new.marks and old.values == new.values:
         return state
+    if not accepted and state.mission.diverting is not None:
+        return state  # the mission has broken nothing: its wheels are stopped before the handler
     name = setting.robot.commands[motion.command].name if motion is not None else None
     places, broken = rules.follow(
         setting.program, setting.robot, state.rules, new, int(accepted), name if accepted else None

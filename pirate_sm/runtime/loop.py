@@ -152,7 +152,8 @@ class MissionRun:
             return self._result(BACKEND, error)
         except (_Insisted, KeyboardInterrupt):
             stop = self._requests.stop
-            self._abandon(Ended("interrupted", "interrupted twice, stopped at once"))
+            twice = " twice" if self._requests.urgent else ""
+            self._abandon(Ended("interrupted", f"interrupted{twice}, stopped at once"))
             return self._result(stop.exit_code if stop else INTERRUPTED)
         except Exception as error:
             message = f"a fault in this program: {_told(error)}"

@@ -147,3 +147,19 @@ ends: {there: {succeed: There}}
     assert result.exit_code == 0
     assert result.stdout.count("[rehearsal.at_once]") == 1
     assert "m.yaml:12:12: warning [rehearsal.at_once]" in result.stdout
+
+
+def test_an_interrupt_ends_the_check_and_is_no_finding(pirate: Any, monkeypatch: Any) -> None:
+    """It was taken for the end of one run, which was then reported to have failed."""
+
+    def interrupted(backend: Any, until_s: float) -> Any:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(
+        "pirate_sm.backends.simulator.backend.SimulatorBackend.advance", interrupted
+    )
+    result = pirate("check", "climb", "--rehearse")
+
+    assert result.exit_code == 130
+    assert "rehearsal.failed" not in result.stdout
+    assert "interrupted" in result.stderr

@@ -536,3 +536,28 @@ def test_a_clamp_is_not_confirmed_while_the_fault_that_denies_it_lasts(drive):
     driver.until_done("ClampFront")
 
     assert driver.unconfirmed == set()
+
+
+CAUGHT = """
+on_fault: [{fault: clamp.lost, go: rescue}]
+start: a
+phases:
+  a: {do: [DriveForward], wait: [{operator: x, go: e}], within: {time: 1 h, go: e}}
+  rescue: {do: [{command: Brake, unneeded: skip}, ClampRear], go: e}
+ends: {e: {succeed: "After {cause}"}}
+"""
+
+
+def test_a_fault_that_denies_the_only_clamp_while_wheels_are_driven_is_handled(drive):
+    """The rule against driving without a clamp ended the mission before the wheels were stopped."""
+    states = {"BendingState": "FrontClampedRearBending", "FrontWheelsState": "Fixed"}
+    driver = drive(CAUGHT, states=states)
+    driver.until_waiting("a")
+
+    driver.signals["gamma_1"] = -OPENED
+    driver.until(lambda seen: seen.faults)
+    assert driver.faults == [("clamp.lost", "rescue")]
+    driver.until_done("ClampRear")
+
+    assert driver.faults == [("clamp.lost", "rescue")]
+    assert driver.statuses.count(("Brake", "done")) == 1
