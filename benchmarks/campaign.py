@@ -9,6 +9,7 @@ from functools import cache, partial
 from math import nan
 from multiprocessing import get_context
 from os import cpu_count
+from time import perf_counter
 from typing import TYPE_CHECKING, TypeAlias
 
 from pirate_sm.detectors.words import words_of
@@ -66,6 +67,7 @@ class Outcome:
         slid_m: How far a wheel is carried in two seconds, once the robot has settled after the end.
         short_m: How far the wheel of the detector's last word is short of the place that the word
             means, by the truth; NaN where none was said, negative where the wheel is beyond it.
+        took_s: How long the run has taken, by the wall's clock, without what was looked at afterwards.
     """
 
     seed: int
@@ -83,6 +85,7 @@ class Outcome:
     torques: tuple[float, ...]
     slid_m: float
     short_m: float
+    took_s: float = field(default=0.0, compare=False)
 
 
 MotorValue: TypeAlias = tuple[str, str, float]
@@ -112,6 +115,7 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
     from pirate_sm.runtime.loop import MissionRun
     from pirate_sm.wiring import prepare
 
+    began = perf_counter()
     prepared = prepare(order, _loaded(order.mission, order.pipe, motors))
     notes = Notes(prepared.engine.robot)
     run_ = MissionRun(
@@ -119,6 +123,7 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
         companions=(*prepared.companions, FirstChoice()),
     )  # fmt: skip
     result = run_.execute()
+    took_s = perf_counter() - began
     assert run_.state is not None
     engine, state = prepared.engine, run_.state
     real = prepared.backend.truth  # type: ignore[attr-defined]
@@ -129,7 +134,7 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
         all(state.robot.latest[slot] == 0 for slot in engine.robot.safe_zero),
         tuple(notes.states), tuple(notes.faults),
         bool(engine.robot.held[state.robot.configuration]),
-        real.torques_nm, slid_m, _short_m(prepared, notes, real.arcs_m),
+        real.torques_nm, slid_m, _short_m(prepared, notes, real.arcs_m), took_s,
     )  # fmt: skip
 
 
