@@ -67,7 +67,7 @@ class Outcome:
         slid_m: How far a wheel is carried in two seconds, once the robot has settled after the end.
         short_m: How far the wheel of the detector's last word is short of the place that the word
             means, by the truth; NaN where none was said, negative where the wheel is beyond it.
-        took_s: How long the run has taken, by the wall's clock, without what was looked at afterwards.
+        took_s: How long the run has taken, without what was looked at afterwards.
     """
 
     seed: int
