@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 
+from pirate_sm.cli.outputs import refuse_losses, write_file
 from pirate_sm.cli.progress import progress
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.expressions import NumberType
@@ -215,10 +216,13 @@ def run_export(path: str, wanted: Wanted) -> int:
 
     Raises:
         RecordingError: The recording cannot be read, or a folder cannot be written.
-        UsageError: Nothing was asked for, or a file cannot be written.
+        UsageError: Nothing was asked for, a file cannot be written, or a recording or another of
+            the files would be lost for it.
     """
     if wanted == Wanted():
         raise UsageError("say what to export: --csv DIR, --urdf, --lichtblick, --plotjuggler FILE")
+    places = (wanted.csv, wanted.urdf, wanted.lichtblick, wanted.plotjuggler)
+    refuse_losses(Path(place) for place in places if place is not None)
     written: list[str] = []
     with _reading(path) as recording, recorded_mission(recording.header) as loaded:
         if wanted.csv is not None:
@@ -226,10 +230,7 @@ def run_export(path: str, wanted: Wanted) -> int:
 
             written += map(str, write_tables(recording, loaded, Path(wanted.csv)))
         for place, text in _texts(loaded, wanted):
-            try:
-                Path(place).write_text(text, encoding="utf-8")
-            except OSError as error:
-                raise UsageError(f"{place} cannot be written: {error.strerror}") from None
+            write_file(Path(place), text)
             written.append(place)
     for file in written:
         _say(file)

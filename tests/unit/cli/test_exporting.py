@@ -48,3 +48,31 @@ def test_a_file_that_cannot_be_written_is_told(
 
     assert result.exit_code == 2
     assert "cannot be written" in result.stderr
+
+
+@pytest.mark.parametrize("option", ["--csv", "--urdf", "--lichtblick", "--plotjuggler"])
+@pytest.mark.parametrize("linked", [False, True])
+def test_no_recording_is_overwritten(
+    pirate: Any, run: Path, tmp_path: Path, option: str, linked: bool
+) -> None:
+    before = run.read_bytes()
+    place = tmp_path / "link" if linked else run
+    if linked:
+        place.hardlink_to(run)
+
+    result = pirate("export", run, "--csv", tmp_path / "csv", option, place)
+
+    assert result.exit_code == 2
+    assert "is a recording: nothing is written over it" in result.stderr
+    assert run.read_bytes() == before
+    assert not (tmp_path / "csv").exists()
+
+
+def test_a_name_that_is_given_twice_is_refused_before_anything_is_written(
+    pirate: Any, run: Path, tmp_path: Path
+) -> None:
+    result = pirate("export", run, "--urdf", tmp_path / "x", "--lichtblick", tmp_path / "." / "x")
+
+    assert result.exit_code == 2
+    assert "is named twice" in result.stderr
+    assert not (tmp_path / "x").exists()
