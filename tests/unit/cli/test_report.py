@@ -33,7 +33,46 @@ def test_a_report_does_not_overwrite_its_recording(pirate: Any, run: Path) -> No
     result = pirate("report", run, "-o", run)
 
     assert (result.exit_code, run.read_bytes()) == (2, before)
-    assert "is the recording itself" in result.stderr
+    assert "is a recording: no page is written over it" in result.stderr
+
+
+def test_a_report_does_not_overwrite_another_recording_or_a_link_to_its_own(
+    pirate: Any, run: Path, tmp_path: Path
+) -> None:
+    other, link = tmp_path / "other.mcap", tmp_path / "link.html"
+    other.write_bytes(run.read_bytes())
+    link.hardlink_to(run)
+    before = run.read_bytes()
+
+    for place in (other, link):
+        result = pirate("report", run, "-o", place)
+        assert result.exit_code == 2
+        assert "no page is written over it" in result.stderr
+        assert place.read_bytes() == before
+
+
+@pytest.mark.parametrize("name", ["run.html", "index.html"])
+def test_what_somebody_else_wrote_is_not_replaced(pirate: Any, folder: Path, name: str) -> None:
+    (folder / name).write_text("<!doctype html><title>By hand</title>", "utf-8")
+
+    result = pirate("report", folder)
+
+    assert result.exit_code == 2
+    assert f"{name}' is no page that this program made" in result.stderr
+    assert "By hand" in (folder / name).read_text("utf-8")
+    assert [path.name for path in folder.glob("*.html")] == [name]
+
+
+def test_an_empty_file_and_a_page_of_an_older_version_are_replaced(
+    pirate: Any, run: Path, tmp_path: Path
+) -> None:
+    page = tmp_path / "run.html"
+    page.touch()
+    assert pirate("report", run).exit_code == 0
+    page.write_text(page.read_text("utf-8").replace(__version__, "0.0.0"), "utf-8")
+
+    assert pirate("report", run).exit_code == 0
+    assert f'content="pirate-sm {__version__}"' in page.read_text("utf-8")
 
 
 @pytest.fixture
