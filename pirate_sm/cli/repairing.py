@@ -49,7 +49,9 @@ def _lost(done: Repaired) -> Iterator[str]:
             f"what came from there on, until about {done.left_until_s:.1f} s or later: "
             f"{done.damage}"
         )
+    elif done.complete:
+        yield "nothing: only the index at the end of the file was missing or wrong"
     else:
-        yield "what the run did after that: it had not been written"
+        yield "whatever came after that: it is not in the file"
     if done.torn_bytes:
         yield f"the last {done.torn_bytes} bytes of the file, which are not whole"

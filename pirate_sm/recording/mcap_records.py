@@ -29,6 +29,7 @@ _FRAME: Final = struct.Struct("<BQ")
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _TIME: Final = struct.Struct("<Q")
 _CRC: Final = struct.Struct("<I")
+_FOOTER: Final = struct.Struct("<BQQQI")
 _BROKEN: Final = (
     McapError, CRCValidationError, ValueError, OverflowError, struct.error, zstandard.ZstdError,
 )  # fmt: skip
@@ -63,7 +64,8 @@ class Content(NamedTuple):
         attachments: By name.
         metadata: By name.
         pieces: The chunks. One that was changed is noticed when it is read.
-        complete: Whether it was written to its end.
+        complete: Whether all of it is there: what comes after is only the index of it.
+        indexed: Whether that index is there, too, as it was written.
         whole: So many bytes are whole records; what follows is torn.
         size: Of the file, bytes.
     """
@@ -75,6 +77,7 @@ class Content(NamedTuple):
     complete: bool
     whole: int
     size: int
+    indexed: bool = False
 
 
 class Entry(NamedTuple):
@@ -114,7 +117,7 @@ def read_content(file: BinaryIO) -> Content:
                 good = frame.start
         except _BROKEN:
             bad.append(frame.start)
-        if frame.opcode == Opcode.FOOTER:
+        if frame.opcode == Opcode.DATA_END:
             content = content._replace(complete=True)
     if not content.complete:
         if size > len(MCAP0_MAGIC) and _ends_whole(file, size):
@@ -124,7 +127,7 @@ def read_content(file: BinaryIO) -> Content:
     if bad and (content.complete or min(bad) < good):
         raise DamagedError(f"at byte {min(bad)}")
     whole = size if content.complete else min([*(at - _FRAME.size for at in bad), end])
-    return content._replace(whole=whole)
+    return content._replace(whole=whole, indexed=content.complete and _has_index(file, size))
 
 
 def records_of(file: BinaryIO, piece: Piece) -> bytes:
@@ -200,9 +203,25 @@ def _frames(file: BinaryIO, size: int) -> Iterator[_Frame]:
         if opcode == 0 or end > size:
             return
         yield _Frame(opcode, start, end)
-        if opcode == Opcode.FOOTER:
+        if opcode == Opcode.DATA_END:
             return
         at = end
+
+
+def _has_index(file: BinaryIO, size: int) -> bool:
+    """Whether the file ends with the index that other programs look for, as it was written."""
+    at = size - _FOOTER.size - len(MCAP0_MAGIC)
+    if at < 0 or not _ends_whole(file, size):
+        return False
+    footer = _bytes(file, at, _FOOTER.size)
+    opcode, length, begins, _, crc = _FOOTER.unpack(footer)
+    if (opcode, length) != (Opcode.FOOTER, _FOOTER.size - _FRAME.size) or not 0 < begins <= at:
+        return False
+    try:
+        index = _bytes(file, begins, at - begins)
+    except ValueError:
+        return False
+    return bool(zlib.crc32(footer[: -_CRC.size], zlib.crc32(index)) == crc)
 
 
 def _inside(records: bytes) -> Iterator[_Frame]:

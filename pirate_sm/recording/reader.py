@@ -37,6 +37,10 @@ from pirate_sm.recording.states import state_from_text
 
 NS_PER_S = 1_000_000_000
 
+_NO_INDEX = (
+    "all that was recorded is there, but the index at the end of the file, which other programs "
+    "look for, is missing or damaged: pirate repair makes it anew"
+)
 _WHY_EARLY = "a run that was killed lost its last half second, one whose disk was full the rest"
 
 
@@ -130,7 +134,7 @@ class Recording:
             RecordingError: It is damaged.
         """
         if self.complete:
-            return ()
+            return () if self.content.indexed else (_NO_INDEX,)
         if not self.until_s:
             return ("the recording ends early, as the run began",)
         return (f"the recording ends early, at {self.until_s:.3f} s: {_WHY_EARLY}",)

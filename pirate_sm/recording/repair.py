@@ -29,6 +29,7 @@ class Repaired(NamedTuple):
         torn_bytes: So many bytes at the end of the old file are not whole.
         damage: Why more was left out; empty where nothing was.
         left_until_s: Until about when that goes.
+        complete: Whether all that was recorded is in it.
     """
 
     steps: int = 0
@@ -36,11 +37,12 @@ class Repaired(NamedTuple):
     torn_bytes: int = 0
     damage: str = ""
     left_until_s: float = 0.0
+    complete: bool = False
 
 
 def is_whole(recording: Recording) -> bool:
-    """Whether it has its end, and all that it says it holds is there."""
-    if not recording.content.complete:
+    """Whether all that it says it holds is there, and the index by which others find it."""
+    if not recording.content.indexed:
         return False
     try:
         for _ in recording.commits():
@@ -81,9 +83,11 @@ def _write(recording: Recording, file: Pieces) -> Repaired:
         damage, left_until_s = str(error), max(recording.starts_s)
     file.write(file.cut())
     torn_bytes = content.size - content.whole
-    file.note(REPAIRED, {"until_s": repr(copy.until_s), "torn_bytes": str(torn_bytes)})
+    complete = recording.complete and not damage
+    if not complete:
+        file.note(REPAIRED, {"until_s": repr(copy.until_s), "torn_bytes": str(torn_bytes)})
     file.finish()
-    return Repaired(copy.steps, copy.until_s, torn_bytes, damage, left_until_s)
+    return Repaired(copy.steps, copy.until_s, torn_bytes, damage, left_until_s, complete)
 
 
 class _Copy:
