@@ -27,7 +27,7 @@ def run_repair(recording: str, output: Path | None) -> int:
     path = Path(recording)
     place = output or path.with_suffix(f".repaired{path.suffix}")
     with progress(f"reading {visible(recording)}") as watch:
-        found = read_recording(path, watch)
+        found = read_recording(path, watch, damaged=True)
         if is_whole(found):
             print(visible(f"{shown(path)} is whole: there is nothing to repair"))
             return 0
@@ -45,13 +45,12 @@ def run_repair(recording: str, output: Path | None) -> int:
 
 def _lost(done: Repaired) -> Iterator[str]:
     if done.damage:
-        yield (
-            f"what came from there on, until about {done.left_until_s:.1f} s or later: "
-            f"{done.damage}"
-        )
+        until = f", until about {done.left_until_s:.1f} s or later" if done.left_until_s else ""
+        yield f"what came from there on{until}: the recording is damaged {done.damage}"
     elif done.complete:
         yield "nothing: only the index at the end of the file was missing or wrong"
     else:
         yield "whatever came after that: it is not in the file"
     if done.torn_bytes:
-        yield f"the last {done.torn_bytes} bytes of the file, which are not whole"
+        why = "nothing after damage can be used" if done.damage else "which are not whole"
+        yield f"the last {done.torn_bytes} bytes of the file, {why}"

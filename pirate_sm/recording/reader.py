@@ -28,7 +28,7 @@ from pirate_sm.loading.folders import shown
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 from pirate_sm.recording.alphabet import ENGINE, STATE, Abandoned, Started, Topic, Topics
-from pirate_sm.recording.beginning import damaged, read_header
+from pirate_sm.recording.beginning import DamagedInsideError, read_header
 from pirate_sm.recording.bodies import body_from_text
 from pirate_sm.recording.chunks import Chunks, Message
 from pirate_sm.recording.header import PROFILE, REPAIRED, RunHeader
@@ -288,7 +288,7 @@ class Recording:
         try:
             return self._chunks.read(place)
         except DamagedError as error:
-            raise damaged(self.path, str(error)) from None
+            raise DamagedInsideError(self.path, str(error)) from None
         except OSError as error:
             raise _unreadable(self.path, error) from None
 
@@ -301,7 +301,7 @@ class Recording:
         try:
             yield from topic.decode(data)
         except ValueError as error:
-            raise damaged(self.path, str(error)) from None
+            raise DamagedInsideError(self.path, str(error)) from None
 
     def _rows(self, entries: Sequence[Message], first: int | None) -> list[Step]:
         """The steps among messages; ``first``: the number of the first of them, None: any."""
@@ -322,11 +322,11 @@ class Recording:
         if first is None:
             first = min(inputs, default=0)
         if inputs.keys() != set(range(first, first + len(inputs))) or effects.keys() - inputs:
-            raise damaged(self.path, f"steps are missing after the first {first}")
+            raise DamagedInsideError(self.path, f"steps are missing after the first {first}")
         try:
             steps = [_step(number, *inputs[number], effects[number]) for number in sorted(inputs)]
         except ValueError as error:
-            raise damaged(self.path, str(error)) from None
+            raise DamagedInsideError(self.path, str(error)) from None
         if states:
             return [step._replace(state=states.get(step.number)) for step in steps]
         return steps
@@ -341,12 +341,15 @@ def _step(number: int, at_s: float, made: Any, effects: list[tuple[int, Effect]]
     return Step(number, at_s, made, given, "engine")
 
 
-def read_recording(path: Path, watch: Callable[[float], None] = _nobody) -> Recording:
+def read_recording(
+    path: Path, watch: Callable[[float], None] = _nobody, *, damaged: bool = False
+) -> Recording:
     """The recording in this file, as far as it goes.
 
     Args:
         path: The file.
         watch: Is told how much of it has been gone through, whenever it is gone through.
+        damaged: Whether one will do that is damaged, up to where it is.
 
     Raises:
         RecordingError: There is none, it is something else, or its beginning is damaged.
@@ -356,15 +359,16 @@ def read_recording(path: Path, watch: Callable[[float], None] = _nobody) -> Reco
             content = read_content(file)
     except NotMcapError:
         raise RecordingError(f"{shown(path)} is not a recording: it is not an MCAP file") from None
-    except DamagedError as error:
-        raise damaged(path, str(error)) from None
     except OSError as error:
         raise _unreadable(path, error) from None
     except ValueError:
         raise RecordingError(f"there is no file '{shown(path)}'") from None
     if content.profile not in (PROFILE, None):
         raise RecordingError(f"{shown(path)} is an MCAP file, but not a recording of a mission")
-    return Recording(path, read_header(path, content), content, watch)
+    recording = Recording(path, read_header(path, content), content, watch)
+    if content.damage and not damaged:
+        raise DamagedInsideError(path, content.damage)
+    return recording
 
 
 def _unreadable(path: Path, error: OSError) -> RecordingError:

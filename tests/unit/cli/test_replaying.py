@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from pirate_sm.cli.entry import only_run
 from pirate_sm.recording import recorder
+from pirate_sm.recording.reader import read_recording
 
 
 @pytest.fixture(scope="module")
@@ -166,6 +167,27 @@ def test_what_follows_damage_is_left_out_and_said(pirate: Any, run: Path, record
     assert result.exit_code == 0
     assert "lost: what came from there on" in result.stdout
     assert pirate("replay", "bad.repaired.mcap").exit_code == 0
+
+
+@pytest.mark.parametrize("piece", [1, 4])
+def test_what_comes_before_a_gap_in_the_middle_is_saved(
+    piece: int, pirate: Any, run: Path, recorded: bytes
+) -> None:
+    begins, ends = chunks_in(recorded)[piece]
+    Path("gap.mcap").write_bytes(recorded[: begins + 100] + recorded[ends + 100 :])
+    refused = pirate("replay", "gap.mcap")
+    result = pirate("repair", "gap.mcap")
+    again = pirate("replay", "gap.repaired.mcap")
+    whole = read_recording(run)
+    saved = read_recording(Path("gap.repaired.mcap"))
+
+    assert refused.exit_code == 2
+    assert re.search(r"is damaged: at byte \d+; pirate repair saves what", refused.stderr)
+    assert result.exit_code == 0
+    assert re.search(r"lost: what came from there on: .* at byte \d+\n", result.stdout)
+    assert list(saved.steps()) == list(whole.steps())[: len(list(saved.steps()))]
+    assert saved.until_s == pytest.approx(whole.starts_s[piece], abs=0.2)
+    assert again.exit_code == 0
 
 
 def test_what_cannot_be_repaired_is_refused(pirate: Any, run: Path, recorded: bytes) -> None:
