@@ -132,7 +132,7 @@ def run_replay(path: str, changed: Changed, stretch: Stretch, jobs: int | None) 
         )
     _say(_same(result))
     if not recording.complete and result.until_s >= recording.until_s:
-        _say("the recording ends there; the run itself was cut short")
+        _say("the recording ends there")
     return SAME
 
 

@@ -38,6 +38,8 @@ def run_repair(recording: str, output: Path | None) -> int:
         except OSError as error:
             raise UsageError(f"{shown(place)} cannot be written: {error.strerror}") from None
     print(visible(f"{shown(place)} holds {done.steps} inputs, until {done.until_s:.3f} s"))
+    if done.complete:
+        print("nothing is lost: only the index at the end of the file was missing or wrong")
     for line in _lost(done):
         print(visible(f"lost: {line}"))
     return 0
@@ -47,9 +49,7 @@ def _lost(done: Repaired) -> Iterator[str]:
     if done.damage:
         until = f", until about {done.left_until_s:.1f} s or later" if done.left_until_s else ""
         yield f"what came from there on{until}: the recording is damaged {done.damage}"
-    elif done.complete:
-        yield "nothing: only the index at the end of the file was missing or wrong"
-    else:
+    elif not done.complete:
         yield "whatever came after that: it is not in the file"
     if done.torn_bytes:
         why = "nothing after damage can be used" if done.damage else "which are not whole"

@@ -25,7 +25,7 @@ from pirate_sm.engine.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.folders import shown
-from pirate_sm.model.effects import Effect
+from pirate_sm.model.effects import Effect, Ended
 from pirate_sm.model.events import Event
 from pirate_sm.recording.alphabet import ENGINE, STATE, Abandoned, Started, Topic, Topics
 from pirate_sm.recording.beginning import DamagedInsideError, read_header
@@ -41,7 +41,6 @@ _NO_INDEX = (
     "all that was recorded is there, but the index at the end of the file, which other programs "
     "look for, is missing or damaged: pirate repair makes it anew"
 )
-_WHY_EARLY = "a run that was killed lost its last half second, one whose disk was full the rest"
 
 
 class Step(NamedTuple):
@@ -137,7 +136,9 @@ class Recording:
             return () if self.content.indexed else (_NO_INDEX,)
         if not self.until_s:
             return ("the recording ends early, as the run began",)
-        return (f"the recording ends early, at {self.until_s:.3f} s: {_WHY_EARLY}",)
+        if self._ended:
+            return (f"the end of the file is lost, but the run had ended, at {self.until_s:.3f} s",)
+        return (f"the recording ends early, at {self.until_s:.3f} s: nothing after that is in it",)
 
     @cached_property
     def until_s(self) -> float:
@@ -146,11 +147,20 @@ class Recording:
         Raises:
             RecordingError: It is damaged.
         """
-        for place in reversed(range(len(self.content.pieces))):
-            *_, last = [None, *self._rows(self._read(place), None)]
-            if last is not None:
-                return last.at_s
-        return 0.0
+        return self._last_steps[-1].at_s if self._last_steps else 0.0
+
+    @cached_property
+    def _ended(self) -> bool:
+        """Whether the end of the run is in it."""
+        last = (effect for step in self._last_steps for effect in step.effects)
+        return any(isinstance(effect, Ended) for effect in last)
+
+    @cached_property
+    def _last_steps(self) -> list[Step]:
+        """The steps of the last piece that has any."""
+        pieces = reversed(range(len(self.content.pieces)))
+        found = (self._rows(self._read(place), None) for place in pieces)
+        return next(filter(None, found), [])
 
     @cached_property
     def starts_s(self) -> list[float]:

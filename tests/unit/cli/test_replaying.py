@@ -133,7 +133,7 @@ def test_a_recording_that_was_cut_short_is_repaired(
     assert "the last 1000 bytes of the file, which are not whole" in result.stdout
     assert again.exit_code == 0
     assert "the recording ends early" in again.stdout
-    assert "the run itself was cut short" in again.stdout
+    assert "the recording ends there" in again.stdout
 
 
 def test_a_whole_recording_is_left_alone(pirate: Any, run: Path) -> None:
@@ -167,6 +167,17 @@ def test_what_follows_damage_is_left_out_and_said(pirate: Any, run: Path, record
     assert result.exit_code == 0
     assert "lost: what came from there on" in result.stdout
     assert pirate("replay", "bad.repaired.mcap").exit_code == 0
+
+
+def test_of_a_run_whose_end_is_there_nothing_is_said_that_nobody_knows(
+    pirate: Any, run: Path, recorded: bytes
+) -> None:
+    Path("cut.mcap").write_bytes(recorded[: chunks_in(recorded)[-1][1]])
+    said = [pirate(command, "cut.mcap").stdout for command in ("replay", "repair")]
+    said.append(pirate("replay", "cut.repaired.mcap").stdout)
+
+    assert all("the run had ended" in each for each in (said[0], said[2]))
+    assert not re.search("killed|full|cut short|written|early", "".join(said))
 
 
 @pytest.mark.parametrize("piece", [1, 4])
