@@ -96,14 +96,10 @@ def _one(path: Path, index: Path) -> Listed:
 
 
 def _is_fresh(page: Path, recording: Recording) -> bool:
-    """Whether this version of the program made the page after the recording."""
-    try:
-        if page.stat().st_mtime < recording.path.stat().st_mtime:
-            return False
-        with page.open(encoding="utf-8", errors="replace") as file:
-            return f'content="pirate-sm {__version__}"' in file.read(_HEAD)
-    except OSError:
-        return False
+    """Whether this version of the program made the page of this very recording."""
+    head = begins(page, _HEAD).decode(errors="replace")
+    made_by = f'content="pirate-sm {__version__}"' in head
+    return made_by and f'<meta name="recording" content="{recording.sha256}">' in head
 
 
 def _refuse_foreign(*places: Path) -> None:

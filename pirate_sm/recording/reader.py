@@ -15,6 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cached_property
+from hashlib import file_digest
 from itertools import groupby
 from math import inf
 from pathlib import Path
@@ -161,6 +162,19 @@ class Recording:
         pieces = reversed(range(len(self.content.pieces)))
         found = (self._rows(self._read(place), None) for place in pieces)
         return next(filter(None, found), [])
+
+    @cached_property
+    def sha256(self) -> str:
+        """The hash of the file, hexadecimal.
+
+        Raises:
+            RecordingError: It cannot be read.
+        """
+        try:
+            with self.path.open("rb") as file:
+                return file_digest(file, "sha256").hexdigest()
+        except OSError as error:
+            raise _unreadable(self.path, error) from None
 
     @cached_property
     def starts_s(self) -> list[float]:

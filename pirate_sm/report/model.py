@@ -163,6 +163,7 @@ class Report:
         failures: What made it fail and in which phase: the last one did, those before led there.
         diagram: The mission as an SVG element, with the path taken; empty without one.
         files: Hash of each file by its name.
+        recording: Hash of the recording that it tells of; empty without one.
     """
 
     title: str
@@ -178,6 +179,7 @@ class Report:
     facts: tuple[Fact, ...]
     files: Mapping[str, str]
     failures: tuple[Sentence, ...] = ()
+    recording: str = ""
 
     @property
     def failure(self) -> Sentence | None:

@@ -49,6 +49,7 @@ def html(report: Report) -> str:
     style = (library / "uPlot.min.css").read_text("utf-8")
     return Template((folder / "page.html").read_text("utf-8")).substitute(
         generator=f"pirate-sm {escape(__version__)}",
+        recording=escape(report.recording),
         title=escape(report.title),
         outcome=outcome,
         kind=report.outcome,

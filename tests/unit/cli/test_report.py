@@ -108,14 +108,24 @@ def test_several_recordings_are_listed_where_it_was_wanted(
     assert 'href="../other%20run.html"' in wanted.read_text("utf-8")
 
 
-def test_a_page_that_is_newer_than_its_recording_is_kept(pirate: Any, folder: Path) -> None:
+def test_the_page_of_the_very_recording_is_kept(pirate: Any, folder: Path) -> None:
     pirate("report", folder)
-    other = folder / "other run.html"
-    os.utime(other, (1, 1))
+    os.utime(folder / "other run.html", (1, 1))
+
+    assert pirate("report", folder).stdout.splitlines() == [str(folder / "index.html")]
+
+
+def test_a_page_whose_recording_was_replaced_by_an_older_one_is_made_again(
+    pirate: Any, folder: Path
+) -> None:
+    pirate("report", folder)
+    (folder / "run.mcap").write_bytes((folder / "other run.mcap").read_bytes())
+    os.utime(folder / "run.mcap", (1, 1))
 
     made = pirate("report", folder).stdout.splitlines()
 
-    assert made == [str(other), str(folder / "index.html")]
+    assert made == [str(folder / "run.html"), str(folder / "index.html")]
+    assert (folder / "run.html").read_bytes() == (folder / "other run.html").read_bytes()
 
 
 def test_a_page_of_another_version_is_made_again(pirate: Any, folder: Path) -> None:
