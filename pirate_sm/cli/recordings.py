@@ -221,6 +221,8 @@ def run_export(path: str, wanted: Wanted) -> int:
     """
     if wanted == Wanted():
         raise UsageError("say what to export: --csv DIR, --urdf, --lichtblick, --plotjuggler FILE")
+    if "" in (wanted.csv, wanted.urdf, wanted.lichtblick, wanted.plotjuggler):
+        raise UsageError("a folder or a file has a name: '' is none")
     places = (wanted.csv, wanted.urdf, wanted.lichtblick, wanted.plotjuggler)
     refuse_losses(Path(place) for place in places if place is not None)
     written: list[str] = []

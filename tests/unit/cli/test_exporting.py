@@ -7,6 +7,8 @@ from xml.etree import ElementTree
 
 import pytest
 
+from pirate_sm.recording.reader import read_recording
+
 from .conftest import NEWT
 
 
@@ -76,3 +78,31 @@ def test_a_name_that_is_given_twice_is_refused_before_anything_is_written(
     assert result.exit_code == 2
     assert "is named twice" in result.stderr
     assert not (tmp_path / "x").exists()
+
+
+@pytest.mark.parametrize("kind", ["without contents", "damaged"])
+def test_of_a_recording_without_contents_or_with_damage_no_folder_is_left(
+    pirate: Any, run: Path, tmp_path: Path, kind: str
+) -> None:
+    data = bytearray(run.read_bytes())
+    first = read_recording(run).content.pieces[0]
+    if kind == "damaged":
+        data[first.at + first.size // 2] ^= 0xFF
+    run.write_bytes(data if kind == "damaged" else data[: first.at - 9])
+
+    result = pirate("export", run, "--csv", tmp_path / "csv")
+
+    assert result.exit_code == 2
+    assert ("is damaged" if kind == "damaged" else "holds nothing") in result.stderr
+    assert not (tmp_path / "csv").exists()
+
+
+def test_the_current_folder_is_not_taken_for_a_name_that_is_none(
+    pirate: Any, run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = pirate("export", run, "--csv", "")
+
+    assert result.exit_code == 2
+    assert "'' is none" in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["run.mcap"]
