@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 from typing import Any
@@ -183,3 +184,19 @@ def test_a_page_that_cannot_be_written_is_told(pirate: Any, run: Path, tmp_path:
 
     assert result.exit_code == 2
     assert "cannot be written" in result.stderr
+
+
+@pytest.mark.parametrize("command", [("report",), ("export", "--urdf", "a.urdf"), ("replay",)])
+def test_a_disk_that_is_full_is_no_fault_of_this_program(
+    pirate: Any, run: Path, command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", full)
+    monkeypatch.chdir(run.parent)
+    result = pirate(*command, run)
+
+    assert result.exit_code == 2
+    assert "into a temporary folder: No space left on device" in result.stderr
+    assert len(result.stderr.splitlines()) == 1
