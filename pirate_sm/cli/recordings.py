@@ -69,6 +69,8 @@ class Stretch:
             UsageError: They are no times, or it ends before it begins.
         """
         found = cls(_time("--from", from_, 0.0), _time("--until", until, inf))
+        if found.until_s <= 0:
+            raise UsageError("--until must be later than the start of the run: nothing is left")
         if found.until_s <= found.from_s:
             raise UsageError("--until must be later than --from")
         return found
@@ -173,17 +175,20 @@ def run_compare(first: str, second: str) -> int:
     _say("")
     _say(f"{'what the mission comes to':<42} {'A':>9} {'B':>9} {'B - A':>9}   lasted A, B")
     for leg in result.legs:
-        apart = leg.second_s - leg.first_s
+        later_s = leg.second_s - leg.first_s
         _say(
-            f"{leg.mark:<42} {leg.first_s:>7.2f} s {leg.second_s:>7.2f} s {apart:>+7.2f} s   "
+            f"{leg.mark:<42} {leg.first_s:>7.2f} s {leg.second_s:>7.2f} s {later_s:>+7.2f} s   "
             f"{leg.lasted_first_s:.2f} s, {leg.lasted_second_s:.2f} s"
         )
     if result.parted is not None:
         _say(f"here they part: A comes to '{result.parted[0]}', B to '{result.parted[1]}'")
     _say("")
-    if result.deviations:
+    apart = [each for each in result.deviations if each.most > 0]
+    if result.deviations and not apart:
+        _say("every signal is the same in A and B")
+    if apart:
         _say("farthest apart, for what signals of their kind span:")
-    for each in result.deviations[:_MOST_SIGNALS]:
+    for each in apart[:_MOST_SIGNALS]:
         kind = loadeds[0].robot.vocabulary.types[each.name]
         dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
         most, typical, a, b = (

@@ -79,6 +79,7 @@ def test_a_stretch_for_which_there_is_no_checkpoint_begins_at_the_start(
         (("--from", "soon"), "--from: expected a duration"),
         (("--until", "3 m"), "--until: expected a duration"),
         (("--from", "5 s", "--until", "5 s"), "--until must be later than --from"),
+        (("--until", "0 s"), "--until must be later than the start of the run"),
         (("--from", "-5 s"), "is not negative"),
         (("--from", "5 s", "--mission", "mitre_bend"), "excludes another --mission"),
     ],
