@@ -100,7 +100,7 @@ def _summary(report: Report) -> Iterable[str]:
 def _failure(failure: Sentence) -> str:
     where = f"in <b>{escape(failure.topic)}</b>: " if failure.topic else ""
     return (
-        f'<p class="cause"><button type="button" data-at="{failure.at_s:.3f}">'
+        f'<p class="cause"><button type="button" data-at="{failure.before_s:.3f}">'
         f'{failure.at_s:.2f} s</button> <span><span class="sign" aria-hidden="true">✗</span> '
         f"{where}{escape(failure.text)}</span></p>"
     )
