@@ -88,13 +88,16 @@ class Kept:
 
 
 @contextmanager
-def recorded(prepared: Prepared, wishes: RecordingWishes, factor: float) -> Iterator[Kept]:
+def recorded(
+    prepared: Prepared, wishes: RecordingWishes, factor: float, *, quiet: bool = False
+) -> Iterator[Kept]:
     """The run is recorded as was wished, until the block ends.
 
     Args:
         prepared: The run.
         wishes: The wishes.
         factor: Mission seconds per second.
+        quiet: Whether the run's output leaves out what the recording tells while it goes on.
 
     Raises:
         RecordingError: It was to go into a file that cannot be made.
@@ -135,8 +138,8 @@ def recorded(prepared: Prepared, wishes: RecordingWishes, factor: float) -> Iter
             if path is not None and name and not recorder.begun:
                 with suppress(OSError):
                     path.unlink()  # the run was refused
-            if recorder.failure and warner.told != (ends := until_when(recorder)):
-                say(f"warning: {name or 'live'}: {ends}")
+            if recorder.failure and (quiet or warner.told != until_when(recorder)):
+                say(f"warning: {name or 'live'}: {until_when(recorder)}")
             if side.failure:
                 say(f"warning: viewers see less than there is: {side.failure}")
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 
+from pirate_sm.cli.outputs import refuse_losses, write_file
 from pirate_sm.cli.progress import progress
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.expressions import NumberType
@@ -68,6 +69,8 @@ class Stretch:
             UsageError: They are no times, or it ends before it begins.
         """
         found = cls(_time("--from", from_, 0.0), _time("--until", until, inf))
+        if found.until_s <= 0:
+            raise UsageError("--until must be later than the start of the run: nothing is left")
         if found.until_s <= found.from_s:
             raise UsageError("--until must be later than --from")
         return found
@@ -131,7 +134,7 @@ def run_replay(path: str, changed: Changed, stretch: Stretch, jobs: int | None) 
         )
     _say(_same(result))
     if not recording.complete and result.until_s >= recording.until_s:
-        _say("the recording ends there; the run itself was cut short")
+        _say("the recording ends there")
     return SAME
 
 
@@ -172,17 +175,20 @@ def run_compare(first: str, second: str) -> int:
     _say("")
     _say(f"{'what the mission comes to':<42} {'A':>9} {'B':>9} {'B - A':>9}   lasted A, B")
     for leg in result.legs:
-        apart = leg.second_s - leg.first_s
+        later_s = leg.second_s - leg.first_s
         _say(
-            f"{leg.mark:<42} {leg.first_s:>7.2f} s {leg.second_s:>7.2f} s {apart:>+7.2f} s   "
+            f"{leg.mark:<42} {leg.first_s:>7.2f} s {leg.second_s:>7.2f} s {later_s:>+7.2f} s   "
             f"{leg.lasted_first_s:.2f} s, {leg.lasted_second_s:.2f} s"
         )
     if result.parted is not None:
         _say(f"here they part: A comes to '{result.parted[0]}', B to '{result.parted[1]}'")
     _say("")
-    if result.deviations:
+    apart = [each for each in result.deviations if each.most > 0]
+    if result.deviations and not apart:
+        _say("every signal is the same in A and B")
+    if apart:
         _say("farthest apart, for what signals of their kind span:")
-    for each in result.deviations[:_MOST_SIGNALS]:
+    for each in apart[:_MOST_SIGNALS]:
         kind = loadeds[0].robot.vocabulary.types[each.name]
         dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
         most, typical, a, b = (
@@ -215,10 +221,15 @@ def run_export(path: str, wanted: Wanted) -> int:
 
     Raises:
         RecordingError: The recording cannot be read, or a folder cannot be written.
-        UsageError: Nothing was asked for, or a file cannot be written.
+        UsageError: Nothing was asked for, a file cannot be written, or a recording or another of
+            the files would be lost for it.
     """
     if wanted == Wanted():
         raise UsageError("say what to export: --csv DIR, --urdf, --lichtblick, --plotjuggler FILE")
+    if "" in (wanted.csv, wanted.urdf, wanted.lichtblick, wanted.plotjuggler):
+        raise UsageError("a folder or a file has a name: '' is none")
+    places = (wanted.csv, wanted.urdf, wanted.lichtblick, wanted.plotjuggler)
+    refuse_losses(Path(place) for place in places if place is not None)
     written: list[str] = []
     with _reading(path) as recording, recorded_mission(recording.header) as loaded:
         if wanted.csv is not None:
@@ -226,10 +237,7 @@ def run_export(path: str, wanted: Wanted) -> int:
 
             written += map(str, write_tables(recording, loaded, Path(wanted.csv)))
         for place, text in _texts(loaded, wanted):
-            try:
-                Path(place).write_text(text, encoding="utf-8")
-            except OSError as error:
-                raise UsageError(f"{place} cannot be written: {error.strerror}") from None
+            write_file(Path(place), text)
             written.append(place)
     for file in written:
         _say(file)

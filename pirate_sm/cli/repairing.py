@@ -27,7 +27,7 @@ def run_repair(recording: str, output: Path | None) -> int:
     path = Path(recording)
     place = output or path.with_suffix(f".repaired{path.suffix}")
     with progress(f"reading {visible(recording)}") as watch:
-        found = read_recording(path, watch)
+        found = read_recording(path, watch, damaged=True)
         if is_whole(found):
             print(visible(f"{shown(path)} is whole: there is nothing to repair"))
             return 0
@@ -38,6 +38,8 @@ def run_repair(recording: str, output: Path | None) -> int:
         except OSError as error:
             raise UsageError(f"{shown(place)} cannot be written: {error.strerror}") from None
     print(visible(f"{shown(place)} holds {done.steps} inputs, until {done.until_s:.3f} s"))
+    if done.complete:
+        print("nothing is lost: only the index at the end of the file was missing or wrong")
     for line in _lost(done):
         print(visible(f"lost: {line}"))
     return 0
@@ -45,11 +47,10 @@ def run_repair(recording: str, output: Path | None) -> int:
 
 def _lost(done: Repaired) -> Iterator[str]:
     if done.damage:
-        yield (
-            f"what came from there on, until about {done.left_until_s:.1f} s or later: "
-            f"{done.damage}"
-        )
-    else:
-        yield "what the run did after that: it had not been written"
+        until = f", until about {done.left_until_s:.1f} s or later" if done.left_until_s else ""
+        yield f"what came from there on{until}: the recording is damaged {done.damage}"
+    elif not done.complete:
+        yield "whatever came after that: it is not in the file"
     if done.torn_bytes:
-        yield f"the last {done.torn_bytes} bytes of the file, which are not whole"
+        why = "nothing after damage can be used" if done.damage else "which are not whole"
+        yield f"the last {done.torn_bytes} bytes of the file, {why}"

@@ -9,6 +9,7 @@ from urllib.parse import quote
 
 from pirate_sm import __version__
 from pirate_sm.cli.guard import say
+from pirate_sm.cli.outputs import begins, is_recording, write_file
 from pirate_sm.cli.progress import progress
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.recording.reader import Recording, read_recording
@@ -20,7 +21,10 @@ from pirate_sm.visible import visible
 
 _INDEX = "index.html"
 _HEAD = 2_000
-"""So many characters of a page hold the name of what made it."""
+"""So many bytes of a page hold the name of what made it."""
+
+_GENERATOR = b'<meta name="generator" content="pirate-sm '
+"""By this line a page of any version of this program is known."""
 
 
 def write_reports(places: Sequence[str], output: Path | None) -> int:
@@ -53,8 +57,7 @@ def _recordings(place: Path) -> Iterator[Path]:
 
 def _write_report(path: Path, output: Path | None) -> int:
     place = output or path.with_suffix(".html")
-    if place.resolve() == path.resolve():
-        raise UsageError(f"'{place}' is the recording itself")
+    _refuse_foreign(place)
     with progress(f"reading {visible(str(path))}") as watch:
         text = html(report_of(read_recording(path, watch)))
     _write(place, text)
@@ -65,6 +68,7 @@ def _write_index(paths: Sequence[Path], index: Path) -> int:
     for path in paths:
         if index.resolve() in (path.resolve(), path.with_suffix(".html").resolve()):
             raise UsageError(f"'{index}' is '{path}' or its page; name the list with --output")
+    _refuse_foreign(index, *(path.with_suffix(".html") for path in paths))
     runs = [_one(path, index) for path in paths]
     if all(run.outcome == "unreadable" for run in runs):
         raise RecordingError("none of the recordings can be read")
@@ -92,19 +96,31 @@ def _one(path: Path, index: Path) -> Listed:
 
 
 def _is_fresh(page: Path, recording: Recording) -> bool:
-    """Whether this version of the program made the page after the recording."""
-    try:
-        if page.stat().st_mtime < recording.path.stat().st_mtime:
-            return False
-        with page.open(encoding="utf-8", errors="replace") as file:
-            return f'content="pirate-sm {__version__}"' in file.read(_HEAD)
-    except OSError:
-        return False
+    """Whether this version of the program made the page of this very recording."""
+    head = begins(page, _HEAD).decode(errors="replace")
+    made_by = f'content="pirate-sm {__version__}"' in head
+    return made_by and f'<meta name="recording" content="{recording.sha256}">' in head
+
+
+def _refuse_foreign(*places: Path) -> None:
+    """Nothing stands in these places that is no page of ours.
+
+    Raises:
+        UsageError: Something does; all of it is told.
+    """
+    problems = []
+    for place in places:
+        if is_recording(place):
+            problems.append(f"'{place}' is a recording: no page is written over it")
+        elif (head := begins(place, _HEAD)) and _GENERATOR not in head:
+            problems.append(
+                f"'{place}' is no page that this program made, so it stays: "
+                "move it away, or name another file with --output"
+            )
+    if problems:
+        raise UsageError("\n".join(problems))
 
 
 def _write(place: Path, text: str) -> None:
-    try:
-        place.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"'{place}' cannot be written: {error.strerror}") from None
+    write_file(place, text)
     print(visible(str(place)))

@@ -115,7 +115,7 @@ def _show(
     """The run has been shown in the way that was wished, and ended."""
     live = on_terminal and not wishes.plain and shows_signs(sys.stdout)
     with ExitStack() as stack:
-        kept = stack.enter_context(recorded(prepared, wishes.recording, factor))
+        kept = stack.enter_context(recorded(prepared, wishes.recording, factor, quiet=wishes.quiet))
         situation = Situation(kept.prepared)
         for companion in prepared.companions:
             if isinstance(companion, AbstractContextManager):

@@ -64,3 +64,17 @@ def _check_versions(path: Path, data: bytes) -> None:
 def damaged(path: Path, how: str) -> RecordingError:
     """The error that says that a recording is not what was written."""
     return RecordingError(f"{shown(path)} is damaged: {how}")
+
+
+class DamagedInsideError(RecordingError):
+    """Is raised where the beginning of a recording can be used, but not all that follows.
+
+    Attributes:
+        how: What is wrong.
+    """
+
+    def __init__(self, path: Path, how: str) -> None:
+        super().__init__(
+            f"{shown(path)} is damaged: {how}; pirate repair saves what comes before that"
+        )
+        self.how = how

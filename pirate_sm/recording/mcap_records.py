@@ -29,6 +29,7 @@ _FRAME: Final = struct.Struct("<BQ")
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _TIME: Final = struct.Struct("<Q")
 _CRC: Final = struct.Struct("<I")
+_FOOTER: Final = struct.Struct("<BQQQI")
 _BROKEN: Final = (
     McapError, CRCValidationError, ValueError, OverflowError, struct.error, zstandard.ZstdError,
 )  # fmt: skip
@@ -63,7 +64,9 @@ class Content(NamedTuple):
         attachments: By name.
         metadata: By name.
         pieces: The chunks. One that was changed is noticed when it is read.
-        complete: Whether it was written to its end.
+        complete: Whether all of it is there: what comes after is only the index of it.
+        indexed: Whether that index is there, too, as it was written.
+        damage: Where bytes begin that are not what was written; empty where there are none.
         whole: So many bytes are whole records; what follows is torn.
         size: Of the file, bytes.
     """
@@ -75,6 +78,8 @@ class Content(NamedTuple):
     complete: bool
     whole: int
     size: int
+    indexed: bool = False
+    damage: str = ""
 
 
 class Entry(NamedTuple):
@@ -92,11 +97,10 @@ class Entry(NamedTuple):
 
 
 def read_content(file: BinaryIO) -> Content:
-    """Everything up to the end of the file, or to the tear where writing was cut short.
+    """Everything up to the end of the file, to the tear where writing was cut short, or to damage.
 
     Raises:
         NotMcapError: It is something else.
-        DamagedError: It was changed later.
         OSError: It cannot be read.
     """
     size = file.seek(0, os.SEEK_END)
@@ -114,17 +118,23 @@ def read_content(file: BinaryIO) -> Content:
                 good = frame.start
         except _BROKEN:
             bad.append(frame.start)
-        if frame.opcode == Opcode.FOOTER:
+        if frame.opcode == Opcode.DATA_END:
             content = content._replace(complete=True)
+    broken = not content.complete and size > len(MCAP0_MAGIC) and _ends_whole(file, size)
     if not content.complete:
-        if size > len(MCAP0_MAGIC) and _ends_whole(file, size):
-            raise DamagedError(f"at byte {end}")
         bad += _torn(file, content.pieces)
     good = max(good, content.pieces[-1].at if content.pieces else 0)
-    if bad and (content.complete or min(bad) < good):
-        raise DamagedError(f"at byte {min(bad)}")
+    if broken or (bad and (content.complete or min(bad) < good)):
+        return _up_to(content, min([*bad, end]))
     whole = size if content.complete else min([*(at - _FRAME.size for at in bad), end])
-    return content._replace(whole=whole)
+    return content._replace(whole=whole, indexed=content.complete and _has_index(file, size))
+
+
+def _up_to(content: Content, at: int) -> Content:
+    """What comes before the damage at a byte."""
+    pieces = [piece for piece in content.pieces if piece.at + piece.size <= at]
+    whole = pieces[-1].at + pieces[-1].size if pieces else min(at, content.size)
+    return content._replace(pieces=pieces, complete=False, whole=whole, damage=f"at byte {at}")
 
 
 def records_of(file: BinaryIO, piece: Piece) -> bytes:
@@ -200,9 +210,25 @@ def _frames(file: BinaryIO, size: int) -> Iterator[_Frame]:
         if opcode == 0 or end > size:
             return
         yield _Frame(opcode, start, end)
-        if opcode == Opcode.FOOTER:
+        if opcode == Opcode.DATA_END:
             return
         at = end
+
+
+def _has_index(file: BinaryIO, size: int) -> bool:
+    """Whether the file ends with the index that other programs look for, as it was written."""
+    at = size - _FOOTER.size - len(MCAP0_MAGIC)
+    if at < 0 or not _ends_whole(file, size):
+        return False
+    footer = _bytes(file, at, _FOOTER.size)
+    opcode, length, begins, _, crc = _FOOTER.unpack(footer)
+    if (opcode, length) != (Opcode.FOOTER, _FOOTER.size - _FRAME.size) or not 0 < begins <= at:
+        return False
+    try:
+        index = _bytes(file, begins, at - begins)
+    except ValueError:
+        return False
+    return bool(zlib.crc32(footer[: -_CRC.size], zlib.crc32(index)) == crc)
 
 
 def _inside(records: bytes) -> Iterator[_Frame]:

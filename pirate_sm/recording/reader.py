@@ -15,6 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cached_property
+from hashlib import file_digest
 from itertools import groupby
 from math import inf
 from pathlib import Path
@@ -25,10 +26,10 @@ from pirate_sm.engine.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.folders import shown
-from pirate_sm.model.effects import Effect
+from pirate_sm.model.effects import Effect, Ended
 from pirate_sm.model.events import Event
 from pirate_sm.recording.alphabet import ENGINE, STATE, Abandoned, Started, Topic, Topics
-from pirate_sm.recording.beginning import damaged, read_header
+from pirate_sm.recording.beginning import DamagedInsideError, read_header
 from pirate_sm.recording.bodies import body_from_text
 from pirate_sm.recording.chunks import Chunks, Message
 from pirate_sm.recording.header import PROFILE, REPAIRED, RunHeader
@@ -37,7 +38,10 @@ from pirate_sm.recording.states import state_from_text
 
 NS_PER_S = 1_000_000_000
 
-_WHY_EARLY = "a run that was killed lost its last half second, one whose disk was full the rest"
+_NO_INDEX = (
+    "all that was recorded is there, but the index at the end of the file, which other programs "
+    "look for, is missing or damaged: pirate repair makes it anew"
+)
 
 
 class Step(NamedTuple):
@@ -130,10 +134,12 @@ class Recording:
             RecordingError: It is damaged.
         """
         if self.complete:
-            return ()
+            return () if self.content.indexed else (_NO_INDEX,)
         if not self.until_s:
             return ("the recording ends early, as the run began",)
-        return (f"the recording ends early, at {self.until_s:.3f} s: {_WHY_EARLY}",)
+        if self._ended:
+            return (f"the end of the file is lost, but the run had ended, at {self.until_s:.3f} s",)
+        return (f"the recording ends early, at {self.until_s:.3f} s: nothing after that is in it",)
 
     @cached_property
     def until_s(self) -> float:
@@ -142,11 +148,33 @@ class Recording:
         Raises:
             RecordingError: It is damaged.
         """
-        for place in reversed(range(len(self.content.pieces))):
-            *_, last = [None, *self._rows(self._read(place), None)]
-            if last is not None:
-                return last.at_s
-        return 0.0
+        return self._last_steps[-1].at_s if self._last_steps else 0.0
+
+    @cached_property
+    def _ended(self) -> bool:
+        """Whether the end of the run is in it."""
+        last = (effect for step in self._last_steps for effect in step.effects)
+        return any(isinstance(effect, Ended) for effect in last)
+
+    @cached_property
+    def _last_steps(self) -> list[Step]:
+        """The steps of the last piece that has any."""
+        pieces = reversed(range(len(self.content.pieces)))
+        found = (self._rows(self._read(place), None) for place in pieces)
+        return next(filter(None, found), [])
+
+    @cached_property
+    def sha256(self) -> str:
+        """The hash of the file, hexadecimal.
+
+        Raises:
+            RecordingError: It cannot be read.
+        """
+        try:
+            with self.path.open("rb") as file:
+                return file_digest(file, "sha256").hexdigest()
+        except OSError as error:
+            raise _unreadable(self.path, error) from None
 
     @cached_property
     def starts_s(self) -> list[float]:
@@ -284,7 +312,7 @@ class Recording:
         try:
             return self._chunks.read(place)
         except DamagedError as error:
-            raise damaged(self.path, str(error)) from None
+            raise DamagedInsideError(self.path, str(error)) from None
         except OSError as error:
             raise _unreadable(self.path, error) from None
 
@@ -297,7 +325,7 @@ class Recording:
         try:
             yield from topic.decode(data)
         except ValueError as error:
-            raise damaged(self.path, str(error)) from None
+            raise DamagedInsideError(self.path, str(error)) from None
 
     def _rows(self, entries: Sequence[Message], first: int | None) -> list[Step]:
         """The steps among messages; ``first``: the number of the first of them, None: any."""
@@ -318,11 +346,11 @@ class Recording:
         if first is None:
             first = min(inputs, default=0)
         if inputs.keys() != set(range(first, first + len(inputs))) or effects.keys() - inputs:
-            raise damaged(self.path, f"steps are missing after the first {first}")
+            raise DamagedInsideError(self.path, f"steps are missing after the first {first}")
         try:
             steps = [_step(number, *inputs[number], effects[number]) for number in sorted(inputs)]
         except ValueError as error:
-            raise damaged(self.path, str(error)) from None
+            raise DamagedInsideError(self.path, str(error)) from None
         if states:
             return [step._replace(state=states.get(step.number)) for step in steps]
         return steps
@@ -337,12 +365,15 @@ def _step(number: int, at_s: float, made: Any, effects: list[tuple[int, Effect]]
     return Step(number, at_s, made, given, "engine")
 
 
-def read_recording(path: Path, watch: Callable[[float], None] = _nobody) -> Recording:
+def read_recording(
+    path: Path, watch: Callable[[float], None] = _nobody, *, damaged: bool = False
+) -> Recording:
     """The recording in this file, as far as it goes.
 
     Args:
         path: The file.
         watch: Is told how much of it has been gone through, whenever it is gone through.
+        damaged: Whether one will do that is damaged, up to where it is.
 
     Raises:
         RecordingError: There is none, it is something else, or its beginning is damaged.
@@ -352,15 +383,16 @@ def read_recording(path: Path, watch: Callable[[float], None] = _nobody) -> Reco
             content = read_content(file)
     except NotMcapError:
         raise RecordingError(f"{shown(path)} is not a recording: it is not an MCAP file") from None
-    except DamagedError as error:
-        raise damaged(path, str(error)) from None
     except OSError as error:
         raise _unreadable(path, error) from None
     except ValueError:
         raise RecordingError(f"there is no file '{shown(path)}'") from None
     if content.profile not in (PROFILE, None):
         raise RecordingError(f"{shown(path)} is an MCAP file, but not a recording of a mission")
-    return Recording(path, read_header(path, content), content, watch)
+    recording = Recording(path, read_header(path, content), content, watch)
+    if content.damage and not damaged:
+        raise DamagedInsideError(path, content.damage)
+    return recording
 
 
 def _unreadable(path: Path, error: OSError) -> RecordingError:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
@@ -25,11 +25,18 @@ def recorded_mission(header: RunHeader) -> Iterator[LoadedMission]:
     """The mission as it was run; its files stand in a temporary folder meanwhile.
 
     Raises:
-        RecordingError: This version of the program cannot use its texts any more.
+        RecordingError: This version of the program cannot use its texts any more, or they cannot
+            be written.
     """
-    with TemporaryDirectory(prefix="recorded-") as name:
-        folder = Path(name)
-        mission = _write(header, folder)
+    with ExitStack() as stack:
+        try:
+            folder = Path(stack.enter_context(TemporaryDirectory(prefix="recorded-")))
+            mission = _write(header, folder)
+        except OSError as error:
+            raise RecordingError(
+                "the files of the recording cannot be written into a temporary folder: "
+                f"{error.strerror}; TMPDIR names another place"
+            ) from None
         has_pipe = any(file.role == "pipe" for file in header.files)
         try:
             loaded = load_mission(

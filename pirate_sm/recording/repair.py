@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pirate_sm.errors import RecordingError
+from pirate_sm.recording.beginning import DamagedInsideError
 from pirate_sm.recording.chunks import Chunks
 from pirate_sm.recording.file import DiskFile, Pieces
 from pirate_sm.recording.header import REPAIRED
@@ -26,9 +27,10 @@ class Repaired(NamedTuple):
     Attributes:
         steps: How many steps it holds.
         until_s: Until when.
-        torn_bytes: So many bytes at the end of the old file are not whole.
+        torn_bytes: So many bytes at the end of the old file are not whole, or come after damage.
         damage: Why more was left out; empty where nothing was.
-        left_until_s: Until about when that goes.
+        left_until_s: Until about when that goes; 0 where nobody knows.
+        complete: Whether all that was recorded is in it.
     """
 
     steps: int = 0
@@ -36,11 +38,12 @@ class Repaired(NamedTuple):
     torn_bytes: int = 0
     damage: str = ""
     left_until_s: float = 0.0
+    complete: bool = False
 
 
 def is_whole(recording: Recording) -> bool:
-    """Whether it has its end, and all that it says it holds is there."""
-    if not recording.content.complete:
+    """Whether all that it says it holds is there, and the index by which others find it."""
+    if not recording.content.indexed:
         return False
     try:
         for _ in recording.commits():
@@ -73,17 +76,19 @@ def _write(recording: Recording, file: Pieces) -> Repaired:
     content, copy = recording.content, _Copy(recording, file)
     for each in content.attachments.values():
         file.attach(each.name, each.media_type, each.data, each.log_time)
-    damage, left_until_s = "", 0.0
+    damage, left_until_s = content.damage, 0.0
     try:
         for place, steps in enumerate(recording.commits()):
             copy.take(place, steps)
-    except RecordingError as error:
-        damage, left_until_s = str(error), max(recording.starts_s)
+    except DamagedInsideError as error:
+        damage, left_until_s = error.how, max(recording.starts_s)
     file.write(file.cut())
     torn_bytes = content.size - content.whole
-    file.note(REPAIRED, {"until_s": repr(copy.until_s), "torn_bytes": str(torn_bytes)})
+    complete = recording.complete and not damage
+    if not complete:
+        file.note(REPAIRED, {"until_s": repr(copy.until_s), "torn_bytes": str(torn_bytes)})
     file.finish()
-    return Repaired(copy.steps, copy.until_s, torn_bytes, damage, left_until_s)
+    return Repaired(copy.steps, copy.until_s, torn_bytes, damage, left_until_s, complete)
 
 
 class _Copy:

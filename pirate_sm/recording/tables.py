@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Callable, Iterable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from math import nan
 from pathlib import Path
 from typing import Any, TextIO
 
 from pirate_sm.errors import RecordingError
 from pirate_sm.expressions import NumberType
+from pirate_sm.loading.folders import shown
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import SensorFrame
@@ -29,23 +30,34 @@ def write_tables(recording: Recording, loaded: LoadedMission, folder: Path) -> t
     Places of wheels are those that viewers were shown: the simulator's, where it knew.
 
     Raises:
-        RecordingError: The recording is damaged, or the folder cannot be written.
+        RecordingError: The recording is damaged or holds nothing, or the folder cannot be written.
+            Then there are no tables.
     """
+    tables: _Tables | None = None
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         with ExitStack() as stack:
             tables = _Tables(loaded, folder, stack)
-            engine = engine_of(recording, loaded)
-            for again in rerun(recording, loaded):
-                if again.state is not None and isinstance(again.step.event, SensorFrame):
-                    tables.signals(again, engine.signals(again.state))
-                for effect in again.step.effects:
-                    tables.effect(again.step.at_s, effect)
-            for shown in recording.shown(PLACES):
-                tables.places(shown)
-            return tables.files
-    except OSError as error:
+            _fill(tables, recording, loaded)
+    except (OSError, RecordingError) as error:
+        if tables is not None:
+            tables.discard()
+        if isinstance(error, RecordingError):
+            raise
         raise RecordingError(f"{folder} cannot be written: {error.strerror}") from None
+    if not tables.files:
+        raise RecordingError(f"{shown(recording.path)} holds nothing that a table could hold")
+    return tables.files
+
+
+def _fill(tables: _Tables, recording: Recording, loaded: LoadedMission) -> None:
+    engine = engine_of(recording, loaded)
+    for again in rerun(recording, loaded):
+        if again.state is not None and isinstance(again.step.event, SensorFrame):
+            tables.signals(again, engine.signals(again.state))
+        for effect in again.step.effects:
+            tables.effect(again.step.at_s, effect)
+    for place in recording.shown(PLACES):
+        tables.places(place)
 
 
 class _Tables:
@@ -62,6 +74,13 @@ class _Tables:
     @property
     def files(self) -> tuple[Path, ...]:
         return tuple(self._paths)
+
+    def discard(self) -> None:
+        """None of the files is left, nor their folder where nothing else is in it."""
+        with suppress(OSError):
+            for path in self._paths:
+                path.unlink()
+            self._folder.rmdir()
 
     def signals(self, again: Rerun, values: dict[str, float]) -> None:
         header = ["time_s", *(self._named(name) for name in values)]
@@ -99,11 +118,12 @@ class _Tables:
     def _row(self, topic: str, header: list[str], row: Row) -> None:
         writer = self._writers.get(topic)
         if writer is None:
+            self._folder.mkdir(parents=True, exist_ok=True)
             path = self._folder / f"{topic}.csv"
             file: TextIO = self._stack.enter_context(path.open("w", encoding="utf-8", newline=""))
             writer = self._writers[topic] = csv.writer(file)
-            writer.writerow(header)
             self._paths.append(path)
+            writer.writerow(header)
         writer.writerow([_cell(value) for value in row])
 
 

@@ -55,9 +55,11 @@ def _row(it: Listed) -> str:
     ended = f'<span aria-hidden="true">{sign}</span> {word}'
     faults = ", ".join(f"{code}{f' × {n}' if n > 1 else ''}" for code, n in it.faults.items())
     name = escape(it.mission or it.name)
+    link = f'<a href="{escape(it.link)}">{name}</a>' if it.link else name
+    file = f"<small>{escape(it.name)}</small>" if it.mission else ""
     cells = (
         (f'<span class="outcome {it.outcome}">{ended}</span>', list(_SIGNS).index(it.outcome)),
-        (f'<a href="{escape(it.link)}">{name}</a>' if it.link else name, None),
+        (f"<div>{link} {file}</div>", None),
         (escape(it.robot), None),
         (escape(it.backend), None),
         ("" if it.seed is None else str(it.seed), -1 if it.seed is None else it.seed),

@@ -130,6 +130,10 @@ class Scene:
     lights: tuple[Light, ...]
 
 
+_BEFORE_S = 0.002
+"""Less than lies between two turns of a robot's bus, more than what a page rounds to."""
+
+
 class Sentence(NamedTuple):
     """A sentence of the story, and when that was.
 
@@ -142,6 +146,11 @@ class Sentence(NamedTuple):
     text: str
     kind: Literal["phase", "trouble", "person", "end"] = "phase"
     topic: str = ""
+
+    @property
+    def before_s(self) -> float:
+        """The moment just before: what goes wrong may have stopped the robot at once."""
+        return max(0.0, self.at_s - _BEFORE_S)
 
 
 class Fact(NamedTuple):
@@ -163,6 +172,7 @@ class Report:
         failures: What made it fail and in which phase: the last one did, those before led there.
         diagram: The mission as an SVG element, with the path taken; empty without one.
         files: Hash of each file by its name.
+        recording: Hash of the recording that it tells of; empty without one.
     """
 
     title: str
@@ -178,6 +188,7 @@ class Report:
     facts: tuple[Fact, ...]
     files: Mapping[str, str]
     failures: tuple[Sentence, ...] = ()
+    recording: str = ""
 
     @property
     def failure(self) -> Sentence | None:
@@ -186,7 +197,7 @@ class Report:
 
     @property
     def opens_at_s(self) -> float:
-        """Where a reader begins: at what went wrong, at a sudden end, else at the beginning."""
+        """Where a reader begins: before what went wrong, at a sudden end, else at the beginning."""
         if self.failure is not None:
-            return self.failure.at_s
+            return self.failure.before_s
         return self.duration_s if self.outcome in ("interrupted", "unfinished") else 0.0

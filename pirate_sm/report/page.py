@@ -49,6 +49,7 @@ def html(report: Report) -> str:
     style = (library / "uPlot.min.css").read_text("utf-8")
     return Template((folder / "page.html").read_text("utf-8")).substitute(
         generator=f"pirate-sm {escape(__version__)}",
+        recording=escape(report.recording),
         title=escape(report.title),
         outcome=outcome,
         kind=report.outcome,
@@ -99,7 +100,7 @@ def _summary(report: Report) -> Iterable[str]:
 def _failure(failure: Sentence) -> str:
     where = f"in <b>{escape(failure.topic)}</b>: " if failure.topic else ""
     return (
-        f'<p class="cause"><button type="button" data-at="{failure.at_s:.3f}">'
+        f'<p class="cause"><button type="button" data-at="{failure.before_s:.3f}">'
         f'{failure.at_s:.2f} s</button> <span><span class="sign" aria-hidden="true">✗</span> '
         f"{where}{escape(failure.text)}</span></p>"
     )

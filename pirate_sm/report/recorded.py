@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.recording.header import RunHeader
@@ -38,7 +39,8 @@ def report_of(recording: Recording) -> Report:
             facts=tuple(_facts(header, loaded)),
             files={file.name: file.sha256 for file in header.files},
         )
-        return gather(loaded, about, rerun(recording, loaded), _known(recording, loaded))
+        told = gather(loaded, about, rerun(recording, loaded), _known(recording, loaded))
+    return replace(told, recording=recording.sha256)
 
 
 def _known(recording: Recording, loaded: LoadedMission) -> Poses | None:

@@ -51,9 +51,10 @@ class Picture(NamedTuple):
 def pictures(report: Report) -> tuple[Picture, ...]:
     """The moments of a run that are worth a picture, in order."""
     found = [Picture(0.0, "start", "start", weight=float("inf"))]
-    for at_s, text, _, phase in report.failures:
-        short = text.partition(":")[0].partition(" (")[0] if phase else "failed"
-        found.append(Picture(at_s, short, "failed", phase, float("inf")))
+    for failure in report.failures:
+        phase = failure.topic
+        short = failure.text.partition(":")[0].partition(" (")[0] if phase else "failed"
+        found.append(Picture(failure.before_s, short, "failed", phase, float("inf")))
     phases, commands = (_lane(report, name) for name in (PHASE, COMMANDS))
     for start_s, end_s, name, *_ in phases.spans:
         at_s = max(start_s, end_s - _JUST_BEFORE_S) if end_s < report.duration_s else end_s

@@ -21,7 +21,9 @@ def seconds(texts: list[str]) -> list[float]:
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize(("wide", "high"), [(1280, 800), (390, 844)])
+@pytest.mark.parametrize(
+    ("wide", "high"), [(1280, 800), (1181, 800), (1024, 768), (901, 700), (390, 844)]
+)
 def test_a_list_opens_without_a_word_and_nothing_is_cut_off(
     opened: Open, scheme: str, wide: int, high: int
 ) -> None:

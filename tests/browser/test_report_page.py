@@ -136,7 +136,10 @@ def test_a_failed_run_opens_at_its_failure_and_shows_it_without_scrolling(opened
 
     assert box is not None
     assert box["y"] + box["height"] < 800
-    assert it.at_s == float(cause.get_by_role("button").inner_text().removesuffix(" s"))
+    told_s = float(cause.get_by_role("button").inner_text().removesuffix(" s"))
+    assert it.at_s == pytest.approx(told_s, abs=0.011)
+    assert "driven: " in it.page.locator("#pose").inner_text()
+    assert "driven: none" not in it.page.locator("#pose").inner_text()
     assert 0 < it.at_s < it.end_s
     assert "robot.stuck" in it.page.locator(".strip [aria-current]").inner_text()
     it.page.locator("#slider").fill("0")

@@ -35,3 +35,13 @@ def test_runs_that_were_made_alike_say_so(pirate: Any, run: Any) -> None:
     one, other = run("one"), run("other")
 
     assert "the same seed, parameters and files" in pirate("compare", one, other).stdout
+
+
+def test_of_equal_runs_one_sentence_says_that_their_signals_are_the_same(
+    pirate: Any, run: Any
+) -> None:
+    result = pirate("compare", run("one"), run("other"))
+
+    assert result.exit_code == 0
+    assert result.stdout.rstrip().endswith("\n\nevery signal is the same in A and B")
+    assert "farthest apart" not in result.stdout

@@ -7,6 +7,8 @@ from xml.etree import ElementTree
 
 import pytest
 
+from pirate_sm.recording.reader import read_recording
+
 from .conftest import NEWT
 
 
@@ -48,3 +50,59 @@ def test_a_file_that_cannot_be_written_is_told(
 
     assert result.exit_code == 2
     assert "cannot be written" in result.stderr
+
+
+@pytest.mark.parametrize("option", ["--csv", "--urdf", "--lichtblick", "--plotjuggler"])
+@pytest.mark.parametrize("linked", [False, True])
+def test_no_recording_is_overwritten(
+    pirate: Any, run: Path, tmp_path: Path, option: str, linked: bool
+) -> None:
+    before = run.read_bytes()
+    place = tmp_path / "link" if linked else run
+    if linked:
+        place.hardlink_to(run)
+
+    result = pirate("export", run, "--csv", tmp_path / "csv", option, place)
+
+    assert result.exit_code == 2
+    assert "is a recording: nothing is written over it" in result.stderr
+    assert run.read_bytes() == before
+    assert not (tmp_path / "csv").exists()
+
+
+def test_a_name_that_is_given_twice_is_refused_before_anything_is_written(
+    pirate: Any, run: Path, tmp_path: Path
+) -> None:
+    result = pirate("export", run, "--urdf", tmp_path / "x", "--lichtblick", tmp_path / "." / "x")
+
+    assert result.exit_code == 2
+    assert "is named twice" in result.stderr
+    assert not (tmp_path / "x").exists()
+
+
+@pytest.mark.parametrize("kind", ["without contents", "damaged"])
+def test_of_a_recording_without_contents_or_with_damage_no_folder_is_left(
+    pirate: Any, run: Path, tmp_path: Path, kind: str
+) -> None:
+    data = bytearray(run.read_bytes())
+    first = read_recording(run).content.pieces[0]
+    if kind == "damaged":
+        data[first.at + first.size // 2] ^= 0xFF
+    run.write_bytes(data if kind == "damaged" else data[: first.at - 9])
+
+    result = pirate("export", run, "--csv", tmp_path / "csv")
+
+    assert result.exit_code == 2
+    assert ("is damaged" if kind == "damaged" else "holds nothing") in result.stderr
+    assert not (tmp_path / "csv").exists()
+
+
+def test_the_current_folder_is_not_taken_for_a_name_that_is_none(
+    pirate: Any, run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = pirate("export", run, "--csv", "")
+
+    assert result.exit_code == 2
+    assert "'' is none" in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["run.mcap"]

@@ -12,7 +12,7 @@ import pytest
 from typer.testing import Result
 
 from pirate_sm.recording import live, recorder
-from pirate_sm.recording.file import DiskFile
+from pirate_sm.recording.file import DiskFile, RecordingFile
 from pirate_sm.recording.reader import read_recording
 
 TRACE = ("mitre_bend", "--backend", "trace", "--quiet")
@@ -141,6 +141,24 @@ def test_a_disk_that_fills_up_is_told_once_and_the_mission_runs(
     assert told == 1
     assert "nothing of the run is recorded" in result.stdout + result.stderr
     assert "succeeded" in result.stdout
+
+
+@pytest.mark.parametrize("output", [(), ("--plain",), ("--quiet",), ("--json",)])
+def test_a_recording_that_ends_before_its_run_is_told_once_by_every_output(
+    output: tuple[str, ...], here: Path, pirate_run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recorder, "_HELP_AT", 50)
+    monkeypatch.setattr(recorder, "_MOST_STEPS", 100)
+    monkeypatch.setattr(RecordingFile, "cut", broken)
+    result: Any = pirate_run("mitre_bend", *output, "--record", "a.mcap")
+
+    told = result.stderr if "--quiet" in output else result.stdout + result.stderr
+    assert result.exit_code == 0
+    assert told.count("nothing of the run is recorded: the disk is gone") == 1
+
+
+def broken(self: object) -> bytes:
+    raise OSError(errno.EIO, "the disk is gone")
 
 
 def test_until_when_a_recording_holds_is_said_as_a_reader_finds_it(

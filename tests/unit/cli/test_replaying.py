@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from pirate_sm.cli.entry import only_run
 from pirate_sm.recording import recorder
+from pirate_sm.recording.reader import read_recording
 
 
 @pytest.fixture(scope="module")
@@ -78,6 +79,7 @@ def test_a_stretch_for_which_there_is_no_checkpoint_begins_at_the_start(
         (("--from", "soon"), "--from: expected a duration"),
         (("--until", "3 m"), "--until: expected a duration"),
         (("--from", "5 s", "--until", "5 s"), "--until must be later than --from"),
+        (("--until", "0 s"), "--until must be later than the start of the run"),
         (("--from", "-5 s"), "is not negative"),
         (("--from", "5 s", "--mission", "mitre_bend"), "excludes another --mission"),
     ],
@@ -132,7 +134,7 @@ def test_a_recording_that_was_cut_short_is_repaired(
     assert "the last 1000 bytes of the file, which are not whole" in result.stdout
     assert again.exit_code == 0
     assert "the recording ends early" in again.stdout
-    assert "the run itself was cut short" in again.stdout
+    assert "the recording ends there" in again.stdout
 
 
 def test_a_whole_recording_is_left_alone(pirate: Any, run: Path) -> None:
@@ -166,6 +168,38 @@ def test_what_follows_damage_is_left_out_and_said(pirate: Any, run: Path, record
     assert result.exit_code == 0
     assert "lost: what came from there on" in result.stdout
     assert pirate("replay", "bad.repaired.mcap").exit_code == 0
+
+
+def test_of_a_run_whose_end_is_there_nothing_is_said_that_nobody_knows(
+    pirate: Any, run: Path, recorded: bytes
+) -> None:
+    Path("cut.mcap").write_bytes(recorded[: chunks_in(recorded)[-1][1]])
+    said = [pirate(command, "cut.mcap").stdout for command in ("replay", "repair")]
+    said.append(pirate("replay", "cut.repaired.mcap").stdout)
+
+    assert all("the run had ended" in each for each in (said[0], said[2]))
+    assert not re.search("killed|full|cut short|written|early", "".join(said))
+
+
+@pytest.mark.parametrize("piece", [1, 4])
+def test_what_comes_before_a_gap_in_the_middle_is_saved(
+    piece: int, pirate: Any, run: Path, recorded: bytes
+) -> None:
+    begins, ends = chunks_in(recorded)[piece]
+    Path("gap.mcap").write_bytes(recorded[: begins + 100] + recorded[ends + 100 :])
+    refused = pirate("replay", "gap.mcap")
+    result = pirate("repair", "gap.mcap")
+    again = pirate("replay", "gap.repaired.mcap")
+    whole = read_recording(run)
+    saved = read_recording(Path("gap.repaired.mcap"))
+
+    assert refused.exit_code == 2
+    assert re.search(r"is damaged: at byte \d+; pirate repair saves what", refused.stderr)
+    assert result.exit_code == 0
+    assert re.search(r"lost: what came from there on: .* at byte \d+\n", result.stdout)
+    assert list(saved.steps()) == list(whole.steps())[: len(list(saved.steps()))]
+    assert saved.until_s == pytest.approx(whole.starts_s[piece], abs=0.2)
+    assert again.exit_code == 0
 
 
 def test_what_cannot_be_repaired_is_refused(pirate: Any, run: Path, recorded: bytes) -> None:

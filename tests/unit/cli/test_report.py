@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 from typing import Any
@@ -33,7 +34,46 @@ def test_a_report_does_not_overwrite_its_recording(pirate: Any, run: Path) -> No
     result = pirate("report", run, "-o", run)
 
     assert (result.exit_code, run.read_bytes()) == (2, before)
-    assert "is the recording itself" in result.stderr
+    assert "is a recording: no page is written over it" in result.stderr
+
+
+def test_a_report_does_not_overwrite_another_recording_or_a_link_to_its_own(
+    pirate: Any, run: Path, tmp_path: Path
+) -> None:
+    other, link = tmp_path / "other.mcap", tmp_path / "link.html"
+    other.write_bytes(run.read_bytes())
+    link.hardlink_to(run)
+    before = run.read_bytes()
+
+    for place in (other, link):
+        result = pirate("report", run, "-o", place)
+        assert result.exit_code == 2
+        assert "no page is written over it" in result.stderr
+        assert place.read_bytes() == before
+
+
+@pytest.mark.parametrize("name", ["run.html", "index.html"])
+def test_what_somebody_else_wrote_is_not_replaced(pirate: Any, folder: Path, name: str) -> None:
+    (folder / name).write_text("<!doctype html><title>By hand</title>", "utf-8")
+
+    result = pirate("report", folder)
+
+    assert result.exit_code == 2
+    assert f"{name}' is no page that this program made" in result.stderr
+    assert "By hand" in (folder / name).read_text("utf-8")
+    assert [path.name for path in folder.glob("*.html")] == [name]
+
+
+def test_an_empty_file_and_a_page_of_an_older_version_are_replaced(
+    pirate: Any, run: Path, tmp_path: Path
+) -> None:
+    page = tmp_path / "run.html"
+    page.touch()
+    assert pirate("report", run).exit_code == 0
+    page.write_text(page.read_text("utf-8").replace(__version__, "0.0.0"), "utf-8")
+
+    assert pirate("report", run).exit_code == 0
+    assert f'content="pirate-sm {__version__}"' in page.read_text("utf-8")
 
 
 @pytest.fixture
@@ -69,14 +109,24 @@ def test_several_recordings_are_listed_where_it_was_wanted(
     assert 'href="../other%20run.html"' in wanted.read_text("utf-8")
 
 
-def test_a_page_that_is_newer_than_its_recording_is_kept(pirate: Any, folder: Path) -> None:
+def test_the_page_of_the_very_recording_is_kept(pirate: Any, folder: Path) -> None:
     pirate("report", folder)
-    other = folder / "other run.html"
-    os.utime(other, (1, 1))
+    os.utime(folder / "other run.html", (1, 1))
+
+    assert pirate("report", folder).stdout.splitlines() == [str(folder / "index.html")]
+
+
+def test_a_page_whose_recording_was_replaced_by_an_older_one_is_made_again(
+    pirate: Any, folder: Path
+) -> None:
+    pirate("report", folder)
+    (folder / "run.mcap").write_bytes((folder / "other run.mcap").read_bytes())
+    os.utime(folder / "run.mcap", (1, 1))
 
     made = pirate("report", folder).stdout.splitlines()
 
-    assert made == [str(other), str(folder / "index.html")]
+    assert made == [str(folder / "run.html"), str(folder / "index.html")]
+    assert (folder / "run.html").read_bytes() == (folder / "other run.html").read_bytes()
 
 
 def test_a_page_of_another_version_is_made_again(pirate: Any, folder: Path) -> None:
@@ -134,3 +184,19 @@ def test_a_page_that_cannot_be_written_is_told(pirate: Any, run: Path, tmp_path:
 
     assert result.exit_code == 2
     assert "cannot be written" in result.stderr
+
+
+@pytest.mark.parametrize("command", [("report",), ("export", "--urdf", "a.urdf"), ("replay",)])
+def test_a_disk_that_is_full_is_no_fault_of_this_program(
+    pirate: Any, run: Path, command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", full)
+    monkeypatch.chdir(run.parent)
+    result = pirate(*command, run)
+
+    assert result.exit_code == 2
+    assert "into a temporary folder: No space left on device" in result.stderr
+    assert len(result.stderr.splitlines()) == 1

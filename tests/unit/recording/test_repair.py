@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import errno
+import struct
+from collections.abc import Iterator
 from pathlib import Path
 from random import Random
 
 import pytest
 from keeping import Memory, course, header, tell
 from mcap.reader import make_reader
+from mcap.writer import MCAP0_MAGIC
 
 from pirate_sm.recording import repair as module
 from pirate_sm.recording.file import DiskFile, RecordingFile
@@ -54,8 +57,8 @@ def test_wherever_it_was_cut_off_everything_that_can_be_read_is_kept(
         assert done.torn_bytes == torn.content.size - torn.content.whole
         assert done.damage == ""
         assert again.content.complete
-        assert not again.complete
-        assert again.notices == torn.notices
+        assert again.complete == torn.complete
+        assert again.notices == (() if torn.complete else torn.notices)
         assert is_whole(again)
         assert not is_whole(torn)
 
@@ -63,6 +66,50 @@ def test_wherever_it_was_cut_off_everything_that_can_be_read_is_kept(
 def read_content_begins(whole: bytes, folder: Path) -> int:
     """Where the first piece begins, with its frame."""
     return cut(whole, folder, len(whole)).content.pieces[0].at - 9
+
+
+def opens(path: Path) -> int:
+    """How many messages the official reader finds by the index of a file."""
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        summary = reader.get_summary()
+        found = sum(1 for _ in reader.iter_messages())
+        assert summary is not None
+        assert summary.statistics is not None
+        assert summary.statistics.message_count == found
+        assert len(list(reader.iter_attachments())) == 1 + len(header().files)
+    return found
+
+
+def spoiled(whole: bytes) -> Iterator[bytes]:
+    """The recording with an end that is none any more, in many ways."""
+    yield whole[:-1]
+    yield whole + b"\xff" * 400
+    yield whole + whole
+    begins = whole.rindex(MCAP0_MAGIC) - 20
+    (index,) = struct.unpack_from("<Q", whole, begins)
+    for at in Random(6).sample(range(index, len(whole)), 40):
+        data = bytearray(whole)
+        data[at] ^= 1 << at % 8
+        yield bytes(data)
+
+
+def test_whatever_became_of_the_end_the_official_reader_opens_what_there_is_then(
+    whole: bytes, tmp_path: Path
+) -> None:
+    (tmp_path / "whole.mcap").write_bytes(whole)
+    expected = opens(tmp_path / "whole.mcap")
+    for number, data in enumerate(spoiled(whole)):
+        spoilt, path = tmp_path / "spoilt.mcap", tmp_path / f"{number}.mcap"
+        spoilt.write_bytes(data)
+        recording = read_recording(spoilt)
+        assert not is_whole(recording)
+        assert "the index at the end of the file" in recording.notices[0]
+        done = repair(recording, path)
+
+        assert opens(path) == expected
+        assert done.complete
+        assert read_recording(path).notices == ()
 
 
 def test_the_official_reader_finds_its_index(whole: bytes, tmp_path: Path) -> None:

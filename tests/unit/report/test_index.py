@@ -81,7 +81,7 @@ def test_every_column_is_filled() -> None:
     ((row),) = _Table(index_html([RUN])).rows
 
     assert row == {
-        "Outcome": "✗ Failed", "Mission": "m", "Robot": "r", "Backend": "sim", "Seed": "7",
+        "Outcome": "✗ Failed", "Mission": "m a.mcap", "Robot": "r", "Backend": "sim", "Seed": "7",
         "With": "dead, x = 3 s", "Began": "2026-01-02 03:04:05", "Duration": "61.5 s",
         "Faults": "wheel.dead × 2, robot.stuck", "Message": "why",
     }  # fmt: skip
@@ -92,7 +92,8 @@ def test_the_newest_run_stands_first_and_what_cannot_be_read_last() -> None:
 
     found = _Table(index_html([unreadable(Path("x/bad.mcap"), "no"), older, RUN]))
 
-    assert [row["Mission"] for row in found.rows] == ["m", "older", "bad.mcap"]
+    names = [row["Mission"].strip() for row in found.rows]
+    assert names == ["m a.mcap", "older a.mcap", "bad.mcap"]
     assert found.rows[-1]["Message"] == "no"
     assert found.links == ["a.html", "a.html"]
 
