@@ -14,6 +14,7 @@ from textual.worker import Worker, WorkerState
 from pirate_sm.console import reasons, restoring
 from pirate_sm.console.dialogs import Choice, Confirm, Pick
 from pirate_sm.console.driver import STOP_KEY
+from pirate_sm.console.leaping import not_passed
 from pirate_sm.console.shelf import Listed, load_listed, shelf
 from pirate_sm.engine.planning import Plan
 from pirate_sm.errors import PirateError
@@ -178,7 +179,8 @@ class Asking(_Base):
             self._refuse(phase, reason)
         else:
             robot, body = snapshot.scene.robot, snapshot.state.robot
-            text = restoring.question(robot, phase, plan, body)
+            waits = not_passed(snapshot.scene.loaded.program, phase, snapshot.story.passed)
+            text = restoring.question(robot, phase, plan, body, waits)
             give = partial(self._give, phase, plan)
             self.push_screen(Confirm(text, "Give"), lambda yes: give() if yes else None)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from textual.widgets import OptionList
+from textual.widgets import OptionList, Static
 
 from pirate_sm.console.dialogs import Confirm
 from pirate_sm.console.giving import BY_OPERATOR, Giver
@@ -46,6 +46,11 @@ async def choose(me: Operator, phase: str) -> None:
     assert isinstance(me.app.screen, Confirm)
 
 
+def asked(me: Operator) -> str:
+    """What the open question says."""
+    return str(me.app.screen.query_one(".question", Static).content)
+
+
 def sent(me: Operator) -> list[str]:
     return [each for each in me.told() if each.startswith("command") and "sent" in each]
 
@@ -70,7 +75,7 @@ def test_on_one_key_they_are_given_one_by_one_and_the_mission_goes_on() -> None:
             await paused_and_braked(me)
             await listed(me)
             await choose(me, "pass")
-            assert "Give RelaxFront, BendInto," in text_of(me)
+            assert "Give RelaxFront, BendInto," in asked(me)
             assert me.latest.state.robot.motion is None  # nothing before a yes
 
             await me.press("y")
@@ -84,6 +89,40 @@ def test_on_one_key_they_are_given_one_by_one_and_the_mission_goes_on() -> None:
             assert (series.done, series.handed_back, series.stopped) == (3, True, "")
             await me.look()
             assert "Esc: no more" not in text_of(me)
+
+    played(story)
+
+
+def test_the_question_begins_with_what_nobody_has_looked_at() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            await me.look()
+            await listed(me)
+            await choose(me, "halt")
+            assert asked(me).startswith(
+                "Only states are restored. Nothing checks where the robot stands, and in this run "
+                "the mission has not passed its waits of enter, prepare, pass. halt needs "
+            )
+
+    played(story)
+
+
+def test_a_wait_that_the_mission_has_passed_is_not_named() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            await me.look()
+            await me.press("R")
+            me.until(lambda: me.latest.story.phase.phase == "enter" and me.latest.story.wait)
+            await me.press("K")
+            me.until(lambda: me.latest.story.phase.phase == "prepare" and me.latest.story.wait)
+            await me.press("P")
+            me.until(lambda: me.latest.state.mission.paused)
+            me.wait(0.5)
+            await me.command("Brake")
+            lines = await listed(me)
+            assert "first DriveForward" in lines["pass"]
+            await choose(me, "pass")
+            assert "has not passed its wait of prepare." in asked(me)
 
     played(story)
 
