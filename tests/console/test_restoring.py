@@ -5,10 +5,13 @@ from __future__ import annotations
 import pytest
 from textual.widgets import OptionList, Static
 
-from pirate_sm.console.dialogs import Confirm
+from pirate_sm.console.dialogs import Confirm, Pick
 from pirate_sm.console.giving import BY_OPERATOR, Giver
+from pirate_sm.console.reasons import look_at_entries
+from pirate_sm.engine.robot_state import at_rest_in
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import GoTo, OperatorCommand
+from pirate_sm.showing.looking import scene_of
 
 from .driving import Operator, confirming, operator, played, with_mission
 from .test_looks import text_of
@@ -32,17 +35,20 @@ async def listed(me: Operator) -> dict[str, str]:
     for _ in range(3):
         await me.look()
     options = me.app.screen.query_one(OptionList).options
-    found = {str(each.id): str(each.prompt) for each in options}
-    assert all(each.disabled == found[str(each.id)].startswith("✕") for each in options)
-    return found
+    return {str(each.id): " ".join(str(each.prompt).split()) for each in options}
 
 
-async def choose(me: Operator, phase: str) -> None:
-    """The phase is chosen; the question is open."""
+async def pick(me: Operator, phase: str) -> None:
+    """The line of the phase is chosen."""
     options = [each.id for each in me.app.screen.query_one(OptionList).options]
     me.app.screen.query_one(OptionList).highlighted = options.index(phase)
     await me.press("enter")
     await me.look()
+
+
+async def choose(me: Operator, phase: str) -> None:
+    """The phase is chosen; the question is open."""
+    await pick(me, phase)
     assert isinstance(me.app.screen, Confirm)
 
 
@@ -91,6 +97,42 @@ def test_on_one_key_they_are_given_one_by_one_and_the_mission_goes_on() -> None:
             assert "Esc: no more" not in text_of(me)
 
     played(story)
+
+
+@pytest.mark.parametrize("width", [80, 160])
+def test_a_grey_phase_shows_its_whole_reason_and_no_path(width: int) -> None:
+    async def story() -> None:
+        mission = with_mission("mitre_bend", backend="trace")
+        async with operator(mission, size=(width, 24)) as me:
+            await paused_and_braked(me)
+            lines = await listed(me)
+            whole = "only Reset leads there: it lets go of front and rear"
+            reason = "ClampFront (line 28) would be refused as unneeded: it is so already"
+            assert reason in lines["enter"]
+            assert ".yaml" not in "".join(lines.values())
+            rows = [row.split("│") for row in text_of(me).splitlines() if row.count("│") > 1]
+            shown = " ".join(" ".join(row[1] for row in rows).split())
+            assert whole in shown
+            assert reason in shown
+
+            await pick(me, "enter")
+            assert isinstance(me.app.screen, Pick)  # it is still open
+            told = [each.message for each in me.app._notifications]
+            assert [each for each in told if whole in each and reason in each]
+            assert me.latest.state.mission.paused
+
+    played(story)
+
+
+def test_a_step_of_a_called_mission_is_named_by_that_mission_and_its_line() -> None:
+    mission = with_mission("mitre_bend", backend="trace")
+    scene = scene_of(mission)
+    body = at_rest_in(scene.robot, scene.loaded.program.start_configuration)
+
+    found = look_at_entries(scene, body)
+
+    assert "/" not in "".join(found.values())
+    assert "Brake (line 18 of pass_bend) would be refused" in found["pass/pass_bend.pass"]
 
 
 def test_the_question_begins_with_what_nobody_has_looked_at() -> None:
