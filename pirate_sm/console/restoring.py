@@ -19,6 +19,9 @@ from pirate_sm.model.events import GoTo
 from pirate_sm.showing.snapshot import Scene
 from pirate_sm.showing.styled import STRONG, Part, line
 
+SEEKING = "looking for commands that lead there …"
+"""What the list says of a phase that cannot run, until it is known what restores it."""
+
 
 class Ways(NamedTuple):
     """The plans for the phases at which the mission cannot be handed back as the robot is.

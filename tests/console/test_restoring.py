@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from threading import Event
+from typing import Any
+
 import pytest
 from textual.widgets import OptionList, Static
 
+from pirate_sm.console import restoring
 from pirate_sm.console.dialogs import Confirm, Pick
 from pirate_sm.console.giving import BY_OPERATOR, Giver
 from pirate_sm.console.reasons import look_at_entries
@@ -13,7 +17,7 @@ from pirate_sm.model import effects as fx
 from pirate_sm.model.events import GoTo, OperatorCommand
 from pirate_sm.showing.looking import scene_of
 
-from .driving import Operator, confirming, operator, played, with_mission
+from .driving import WALL_S, Operator, confirming, operator, played, with_mission
 from .test_looks import text_of
 
 
@@ -34,6 +38,10 @@ async def listed(me: Operator) -> dict[str, str]:
     await me.press("H")
     for _ in range(3):
         await me.look()
+    return lines_of(me)
+
+
+def lines_of(me: Operator) -> dict[str, str]:
     options = me.app.screen.query_one(OptionList).options
     return {str(each.id): " ".join(str(each.prompt).split()) for each in options}
 
@@ -120,6 +128,37 @@ def test_a_grey_phase_shows_its_whole_reason_and_no_path(width: int) -> None:
             told = [each.message for each in me.app._notifications]
             assert [each for each in told if whole in each and reason in each]
             assert me.latest.state.mission.paused
+
+    played(story)
+
+
+def test_the_list_says_that_commands_are_still_being_looked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    looked, look = Event(), restoring.look_for_ways
+
+    def waiting(*arguments: Any) -> restoring.Ways:
+        assert looked.wait(WALL_S)
+        return look(*arguments)
+
+    monkeypatch.setattr(restoring, "look_for_ways", waiting)
+
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            try:
+                await me.look()
+                await me.press("H")
+                me.app.show()
+                before = lines_of(me)
+                assert "✕ halt looking for commands that lead there …" in before["halt"]
+                assert not before["enter"].startswith("✕")
+            finally:
+                looked.set()
+            for _ in range(2):
+                await me.look()
+            after = lines_of(me)
+            assert "first ToggleLighting, ClampFront" in after["halt"]
+            assert after["regrip"] == "✕ regrip from there no path leads to an end that succeeds"
 
     played(story)
 
