@@ -11,9 +11,11 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.screen import ModalScreen
-from textual.widgets import Button, OptionList, Static
+from textual.widgets import Button, Footer, OptionList, Static
 from textual.widgets.option_list import Option
 
+from pirate_sm.console.driver import STOP_KEY
+from pirate_sm.console.keys import LEAVE, both_cases
 from pirate_sm.console.themed import line
 from pirate_sm.showing.styled import MUTED
 
@@ -24,13 +26,24 @@ _FRAME = 6
 """So many columns of it are border, padding and scroll bar."""
 
 
+_STOP = Binding(STOP_KEY, "app.stop", "STOP")
+"""Stands in the last line of each dialog, where it works as everywhere else."""
+
+
+def last_line() -> Footer:
+    """Return the line that shows the keys of what is open, over that of the console."""
+    return Footer(show_command_palette=False, compact=True)
+
+
 class Confirm(ModalScreen[bool]):
     """Asks for a yes; anything else is a no."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("y", "answer(True)", "Yes"),
-        Binding("n,escape", "answer(False)", "No"),
-    ]
+        _STOP,
+        Binding(both_cases("y"), "answer(True)", "Yes", key_display="y"),
+        Binding(f"{both_cases('n')},{both_cases(LEAVE)},escape", "answer(False)", "No",
+                key_display="n"),
+    ]  # fmt: skip
 
     def __init__(self, question: str, yes: str) -> None:
         super().__init__()
@@ -44,6 +57,7 @@ class Confirm(ModalScreen[bool]):
             with Horizontal(classes="buttons"):
                 yield Button(f"{self._yes} (y)", variant="warning", id="yes")
                 yield Button("No (n)", variant="default", id="no")
+        yield last_line()
 
     def on_mount(self) -> None:
         """Enter alone says no."""
@@ -70,7 +84,10 @@ class Choice(NamedTuple):
 class Pick(ModalScreen[str | None]):
     """A list to choose one of."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape,q", "dismiss(None)", "Cancel")]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        _STOP,
+        Binding(f"escape,{both_cases(LEAVE)}", "dismiss(None)", "Cancel"),
+    ]
 
     def __init__(self, title: str, choices: Sequence[Choice], wide: int = 24) -> None:
         super().__init__()
@@ -85,6 +102,7 @@ class Pick(ModalScreen[str | None]):
             listed.border_title = self._title
             listed.border_subtitle = "↑ ↓ Enter chooses   Esc leaves"
             yield listed
+        yield last_line()
 
     def on_resize(self) -> None:
         """The lines are as wide as there is room for."""
@@ -127,7 +145,8 @@ class Help(ModalScreen[None]):
     """Every key, and what the signs mean."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape,q,question_mark,enter", "dismiss", "Close")
+        _STOP,
+        Binding(f"escape,{both_cases(LEAVE)},question_mark,enter", "dismiss", "Close"),
     ]
 
     def __init__(self, lines: Sequence[Content]) -> None:
@@ -140,3 +159,4 @@ class Help(ModalScreen[None]):
             page.border_title = "Help"
             page.border_subtitle = "Esc leaves"
             yield Static(Content("\n").join(self._lines))
+        yield last_line()
