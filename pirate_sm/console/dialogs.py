@@ -141,11 +141,10 @@ class Pick(ModalScreen[str | None]):
             self.dismiss(choice.name)
 
 
-class Help(ModalScreen[None]):
+class Page(ModalScreen[None]):
     """Every key, and what the signs mean."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        _STOP,
         Binding(f"escape,{both_cases(LEAVE)},question_mark,enter", "dismiss", "Close"),
     ]
 
@@ -160,3 +159,9 @@ class Help(ModalScreen[None]):
             page.border_subtitle = "Esc leaves"
             yield Static(Content("\n").join(self._lines))
         yield last_line()
+
+
+class Help(Page):
+    """The same where there is a robot to be stopped."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [_STOP]
