@@ -22,6 +22,7 @@ from pirate_sm.wiring import Order, Prepared, load, prepare
 if TYPE_CHECKING:
     from pirate_sm.console.app import Console
     from pirate_sm.console.session import Keeping, Session
+    from pirate_sm.showing.snapshot import Snapshot
 
 _LOOK_EVERY_S = 0.1
 
@@ -128,8 +129,18 @@ def _conclude(app: Console, session: Session, debug: bool) -> int:
     if result.ended.outcome != "interrupted":
         say(how)
         return result.exit_code
-    say(f"{how}: safe state, wheels stopped and clamps held")
+    say(f"{how}: {standing(session.latest)}")
     return stop.exit_code if stop is not None else SUCCEEDED
+
+
+def standing(snapshot: Snapshot) -> str:
+    """Return how the robot was left, as far as it has been commanded."""
+    state = snapshot.state
+    if state is None:
+        return "nothing has moved"
+    held = snapshot.scene.robot.held[state.robot.configuration]
+    clamped = " and clamps held" if held else "; no part is clamped"
+    return f"safe state, wheels stopped{clamped}"
 
 
 def _gone(failure: Exception, session: Session) -> bool:

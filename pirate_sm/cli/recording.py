@@ -59,12 +59,18 @@ class Kept:
         prepared: The run, with what is to be said of its recording.
         tap: Who keeps it; None where nobody does.
         companions: Who stands beside the mission for it.
+        wanted: Whether the recording is to be left when the run is over.
     """
 
     prepared: Prepared
     tap: Recorder | None = None
     companions: tuple[Companion, ...] = ()
     side: SideChannel | None = None
+    wanted: bool = True
+
+    def forget(self) -> None:
+        """No recording is left, for nothing was asked for in the run."""
+        self.wanted = False
 
     def follow(self, run: MissionRun) -> None:
         """Viewers are shown this run, and its state is kept now and then."""
@@ -130,14 +136,15 @@ def recorded(
             commit_s=_LIVE_S if wishes.live else COMMIT_S,
         )  # fmt: skip
         warner = Warner(recorder)
+        notices = (*prepared.notices, *served, *said)
+        kept = Kept(replace(prepared, notices=notices), recorder, (warner,), side)
         try:
-            notices = (*prepared.notices, *served, *said)
-            yield Kept(replace(prepared, notices=notices), recorder, (warner,), side)
+            yield kept
         finally:
             recorder.close()
-            if path is not None and name and not recorder.begun:
+            if path is not None and name and not (recorder.begun and kept.wanted):
                 with suppress(OSError):
-                    path.unlink()  # the run was refused
+                    path.unlink()  # the run was refused, or it was not asked for anything
             if recorder.failure and (quiet or warner.told != until_when(recorder)):
                 say(f"warning: {name or 'live'}: {until_when(recorder)}")
             if side.failure:

@@ -14,6 +14,7 @@ from textual.worker import Worker, WorkerState
 from pirate_sm.console import reasons, restoring
 from pirate_sm.console.dialogs import Choice, Confirm, Pick
 from pirate_sm.console.driver import STOP_KEY
+from pirate_sm.console.leaping import not_passed
 from pirate_sm.console.shelf import Listed, load_listed, shelf
 from pirate_sm.engine.planning import Plan
 from pirate_sm.errors import PirateError
@@ -154,16 +155,23 @@ class Asking(_Base):
         for name in snapshot.scene.loaded.program.phases:
             about = getattr(phases.get(name), "description", "")
             reason = reasons.phase_reason(snapshot, name, entries)
+            blocked = bool(reason) and entries is not None and reason == entries.get(name)
+            if blocked and self._seeking(snapshot):
+                reason = restoring.SEEKING
             choice = Choice(name, name, about, reason)
             plan = self._plan(snapshot, name) if reason else None
             found.append(restoring.with_way(snapshot.scene.robot, choice, plan))
         return found
 
+    def _seeking(self, snapshot: Snapshot) -> bool:
+        """Whether it is not known yet what restores the phases that cannot run."""
+        return self._ways is None or self._ways.situation != reasons.situation_of(snapshot)
+
     def _plan(self, snapshot: Snapshot, phase: str) -> Plan | None:
         """What restores a phase that cannot run as the robot is, as far as that is known."""
-        ways = self._ways
-        known = ways is not None and ways.situation == reasons.situation_of(snapshot)
-        return ways.plans.get(phase) if ways is not None and known else None
+        if self._ways is None or self._seeking(snapshot):
+            return None
+        return self._ways.plans.get(phase)
 
     def _hand_back(self, phase: str | None) -> None:
         self._picking = None
@@ -178,7 +186,8 @@ class Asking(_Base):
             self._refuse(phase, reason)
         else:
             robot, body = snapshot.scene.robot, snapshot.state.robot
-            text = restoring.question(robot, phase, plan, body)
+            waits = not_passed(snapshot.scene.loaded.program, phase, snapshot.story.passed)
+            text = restoring.question(robot, phase, plan, body, waits)
             give = partial(self._give, phase, plan)
             self.push_screen(Confirm(text, "Give"), lambda yes: give() if yes else None)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from textwrap import wrap
 from typing import ClassVar, NamedTuple
 
 from textual.app import ComposeResult
@@ -10,20 +11,39 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.screen import ModalScreen
-from textual.widgets import Button, OptionList, Static
+from textual.widgets import Button, Footer, OptionList, Static
 from textual.widgets.option_list import Option
 
+from pirate_sm.console.driver import STOP_KEY
+from pirate_sm.console.keys import LEAVE, both_cases
 from pirate_sm.console.themed import line
 from pirate_sm.showing.styled import MUTED
+
+_WIDEST = 100
+"""A list is at most so wide, as the stylesheet says."""
+
+_FRAME = 6
+"""So many columns of it are border, padding and scroll bar."""
+
+
+_STOP = Binding(STOP_KEY, "app.stop", "STOP")
+"""Stands in the last line of each dialog, where it works as everywhere else."""
+
+
+def last_line() -> Footer:
+    """Return the line that shows the keys of what is open, over that of the console."""
+    return Footer(show_command_palette=False, compact=True)
 
 
 class Confirm(ModalScreen[bool]):
     """Asks for a yes; anything else is a no."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("y", "answer(True)", "Yes"),
-        Binding("n,escape", "answer(False)", "No"),
-    ]
+        _STOP,
+        Binding(both_cases("y"), "answer(True)", "Yes", key_display="y"),
+        Binding(f"{both_cases('n')},{both_cases(LEAVE)},escape", "answer(False)", "No",
+                key_display="n"),
+    ]  # fmt: skip
 
     def __init__(self, question: str, yes: str) -> None:
         super().__init__()
@@ -37,6 +57,7 @@ class Confirm(ModalScreen[bool]):
             with Horizontal(classes="buttons"):
                 yield Button(f"{self._yes} (y)", variant="warning", id="yes")
                 yield Button("No (n)", variant="default", id="no")
+        yield last_line()
 
     def on_mount(self) -> None:
         """Enter alone says no."""
@@ -63,7 +84,10 @@ class Choice(NamedTuple):
 class Pick(ModalScreen[str | None]):
     """A list to choose one of."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape,q", "dismiss(None)", "Cancel")]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        _STOP,
+        Binding(f"escape,{both_cases(LEAVE)}", "dismiss(None)", "Cancel"),
+    ]
 
     def __init__(self, title: str, choices: Sequence[Choice], wide: int = 24) -> None:
         super().__init__()
@@ -74,43 +98,54 @@ class Pick(ModalScreen[str | None]):
     def compose(self) -> ComposeResult:
         """The list, and what one can do with it."""
         with Vertical(classes="dialog pick"):
-            options = [
-                Option(self._text(each), each.name, bool(each.reason)) for each in self._choices
-            ]
-            listed = OptionList(*options)
+            listed = OptionList(*(Option(self._text(each), each.name) for each in self._choices))
             listed.border_title = self._title
             listed.border_subtitle = "↑ ↓ Enter chooses   Esc leaves"
             yield listed
+        yield last_line()
+
+    def on_resize(self) -> None:
+        """The lines are as wide as there is room for."""
+        self._draw(range(len(self._choices)))
 
     def _text(self, choice: Choice) -> Content:
         label = f"{choice.label:<{self._wide}} "
+        indent = len(label) + 2
+        room = max(min(_WIDEST, self.app.size.width * 95 // 100) - _FRAME - indent, 12)
+        first, *more = wrap(choice.reason or choice.detail, room) or [""]
         if choice.reason:
-            return line((f"✕ {label}{choice.reason}", MUTED))
-        return line("  ", (label, "bold"), (choice.detail, MUTED))
+            head = line((f"✕ {label}{first}", MUTED))
+        else:
+            head = line("  ", (label, "bold"), (first, MUTED))
+        return Content("\n").join([head, *(line((" " * indent + each, MUTED)) for each in more)])
+
+    def _draw(self, indexes: Iterable[int]) -> None:
+        listed = self.query_one(OptionList)
+        for index in indexes:
+            listed.replace_option_prompt_at_index(index, self._text(self._choices[index]))
 
     def replace(self, choices: Sequence[Choice]) -> None:
         """Reasons have become known."""
-        listed = self.query_one(OptionList)
-        for index, choice in enumerate(choices):
-            if choice != self._choices[index]:
-                listed.replace_option_prompt_at_index(index, self._text(choice))
-                (
-                    listed.disable_option_at_index
-                    if choice.reason
-                    else listed.enable_option_at_index
-                )(index)
+        pairs = enumerate(zip(self._choices, choices, strict=True))
+        changed = [index for index, (old, new) in pairs if old != new]
         self._choices = list(choices)
+        self._draw(changed)
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """It is chosen."""
-        self.dismiss(event.option.id)
+        """It is chosen, or why it cannot be is shown whole."""
+        choice = self._choices[event.option_index]
+        if choice.reason:
+            text = f"{choice.label}: {choice.reason}"
+            self.app.notify(text, severity="warning", timeout=10, markup=False)
+        else:
+            self.dismiss(choice.name)
 
 
-class Help(ModalScreen[None]):
+class Page(ModalScreen[None]):
     """Every key, and what the signs mean."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape,q,question_mark,enter", "dismiss", "Close")
+        Binding(f"escape,{both_cases(LEAVE)},question_mark,enter", "dismiss", "Close"),
     ]
 
     def __init__(self, lines: Sequence[Content]) -> None:
@@ -123,3 +158,10 @@ class Help(ModalScreen[None]):
             page.border_title = "Help"
             page.border_subtitle = "Esc leaves"
             yield Static(Content("\n").join(self._lines))
+        yield last_line()
+
+
+class Help(Page):
+    """The same where there is a robot to be stopped."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [_STOP]

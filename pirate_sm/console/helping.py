@@ -24,8 +24,19 @@ _ALWAYS = (
     ("q", "Safe state, then leave."),
 )
 
+_LOOKING_BACK = (
+    ("Space", "Play or stop; at the end from the start."),
+    ("← →", "1 s back, 1 s on; with Shift 0.1 s, so do , and ."),
+    ("↑ ↓", "10 s back, 10 s on; so do PgUp and PgDn."),
+    ("p n", "The phase before, the next one."),
+    ("Home End", "The start, the end."),
+    ("Tab", "Next page, where the terminal is too small for all at once."),
+    ("q", "Leave."),
+)
+
 _SIGNS = (
     ("▶ ‖ ■ ◆", "running, paused, ending or over, no mission: by hand"),
+    ("✓ ▶ ▷ ·", "a phase that was left, the present one, one that has called it, not entered"),
     ("● ○", "a state that has been confirmed; one that was only commanded"),
     ("✕ =", "cannot be done now; is so already: the words are the engine's own"),
     ("full disc, ring", "a wheel that touches a wall, one that does not"),
@@ -51,8 +62,20 @@ def help_lines(letters: Mapping[str, str], snapshot: Snapshot) -> list[Content]:
     if robot.detector_words:
         lines += [line(""), line(("You as the detector, where nobody else is", STRONG))]
         lines += [_row(letters.get(word, "^p"), word) for word in robot.detector_words]
-    lines += [line(""), line(("Signs", STRONG))]
-    return lines + [_row(sign, text) for sign, text in _SIGNS]
+    return lines + _signs()
+
+
+def recording_lines() -> list[Content]:
+    """The page of a recording that is looked at."""
+    return [
+        line(("A recording", STRONG)),
+        *(_row(key, text) for key, text in _LOOKING_BACK),
+        *_signs(),
+    ]
+
+
+def _signs() -> list[Content]:
+    return [line(""), line(("Signs", STRONG)), *(_row(sign, text) for sign, text in _SIGNS)]
 
 
 def _row(key: str, text: str) -> Content:

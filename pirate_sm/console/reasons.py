@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
+from pathlib import Path
 from typing import NamedTuple
 
 from pirate_sm.checking.entries import why_not_from
@@ -19,6 +21,8 @@ OVER = "the run is over"
 OPENING = "the backend is being opened"
 NO_MISSION = "no mission is chosen: press m"
 LOOKING = "being looked at"
+
+_PLACE = re.compile(r"\((?P<file>[^()]+):(?P<line>\d+):\d+\)")
 
 Entries = Mapping[str, str]
 """Per phase why the mission cannot be handed back there, as far as that has been looked at."""
@@ -55,7 +59,25 @@ def situation_of(snapshot: Snapshot) -> Situation | None:
 
 def look_at_entries(scene: Scene, body: RobotState) -> Entries:
     """Where the mission can be handed back, phase by phase; takes some milliseconds each."""
-    return {phase: why_not_from(scene.loaded, phase, body) for phase in scene.loaded.program.phases}
+    document, phases = Path(scene.loaded.documents[0].name), scene.loaded.program.phases
+    return {
+        phase: without_path(why_not_from(scene.loaded, phase, body), document) for phase in phases
+    }
+
+
+def without_path(reason: str, document: Path) -> str:
+    """Return a reason with each ``(file:line:column)`` as a line, and its mission if another's.
+
+    Args:
+        reason: What the engine or the check says.
+        document: The file of the mission at hand.
+    """
+
+    def shorter(place: re.Match[str]) -> str:
+        file = Path(place["file"])
+        return f"(line {place['line']}{'' if file == document else f' of {file.stem}'})"
+
+    return _PLACE.sub(shorter, reason)
 
 
 def command_reason(snapshot: Snapshot, command: str) -> str:

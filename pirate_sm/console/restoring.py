@@ -19,6 +19,9 @@ from pirate_sm.model.events import GoTo
 from pirate_sm.showing.snapshot import Scene
 from pirate_sm.showing.styled import STRONG, Part, line
 
+SEEKING = "looking for commands that lead there …"
+"""What the list says of a phase that cannot run, until it is known what restores it."""
+
 
 class Ways(NamedTuple):
     """The plans for the phases at which the mission cannot be handed back as the robot is.
@@ -74,11 +77,21 @@ def with_way(robot: RobotSpec, choice: Choice, plan: Plan | None) -> Choice:
     return choice._replace(reason=f"only {name} leads there: {step.hindrance}; {choice.reason}")
 
 
-def question(robot: RobotSpec, phase: str, plan: Plan, body: RobotState) -> str:
-    """Return what the operator is asked before the commands are given."""
+def question(robot: RobotSpec, phase: str, plan: Plan, body: RobotState, waits: str) -> str:
+    """Return what the operator is asked before the commands are given.
+
+    Args:
+        robot: The robot.
+        phase: Where the mission is to be handed back.
+        plan: What leads there.
+        body: What the robot has been commanded to.
+        waits: What :func:`~pirate_sm.console.leaping.not_passed` says.
+    """
     given = names(robot, plan)
     each = "It is awaited" if len(given) == 1 else "Each is awaited"
+    leaps = f", and in this run the mission has not passed {waits}" if waits else ""
     return (
+        f"Only states are restored. Nothing checks where the robot stands{leaps}. "
         f"{phase} needs {_needed(robot, plan, body)}. Give {', '.join(given)}, then hand back "
         f"there? {each}. A failure ends the series, and so do Esc and whatever else you ask for; "
         "Space stops the robot."

@@ -60,6 +60,10 @@ class Keeping(Protocol):
         """Viewers are shown this run."""
         ...
 
+    def forget(self) -> None:
+        """No recording of it is left, for nothing was asked for in it."""
+        ...
+
 
 @dataclass(frozen=True)
 class Unkept:
@@ -71,6 +75,9 @@ class Unkept:
 
     def follow(self, run: MissionRun) -> None:
         """Nobody looks."""
+
+    def forget(self) -> None:
+        """There is none."""
 
 
 Keep = Callable[[Prepared], AbstractContextManager[Keeping]]
@@ -209,7 +216,11 @@ class Session:
         while True:
             with self._keep(self.prepared) as kept:
                 run = self._run(kept, run)
+                series = self.giver.series
                 self.result = run.execute()
+                asked = self._feed.asked or self.giver.series is not series
+                if not asked and self.result.ended.outcome == "interrupted":
+                    kept.forget()
             stopped = self.quitting.stop is not None or not run.open
             if stopped or run.state is None or self._hopeless(self.result, run):
                 return

@@ -12,6 +12,9 @@ from textual.events import Resize
 from textual.widget import Widget
 from textual.widgets import Footer
 
+from pirate_sm.console.dialogs import Page
+from pirate_sm.console.helping import recording_lines
+from pirate_sm.console.keys import LEAVE, both_cases
 from pirate_sm.console.reel import Reel
 from pirate_sm.console.widgets import EventLog, Lines, Picture, panel, show_robot
 from pirate_sm.showing import panels
@@ -42,19 +45,21 @@ class Viewer(App[None]):
     CSS_PATH = Path(__file__).with_name("console.tcss")
     TITLE = "recording"
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("space", "play", "Play or stop"),
+        Binding("space", "play", "Play"),
         Binding("left", "by(-1)", "1 s back"),
         Binding("right", "by(1)", "1 s on"),
         Binding("shift+left,comma", "by(-0.1)", "0.1 s back", show=False),
         Binding("shift+right,full_stop", "by(0.1)", "0.1 s on", show=False),
-        Binding("down,pagedown", "by(10)", "10 s on"),
-        Binding("up,pageup", "by(-10)", "10 s back"),
-        Binding("home", "to(0)", "Start"),
-        Binding("end", "to(1)", "End"),
-        Binding("p", "phase(-1)", "Phase before"),
-        Binding("n", "phase(1)", "Next phase"),
+        Binding("down,pagedown", "by(10)", "10 s on", show=False),
+        Binding("up,pageup", "by(-10)", "10 s back", show=False),
+        Binding("home", "to(0)", "Start", show=False),
+        Binding("end", "to(1)", "End", show=False),
+        Binding(both_cases("p"), "phase(-1)", "Phase before", key_display="p"),
+        Binding(both_cases("n"), "phase(1)", "Next phase", key_display="n"),
         Binding("tab", "page", "Page", show=False, priority=True),
-        Binding("q,ctrl+q", "quit", "Quit"),
+        Binding("question_mark", "help", "Help", key_display="?"),
+        Binding(both_cases(LEAVE), "quit", "Quit", key_display=LEAVE),
+        Binding("ctrl+q", "quit", "Quit", show=False),
     ]
 
     def __init__(self, reel: Reel, name: str, **options: object) -> None:
@@ -166,6 +171,10 @@ class Viewer(App[None]):
         else:
             earlier = [each for each in starts if each < self.time_s - 1e-6]
             self._move(earlier[-1] if earlier else 0.0)
+
+    def action_help(self) -> None:
+        """Every key and sign is explained."""
+        self.push_screen(Page(recording_lines()))
 
     def action_page(self) -> None:
         """Another page of a small terminal."""

@@ -8,6 +8,7 @@ from copy import copy
 from typing import NamedTuple
 
 from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.loading.scope import TIME_LIMIT
 from pirate_sm.model import effects as fx
 from pirate_sm.showing.telling import Line, Teller
 
@@ -45,6 +46,7 @@ class Story(NamedTuple):
     alarm: Told | None
     ended: fx.Ended | None
     banner: Told | None = None
+    passed: frozenset[str] = frozenset()
 
 
 class Memory:
@@ -61,6 +63,7 @@ class Memory:
         alarm: The last of them that tells of something wrong.
         banner: The last of them that says how a mission ended.
         ended: How it ended.
+        passed: Places of the waits that one of their triggers has ended, not their time limit.
     """
 
     def __init__(
@@ -87,6 +90,7 @@ class Memory:
         self.banner: Told | None = None
         self.question: fx.Ask | None = None
         self.ended: fx.Ended | None = None
+        self.passed: frozenset[str] = frozenset()
         self._told = 0
 
     def begin(self, robot: RobotSpec) -> None:
@@ -120,7 +124,7 @@ class Memory:
         """All of it as it is now, not to change any more."""
         return Story(
             self.phase, dict(self.spent_s), self.wait, self.question, self.setpoints,
-            tuple(self.recent), self.alarm, self.ended, self.banner,
+            tuple(self.recent), self.alarm, self.ended, self.banner, self.passed,
         )  # fmt: skip
 
     def twin(self) -> Memory:
@@ -148,6 +152,8 @@ class Memory:
                 self.wait = effect, now_s
             case fx.TriggerFired():
                 self.wait = None
+                if effect.trigger != TIME_LIMIT:
+                    self.passed |= {effect.place}
             case fx.StateChange():
                 self.states = effect
             case fx.Setpoints():

@@ -15,7 +15,7 @@ from textual.pilot import Pilot
 from textual.widgets import OptionList
 
 from pirate_sm.console.app import Console
-from pirate_sm.console.session import Session
+from pirate_sm.console.session import Keep, Session, unkept
 from pirate_sm.console.shelf import without_mission
 from pirate_sm.engine.robot_state import states_of
 from pirate_sm.showing.snapshot import Snapshot
@@ -144,10 +144,11 @@ async def operator(
     size: tuple[int, int] = (160, 48),
     order: Order | None = None,
     console: Callable[[Session], Console] = Console,
+    keep: Keep = unkept,
 ) -> AsyncIterator[Operator]:
     """The console is open, the robot stands; afterwards it is in its safe state."""
     clock = HandClock()
-    session = Session(prepared or by_hand(order), clock=clock)
+    session = Session(prepared or by_hand(order), clock=clock, keep=keep)
     app = console(session)
     try:
         async with app.run_test(size=size, notifications=True) as pilot:

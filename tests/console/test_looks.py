@@ -161,6 +161,31 @@ def test_both_themes_and_the_help_page_are_there(theme: str) -> None:
     played(story)
 
 
+def test_the_last_line_shows_the_keys_of_a_dialog_while_it_is_open() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace")), size=(80, 24)) as me:
+            await me.command("ClampFront")
+            opened = {"m": "esc Cancel", "question_mark": "esc Close"}
+            opened[me.app.letters["Reset"]] = "y Yes n No"
+            for key, shown in opened.items():
+                await me.press(key)
+                await me.look()
+                last = text_of(me).splitlines()[-1]
+                assert len(me.app.screen_stack) == 2
+                assert "space STOP" in last
+                assert shown in last
+                assert "Quit" not in last
+
+                await me.press("Q")  # closes what is open, and nothing else
+                await me.look()
+                assert len(me.app.screen_stack) == 1
+                assert "q Quit" in text_of(me).splitlines()[-1]
+            assert me.session.quitting.stop is None
+            assert me.states[2] == "FrontClampedRearRelaxed"
+
+    played(story)
+
+
 def test_a_robot_of_four_wheels_has_its_own_keys_and_is_drawn(tmp_path: Path) -> None:
     newt = ROOT / "tests" / "robots" / "newt"
 

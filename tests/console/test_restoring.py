@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
-import pytest
-from textual.widgets import OptionList
+from threading import Event
+from typing import Any
 
-from pirate_sm.console.dialogs import Confirm
+import pytest
+from textual.widgets import OptionList, Static
+
+from pirate_sm.console import restoring
+from pirate_sm.console.dialogs import Confirm, Pick
 from pirate_sm.console.giving import BY_OPERATOR, Giver
+from pirate_sm.console.reasons import look_at_entries
+from pirate_sm.engine.robot_state import at_rest_in
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import GoTo, OperatorCommand
+from pirate_sm.showing.looking import scene_of
 
-from .driving import Operator, confirming, operator, played, with_mission
+from .driving import WALL_S, Operator, confirming, operator, played, with_mission
 from .test_looks import text_of
 
 
@@ -31,19 +38,31 @@ async def listed(me: Operator) -> dict[str, str]:
     await me.press("H")
     for _ in range(3):
         await me.look()
+    return lines_of(me)
+
+
+def lines_of(me: Operator) -> dict[str, str]:
     options = me.app.screen.query_one(OptionList).options
-    found = {str(each.id): str(each.prompt) for each in options}
-    assert all(each.disabled == found[str(each.id)].startswith("✕") for each in options)
-    return found
+    return {str(each.id): " ".join(str(each.prompt).split()) for each in options}
 
 
-async def choose(me: Operator, phase: str) -> None:
-    """The phase is chosen; the question is open."""
+async def pick(me: Operator, phase: str) -> None:
+    """The line of the phase is chosen."""
     options = [each.id for each in me.app.screen.query_one(OptionList).options]
     me.app.screen.query_one(OptionList).highlighted = options.index(phase)
     await me.press("enter")
     await me.look()
+
+
+async def choose(me: Operator, phase: str) -> None:
+    """The phase is chosen; the question is open."""
+    await pick(me, phase)
     assert isinstance(me.app.screen, Confirm)
+
+
+def asked(me: Operator) -> str:
+    """What the open question says."""
+    return str(me.app.screen.query_one(".question", Static).content)
 
 
 def sent(me: Operator) -> list[str]:
@@ -70,7 +89,7 @@ def test_on_one_key_they_are_given_one_by_one_and_the_mission_goes_on() -> None:
             await paused_and_braked(me)
             await listed(me)
             await choose(me, "pass")
-            assert "Give RelaxFront, BendInto," in text_of(me)
+            assert "Give RelaxFront, BendInto," in asked(me)
             assert me.latest.state.robot.motion is None  # nothing before a yes
 
             await me.press("y")
@@ -84,6 +103,107 @@ def test_on_one_key_they_are_given_one_by_one_and_the_mission_goes_on() -> None:
             assert (series.done, series.handed_back, series.stopped) == (3, True, "")
             await me.look()
             assert "Esc: no more" not in text_of(me)
+
+    played(story)
+
+
+@pytest.mark.parametrize("width", [80, 160])
+def test_a_grey_phase_shows_its_whole_reason_and_no_path(width: int) -> None:
+    async def story() -> None:
+        mission = with_mission("mitre_bend", backend="trace")
+        async with operator(mission, size=(width, 24)) as me:
+            await paused_and_braked(me)
+            lines = await listed(me)
+            whole = "only Reset leads there: it lets go of front and rear"
+            reason = "ClampFront (line 28) would be refused as unneeded: it is so already"
+            assert reason in lines["enter"]
+            assert ".yaml" not in "".join(lines.values())
+            rows = [row.split("│") for row in text_of(me).splitlines() if row.count("│") > 1]
+            shown = " ".join(" ".join(row[1] for row in rows).split())
+            assert whole in shown
+            assert reason in shown
+
+            await pick(me, "enter")
+            assert isinstance(me.app.screen, Pick)  # it is still open
+            told = [each.message for each in me.app._notifications]
+            assert [each for each in told if whole in each and reason in each]
+            assert me.latest.state.mission.paused
+
+    played(story)
+
+
+def test_the_list_says_that_commands_are_still_being_looked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    looked, look = Event(), restoring.look_for_ways
+
+    def waiting(*arguments: Any) -> restoring.Ways:
+        assert looked.wait(WALL_S)
+        return look(*arguments)
+
+    monkeypatch.setattr(restoring, "look_for_ways", waiting)
+
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            try:
+                await me.look()
+                await me.press("H")
+                me.app.show()
+                before = lines_of(me)
+                assert "✕ halt looking for commands that lead there …" in before["halt"]
+                assert not before["enter"].startswith("✕")
+            finally:
+                looked.set()
+            for _ in range(2):
+                await me.look()
+            after = lines_of(me)
+            assert "first ToggleLighting, ClampFront" in after["halt"]
+            assert after["regrip"] == "✕ regrip from there no path leads to an end that succeeds"
+
+    played(story)
+
+
+def test_a_step_of_a_called_mission_is_named_by_that_mission_and_its_line() -> None:
+    mission = with_mission("mitre_bend", backend="trace")
+    scene = scene_of(mission)
+    body = at_rest_in(scene.robot, scene.loaded.program.start_configuration)
+
+    found = look_at_entries(scene, body)
+
+    assert "/" not in "".join(found.values())
+    assert "Brake (line 18 of pass_bend) would be refused" in found["pass/pass_bend.pass"]
+
+
+def test_the_question_begins_with_what_nobody_has_looked_at() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            await me.look()
+            await listed(me)
+            await choose(me, "halt")
+            assert asked(me).startswith(
+                "Only states are restored. Nothing checks where the robot stands, and in this run "
+                "the mission has not passed its waits of enter, prepare, pass. halt needs "
+            )
+
+    played(story)
+
+
+def test_a_wait_that_the_mission_has_passed_is_not_named() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            await me.look()
+            await me.press("R")
+            me.until(lambda: me.latest.story.phase.phase == "enter" and me.latest.story.wait)
+            await me.press("K")
+            me.until(lambda: me.latest.story.phase.phase == "prepare" and me.latest.story.wait)
+            await me.press("P")
+            me.until(lambda: me.latest.state.mission.paused)
+            me.wait(0.5)
+            await me.command("Brake")
+            lines = await listed(me)
+            assert "first DriveForward" in lines["pass"]
+            await choose(me, "pass")
+            assert "has not passed its wait of prepare." in asked(me)
 
     played(story)
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import pytest
 from textual.events import Key
 
+from pirate_sm.cli.console import standing
 from pirate_sm.console.app import Console
 from pirate_sm.console.dialogs import Confirm, Pick
 from pirate_sm.console.driver import Lossy, StopDriver
@@ -96,6 +98,17 @@ def test_the_key_is_heard_by_the_thread_that_reads_the_terminal_while_the_rest_i
             me.clock.run(0.5, lambda: me.latest.over)
 
             assert me.wheels_stand()
+
+    played(story)
+
+
+def test_the_last_sentence_says_whether_anything_is_clamped() -> None:
+    async def story() -> None:
+        async with operator(trace(), size=SMALL) as me:
+            assert standing(me.latest) == "safe state, wheels stopped; no part is clamped"
+            await me.command("ClampFront")
+            assert standing(me.latest) == "safe state, wheels stopped and clamps held"
+            assert standing(replace(me.latest, state=None)) == "nothing has moved"
 
     played(story)
 

@@ -114,6 +114,41 @@ def test_a_person_scrubs_back_and_forth(reel, size):
     assert seen[5] < seen[4]
 
 
+@pytest.mark.parametrize("size", [(80, 24), (160, 48)])
+def test_every_key_is_explained_on_one_key_and_the_last_line_says_how_to_leave(reel, size):
+    async def look():
+        viewer = Viewer(reel, "bend.mcap")
+        async with viewer.run_test(size=size) as pilot:
+            await pilot.pause()
+            last = text_of(viewer).splitlines()[-1]
+            await pilot.press("question_mark")
+            await pilot.pause()
+            page = " ".join(text_of(viewer).replace("│", " ").split())
+            await pilot.press("space")  # nothing plays under the page
+            await pilot.press("q")
+            await pilot.pause()
+            back = len(viewer.screen_stack), viewer.playing
+            await pilot.press("Q")
+            await pilot.pause()
+            return last, page, back, viewer.is_running
+
+    last, page, back, running = asyncio.run(look())
+
+    assert "q Quit" in last
+    assert "? Help" in last
+    assert "Space Play or stop; at the end from the start." in page
+    assert "1 s back" in page
+    assert "✓ ▶ ▷ · a phase that was left, the present one," in page
+    assert back == (1, False)
+    assert not running
+
+
+def text_of(app):
+    return "\n".join(
+        "".join(segment.text for segment in line) for line in app.screen._compositor.render_strips()
+    )
+
+
 def test_playing_ends_at_the_end_and_begins_again(reel):
     async def play():
         viewer = Viewer(reel, "bend.mcap")
