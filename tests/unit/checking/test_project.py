@@ -134,11 +134,23 @@ def test_a_calibration_is_held_against_its_robot() -> None:
     assert codes(alone) == ["calibration.robot"]
 
 
-def test_a_trace_script_is_known_and_left_alone() -> None:
-    write("script.yaml", "- {phase: a, trigger: b}\n")
+@pytest.mark.parametrize(
+    "text", ["- {phase: a, trigger: b}\n", "format: 1\ncourse:\n- {happens: start}\n"]
+)
+def test_a_trace_script_is_known_in_both_forms(text: str) -> None:
+    write("script.yaml", text)
 
     report = check_paths(["script.yaml"])
     assert (told(report), report.files[0].kind) == ([], Kind.SCRIPT)
+
+
+def test_a_trace_script_is_told_all_that_a_run_would_refuse() -> None:
+    entries = "- {trigger: a, aftr: 3 s}\n- {trigger: a, after: 3 kg}\n- 7\n"
+    script = write("script.yaml", entries + "- {phase: a, tigger: b}\n")
+    course = write("course.yaml", "format: 1\ncourse:\n- {happens: begin}\n")
+
+    assert codes(script) == ["unknown-key", "quantity", "kind", "unknown-key"]
+    assert codes(course) == ["choice"]
 
 
 def test_a_finding_is_allowed_in_its_file() -> None:
