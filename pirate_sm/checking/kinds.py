@@ -54,6 +54,7 @@ def kind_of(path: Path) -> Kind:
 
 def kind_of_text(text: str) -> Kind:
     """What a file with this text is."""
+    text = "\n".join(text.splitlines())  # a line may end in CR alone, which `^` does not know
     first = next((each for each in _CONTENT.finditer(text) if each[2].rstrip() != "---"), None)
     if first is None:
         return Kind.OTHER

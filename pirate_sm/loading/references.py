@@ -103,6 +103,6 @@ def _has(file: FilePath, keys: tuple[str, ...]) -> bool:
         with file.open("rb") as stream:
             text = stream.read(LARGEST_FILE).decode("utf-8-sig", errors="replace")
         names = "|".join(keys)
-        found = re.findall(rf"""(?:^|[{{,])\s*["']?({names})["']?\s*:""", text, re.MULTILINE)
+        found = re.findall(rf"""(?:^|[{{,\r])\s*["']?({names})["']?\s*:""", text, re.MULTILINE)
         return not text.strip() or len(set(found)) >= LEAST_KEYS
     return True

@@ -36,6 +36,8 @@ def test_every_file_of_the_project_is_known(files: list[Path], kind: Kind) -> No
         ("format: 1\nmission: m\nrobot: [unclosed\nphasess: {}\n", Kind.MISSION),
         ("--- \nmission: m\nends: {}\n", Kind.MISSION),
         ("---\n  mission: m\n  ends: {}\n", Kind.MISSION),
+        ("format: 1\rmission: m\rphases: {}\r", Kind.MISSION),  # as old Macs end a line
+        ("# a pipe\r\npipe: p\r\ndiameter: 1 m\r\n", Kind.PIPE),
         ('{"mission": "m", "phases": {}}', Kind.MISSION),
         ('"pipe": p\n"diameter": 1 m\n', Kind.PIPE),
         ("{diameter: 1 m, segments: []}", Kind.PIPE),

@@ -372,6 +372,17 @@ def test_a_chart_is_not_taken_from_outside_the_project(monkeypatch: pytest.Monke
     assert "secret words" not in str(finding)
 
 
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_a_called_mission_is_known_however_its_lines_end(end: str) -> None:
+    text = MISSION.replace("go: e", "goo: e").replace("\n", end)
+    Path("part.yaml").write_bytes(text.encode())
+    write("m.yaml", MISSION.replace("[ClampFront]", "[{call: ./part.yaml}]"))
+
+    (finding,) = check_paths(["m.yaml"]).findings
+
+    assert (finding.code, finding.place.file) == ("unknown-key", "part.yaml")
+
+
 def test_what_is_wrong_with_a_called_mission_is_still_shown() -> None:
     write("part.yaml", MISSION.replace("go: e", "go: nowhere"))
     write("m.yaml", MISSION.replace("[ClampFront]", "[{call: ./part.yaml}]"))
