@@ -38,6 +38,9 @@ _TELLING = (
 )
 """Keys at the top of a file that together say what it is, the first that fits."""
 
+_ENTRY = {"phase", "trigger", "after"}
+"""Keys of an entry of a trace script; in a list two of them tell it where a third is misspelt."""
+
 _CONTENT = re.compile(r"^([ ]*)([^\s#%].*)$", re.MULTILINE)
 _WORD = r"""["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:(?=\s|$)"""
 _IN_BRACES = re.compile(r"""[\s{,]["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:""")
@@ -51,18 +54,29 @@ def kind_of(path: Path) -> Kind:
 
 def kind_of_text(text: str) -> Kind:
     """What a file with this text is."""
+    text = "\n".join(text.splitlines())  # a line may end in CR alone, which `^` does not know
     first = next((each for each in _CONTENT.finditer(text) if each[2].rstrip() != "---"), None)
     if first is None:
         return Kind.OTHER
     if first[2].startswith(("-", "[")):
-        return Kind.SCRIPT if re.search(r"\btrigger[\"']?[ \t]*:", text) else Kind.OTHER
+        return Kind.SCRIPT if _lists_triggers(text) else Kind.OTHER
     if first[2].startswith("{"):
         keys = set(_IN_BRACES.findall(text))
     else:
         keys = set(re.findall(f"^{first[1]}{_WORD}", text, re.MULTILINE))
     if "states" in keys and re.search(r"\bparallel\b", text):
         return Kind.CHART
+    if "trigger" in keys and keys <= _ENTRY:
+        return Kind.SCRIPT  # one entry, and the list is forgotten
+    if "course" in keys and ("format" in keys or re.search(r"\bhappens\b", text)):
+        return Kind.SCRIPT
     return next((kind for kind, needed in _TELLING if needed <= keys), Kind.OTHER)
+
+
+def _lists_triggers(text: str) -> bool:
+    """Whether a file that holds a list is a trace script."""
+    keys = {key for key in _ENTRY if re.search(rf"""\b{key}["']?[ \t]*:""", text)}
+    return "trigger" in keys or len(keys) > 1
 
 
 def _beginning(path: Path) -> str | None:

@@ -25,6 +25,7 @@ from pirate_sm.loading.folders import PROFILE_FILE, shown
 from pirate_sm.loading.pipe import check_pipe, load_pipe
 from pirate_sm.loading.problems import LoadError, Place, Problems
 from pirate_sm.loading.robot import load_robot
+from pirate_sm.loading.script import read_script
 from pirate_sm.loading.source import LARGEST_FILE, Document, read_document
 from pirate_sm.loading.validate import validate
 from pirate_sm.model.calibration import Calibration
@@ -250,8 +251,8 @@ class _Check:
         load_calibration(target.path, robot)
 
     def script(self, target: Target) -> None:
-        """A trace script: what its names mean depends on the mission that it is for."""
-        self._document(target)
+        """A trace script: its form; what its names mean is the mission's that it is for."""
+        read_script(self._document(target))
 
     def other(self, target: Target) -> None:
         """None of our files: wrong only if somebody meant it to be one."""

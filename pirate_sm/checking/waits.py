@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from pirate_sm.checking.exploring.beginning import at_beginning
 from pirate_sm.checking.exploring.conditions import Conditions, Fact
 from pirate_sm.checking.exploring.ledger import Ledger
 from pirate_sm.checking.exploring.ranges import ranges
@@ -11,6 +12,7 @@ from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
 from pirate_sm.engine.program import Branch, Program, TriggerSpec, Wait
 from pirate_sm.expressions import Expression, tree
+from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.loading.mission import LoadedMission
 
 
@@ -71,6 +73,7 @@ class _Judge:
         self._table = loaded.robot.table
         self._program = loaded.program
         self._conditions = conditions
+        self._changes = frozenset(map(change_of, loaded.robot.vocabulary.numbers))
         self._constant: dict[tree.Node, str] = {}
 
     def triggers(self) -> dict[str, _Said]:
@@ -106,10 +109,10 @@ class _Judge:
             at_once = sum(book.waits[key].at_once[trigger.name] for book in self._seen)
             if trigger.condition is None or not at_once:
                 return None
-            if at_once < armed and self._can_be(wait, [(trigger.condition.tree, False)]):
-                return None
-            message = f"'{trigger.text}' is true already whenever the wait begins"
-            return "trigger.at_once", Severity.WARNING, message, "go there without a wait"
+            if at_once == armed or not self._can_be(wait, [(trigger.condition.tree, False)]):
+                message = f"'{trigger.text}' is true already whenever the wait begins"
+                return "trigger.at_once", Severity.WARNING, message, "go there without a wait"
+            return self._unchanged(wait, trigger, trigger.condition)
         late = self._late(wait, trigger)
         if late:
             return "trigger.never", Severity.ERROR, f"{late}: it can never fire", ""
@@ -120,6 +123,17 @@ class _Judge:
             return "trigger.never", Severity.ERROR, message, ""
         message = f"'{trigger.text}' can never fire: {self._ahead(wait, number)} always does"
         return "trigger.shadowed", Severity.WARNING, message, "list it first, or leave it out"
+
+    def _unchanged(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
+        """What is to be said of a condition that is true as long as nothing has changed."""
+        at_first = at_beginning(condition.tree, self._changes)
+        if at_first == condition.tree or self._can_be(wait, [(at_first, False)]):
+            return None
+        changes = [each for each in tree.walk(condition.tree) if isinstance(each, tree.Signal)]
+        name = next(each.name for each in changes if each.name in self._changes)
+        message = f"'{trigger.text}' is true already whenever the wait begins: {name} is 0 then"
+        mend = "ask for a change that the wait brings about: one backwards is negative"
+        return "trigger.at_once", Severity.WARNING, message, mend
 
     def _ahead(self, wait: Wait, number: int) -> str:
         """What fires wherever this trigger would."""

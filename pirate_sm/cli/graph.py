@@ -81,7 +81,7 @@ def _graph(wishes: GraphWishes) -> Graph:
     if wishes.counterexample is not None and not _is_mission(path):
         raise UsageError(f"'{wishes.what}' is no mission: no course of events leads through it")
     if path.name == PROFILE_FILE or path.is_dir():
-        robot = load_robot(library.find_robot(str(path)))
+        robot = load_robot(library.find_robot(str(path), Path.cwd()))
         return _chart(robot.documents[1], robot.profile.robot)
     document = read_document(path, shown(path))
     if isinstance(document.data, dict) and "states" in document.data:
@@ -112,7 +112,7 @@ def _found(what: str) -> Path:
     if what in known:
         return known[what]
     close = nearest(what, known)
-    hint = f"did you mean '{close}'?" if close else f"known: {one_of(sorted(known))}"
+    hint = f"did you mean '{close}'?" if close else f"expected {one_of(sorted(known))}"
     raise UsageError(f"there is no mission, robot or file '{what}'; {hint}")
 
 

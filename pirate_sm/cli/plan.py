@@ -115,7 +115,7 @@ def _to_states(loaded: LoadedRobot, body: RobotState, states: dict[str, str]) ->
 def _to_phase(loaded: LoadedRobot, body: RobotState, text: str) -> Found:
     name, colon, phase = text.rpartition(":")
     if not colon or not name or not phase:
-        raise UsageError(f"--to-phase {text}: expected MISSION:PHASE")
+        raise UsageError(f"--to-phase '{text}': expected MISSION:PHASE")
     mission = load_mission(library.find_mission(name))
     if mission.loaded_robot.folder != loaded.folder:
         raise UsageError(f"{name} is a mission for {mission.robot.name}, not {loaded.normal.name}")

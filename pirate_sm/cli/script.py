@@ -5,27 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import isfinite
 from pathlib import Path
-from typing import Annotated
-
-from pydantic import Field
 
 from pirate_sm.errors import UsageError
-from pirate_sm.loading.course import read_course
-from pirate_sm.loading.problems import Problems
+from pirate_sm.loading import script as loading
 from pirate_sm.loading.source import read_document
-from pirate_sm.loading.validate import try_validate
-from pirate_sm.model.base import Frozen, Name
 from pirate_sm.model.course import Happening
-from pirate_sm.model.quantities import Duration
 from pirate_sm.runtime.companions import Firing
-
-
-class ScriptEntry(Frozen):
-    """In a wait (of ``phase``, if given) that has the trigger, take it ``after`` so long."""
-
-    trigger: Name
-    after: Annotated[Duration, Field(ge=0)] | None = None
-    phase: str = ""
 
 
 def read_fire(texts: Iterable[str]) -> list[Firing]:
@@ -57,21 +42,5 @@ def read_script(path: Path) -> tuple[list[Firing], tuple[Happening, ...]]:
     Raises:
         LoadError: Everything that is wrong with the file.
     """
-    document = read_document(path)
-    if isinstance(document.data, dict) and "course" in document.data:
-        return [], read_course(document)
-    problems = Problems(document)
-    firings = []
-    if not isinstance(document.data, list):
-        problems.add(
-            "script.list",
-            (),
-            "expected a list of {phase: …, trigger: …, after: 1 s}, or a course of events",
-        )
-        problems.raise_errors()
-    for number in range(len(document.data)):
-        entry = try_validate(document, ScriptEntry, problems, (number,))
-        if entry is not None:
-            firings.append(Firing(entry.trigger, entry.after, entry.phase))
-    problems.raise_errors()
-    return firings, ()
+    script = loading.read_script(read_document(path))
+    return [Firing(each.trigger, each.after, each.phase) for each in script.entries], script.course

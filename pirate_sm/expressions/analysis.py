@@ -230,6 +230,9 @@ class _Analysis:
         if self._unknown_signal(left, right):
             return None
         user = f"'{operator}'"
+        for part, other in ((left, right), (right, left)):
+            if self._is_word(part) and self._number(other, user) is None:
+                return None  # the word was meant for the signal in there
         first, second = self._number(left, user), self._number(right, user)
         if first is None or second is None:
             return None
@@ -245,11 +248,13 @@ class _Analysis:
         ]
         if len(names) < 2:
             return False
-        words = {
-            word for kind in types.values() if isinstance(kind, EnumType) for word in kind.values
-        }
-        self._signal(next((part for part in names if part.name not in words), names[0]))
+        self._signal(next((part for part in names if not self._is_word(part)), names[0]))
         return True
+
+    def _is_word(self, part: AnyPart) -> bool:
+        """Return whether a part is a word of some signal, and no signal's name."""
+        known = self._vocabulary
+        return isinstance(part, NamePart) and part.name in known.said - known.types.keys()
 
     def _enum_type(self, part: AnyPart) -> EnumType | None:
         kind = self._vocabulary.types.get(part.name) if isinstance(part, NamePart) else None

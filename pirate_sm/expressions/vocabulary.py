@@ -85,6 +85,12 @@ class Vocabulary:
         self._slots.update({name: Slot("word", index) for index, name in enumerate(self.words)})
 
     @cached_property
+    def said(self) -> frozenset[str]:
+        """Return every word that one of the signals can be."""
+        kinds = [kind for kind in self.types.values() if isinstance(kind, EnumType)]
+        return frozenset(word for kind in kinds for word in kind.values)
+
+    @cached_property
     def with_changes(self) -> Vocabulary:
         """Return the vocabulary of a wait: also how much each number has changed since it began.
 

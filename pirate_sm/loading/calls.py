@@ -62,7 +62,7 @@ class Calls:
             )
             return None
         except PirateError as error:
-            scope.problems.add("mission.call", path, str(error))
+            scope.problems.add(references.code_of(error, "mission.call"), path, str(error))
             return None
         if found.path in scope.calls:
             chain = " → ".join(each.stem for each in (*scope.calls, found.path))

@@ -126,7 +126,7 @@ def _by_name(kind: str, name: str, known: dict[str, Path]) -> Path:
     if name in known:
         return known[name]
     close = nearest(name, known)
-    hint = f"; did you mean '{close}'?" if close else f"; known: {one_of(sorted(known))}"
+    hint = f"; did you mean '{close}'?" if close else f"; expected {one_of(sorted(known))}"
     raise UsageError(f"there is no {kind} '{_cut(name)}'{hint}")
 
 

@@ -184,7 +184,7 @@ def _pipe(
         file = references.followed(library.find_pipe(mission.pipe, folder), folder)
         found, source = load_pipe(file)
     except UsageError as error:
-        problems.add("mission.pipe", ("pipe",), str(error))
+        problems.add(references.code_of(error, "mission.pipe"), ("pipe",), str(error))
         return None, mission.pipe, document
     except LoadError as error:
         references.tell(error, file, references.PIPE, ("pipe",), problems)

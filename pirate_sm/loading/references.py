@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path as FilePath
 
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import PirateError, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.problems import LoadError, Path, Problems
 from pirate_sm.loading.source import LARGEST_FILE
@@ -28,6 +28,15 @@ ROOT_MARKS = (".git", "sequences", "hardware_profiles")
 """What the root of a project has."""
 
 _kept_inside: ContextVar[bool] = ContextVar("kept_inside", default=False)
+
+
+class OutsideError(UsageError):
+    """Is raised for a reference that leaves the project, where that is not wanted."""
+
+
+def code_of(error: PirateError, usual: str) -> str:
+    """The code for a reference that cannot be followed: ``usual``, unless it leaves the project."""
+    return "reference.outside" if isinstance(error, OutsideError) else usual
 
 
 @contextmanager
@@ -48,11 +57,10 @@ def followed(file: FilePath, folder: FilePath) -> FilePath:
         folder: Of the file in which it stands.
 
     Raises:
-        UsageError: It leaves the project, and that is not wanted.
+        OutsideError: It leaves the project, and that is not wanted.
     """
     if _kept_inside.get() and not any(file.resolve().is_relative_to(r) for r in _roots(folder)):
-        message = "this leads out of the project's folder: move the file, or check with --outside"
-        raise UsageError(message)
+        raise OutsideError("this leads out of the project's folder")
     return file
 
 
@@ -95,6 +103,6 @@ def _has(file: FilePath, keys: tuple[str, ...]) -> bool:
         with file.open("rb") as stream:
             text = stream.read(LARGEST_FILE).decode("utf-8-sig", errors="replace")
         names = "|".join(keys)
-        found = re.findall(rf"""(?:^|[{{,])\s*["']?({names})["']?\s*:""", text, re.MULTILINE)
+        found = re.findall(rf"""(?:^|[{{,\r])\s*["']?({names})["']?\s*:""", text, re.MULTILINE)
         return not text.strip() or len(set(found)) >= LEAST_KEYS
     return True

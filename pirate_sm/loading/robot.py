@@ -107,7 +107,7 @@ def _chart(folder: Path, name: str, problems: Problems) -> Document | None:
     try:
         return read_document(references.followed(path, folder), shown(path))
     except UsageError as error:
-        problems.add("robot.chart", ("chart",), str(error))
+        problems.add(references.code_of(error, "robot.chart"), ("chart",), str(error))
         return None
     except LoadError as error:
         for problem in error.problems:

@@ -28,6 +28,7 @@ _MEANINGS = {
     ROUND: "which round of a repeat this is",
     ROUNDS: "how many rounds a repeat has",
 }
+_UNCAUGHT = "'{}' cannot be caught: it always ends the run"
 TIME_LIMIT = "within"
 """The name under which a wait's time limit fires."""
 
@@ -142,11 +143,9 @@ class Scope:
             for place, code in enumerate(handler.fault):
                 at = (*path, "fault", place)
                 if code not in known:
-                    self._unknown("fault", code, known, at)
+                    self._unknown_fault(code, known, at)
                 elif not known[code]:
-                    self.problems.add(
-                        "mission.fault", at, f"'{code}' cannot be caught: it always ends the run"
-                    )
+                    self.problems.add("mission.fault", at, _UNCAUGHT.format(code))
                 own.append((code, go, f"{self.prefix}{handler.go}" if handler.go else ""))
         return (*own, *self.outer)
 
@@ -271,6 +270,15 @@ class Scope:
             return self.values[name]
         self._unknown("parameter", name, self.source.mission.parameters, path)
         return Value(Quantity(1.0, TIME), "")
+
+    def _unknown_fault(self, code: str, known: Mapping[str, bool], path: Path) -> None:
+        """There is no such fault; those that a mission may handle are named."""
+        close = nearest(code, known)
+        if close and not known[close]:
+            message = f"there is no fault '{code}', and {_UNCAUGHT.format(close)}"
+            self.problems.add("mission.name", path, message)
+        else:
+            self._unknown("fault", code, [each for each in known if known[each]], path)
 
     def _unknown(
         self, kind: str, name: str, known: object, path: Path, code: str = "mission.name"

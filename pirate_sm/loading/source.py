@@ -185,8 +185,8 @@ def _decoded(content: bytes, name: str) -> str:
         before = content[: error.start]
         if b"\0" in content:
             raise _refusal(name, "binary", "is a binary file; YAML text is expected") from None
-        line = before.count(b"\n") + 1
-        column = len(before.rpartition(b"\n")[2].decode("utf-8")) + 1
+        lines = (before + b" ").splitlines()  # the blank stands for the byte itself
+        line, column = len(lines), len(lines[-1].decode("utf-8"))
         message = f"byte 0x{content[error.start]:02x} is not UTF-8; save the file as UTF-8"
         raise LoadError([Problem("encoding", Place(name, line, column), message)]) from None
 

@@ -121,6 +121,10 @@ MADE: dict[str, Made] = {
         ),
         ("encoding", "p.yaml", 3),
     ),
+    "a line ends in CR alone": Made(
+        _written("m.yaml", _mission("[Fly]").replace("\n", "\r").encode()),
+        ("mission.command", "m.yaml", 7),
+    ),
     "a file has more than a mebibyte": Made(
         _written("m.yaml", CLAMP + "# \n" * 400_000), ("too-large", "m.yaml", 0)
     ),

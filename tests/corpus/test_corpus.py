@@ -20,7 +20,6 @@ BASES = [*ROBOTS, *sorted(path.name for path in (HERE / "bases").iterdir())]
 NOT_SEEDED = {
     "check.failed": "is a fault of this program; test_project.py makes one",
     "chart.invalid": "every chart that its outline accepts is built without names of its own",
-    "script.list": "the check takes only lists for trace scripts; `--script` tells of others",
     "more": "stands beside the faults that are too many to be shown: see below",
     "rehearsal.failed": "comes of a run in the simulator, not of a file",
     "rehearsal.at_once": "comes of a run in the simulator, not of a file",

@@ -134,11 +134,23 @@ def test_a_calibration_is_held_against_its_robot() -> None:
     assert codes(alone) == ["calibration.robot"]
 
 
-def test_a_trace_script_is_known_and_left_alone() -> None:
-    write("script.yaml", "- {phase: a, trigger: b}\n")
+@pytest.mark.parametrize(
+    "text", ["- {phase: a, trigger: b}\n", "format: 1\ncourse:\n- {happens: start}\n"]
+)
+def test_a_trace_script_is_known_in_both_forms(text: str) -> None:
+    write("script.yaml", text)
 
     report = check_paths(["script.yaml"])
     assert (told(report), report.files[0].kind) == ([], Kind.SCRIPT)
+
+
+def test_a_trace_script_is_told_all_that_a_run_would_refuse() -> None:
+    entries = "- {trigger: a, aftr: 3 s}\n- {trigger: a, after: 3 kg}\n- 7\n"
+    script = write("script.yaml", entries + "- {phase: a, tigger: b}\n")
+    course = write("course.yaml", "format: 1\ncourse:\n- {happens: begin}\n")
+
+    assert codes(script) == ["unknown-key", "quantity", "kind", "unknown-key"]
+    assert codes(course) == ["choice"]
 
 
 def test_a_finding_is_allowed_in_its_file() -> None:
@@ -291,31 +303,33 @@ def test_nothing_is_shown_of_a_file_that_a_reference_leads_to_and_that_is_not_ou
 
 OUTSIDE = MISSION.replace("mission: m", "mission: away").replace("go: e", "go: secret_words")
 LEAVING = [
-    (MISSION.replace("[ClampFront]", "[{call: ../away.yaml}]"), "mission.call"),
-    (MISSION.replace("start:", "pipe: ../away.yaml\nstart:"), "mission.pipe"),
+    MISSION.replace("[ClampFront]", "[{call: ../away.yaml}]"),
+    MISSION.replace("start:", "pipe: ../away.yaml\nstart:"),
 ]
 
 
-@pytest.mark.parametrize(("text", "code"), LEAVING)
+@pytest.mark.parametrize("text", LEAVING)
 def test_a_reference_out_of_the_project_is_refused_and_nothing_of_the_file_shown(
-    text: str, code: str, monkeypatch: pytest.MonkeyPatch
+    text: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write("away.yaml", OUTSIDE)
     write("own/m.yaml", text)
     monkeypatch.chdir("own")
 
-    (finding,) = check_paths(["m.yaml"]).findings
+    report = check_paths(["m.yaml"])
 
-    assert (finding.code, finding.place.file) == (code, "m.yaml")
-    assert "--outside" in finding.message
+    (finding,) = report.findings
+    assert (finding.code, finding.place.file) == ("reference.outside", "m.yaml")
     assert "secret_words" not in str(finding)
+    page = text_report(report, lambda _, text: text)
+    assert "mend: Move the file into the project, or check with `--outside`." in page
 
 
 def test_a_reference_may_leave_the_project_where_that_is_wanted(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     write("away.yaml", OUTSIDE)
-    write("own/m.yaml", LEAVING[0][0])
+    write("own/m.yaml", LEAVING[0])
     monkeypatch.chdir("own")
 
     (finding, *_) = check_paths(["m.yaml"], Wishes(outside=True)).findings
@@ -343,7 +357,7 @@ def test_a_link_does_not_lead_a_reference_out_of_the_project(
     monkeypatch.chdir("own")
     Path("link.yaml").symlink_to("../away.yaml")
 
-    assert [each.code for each in check_paths(["m.yaml"]).findings] == ["mission.call"]
+    assert codes("m.yaml") == ["reference.outside"]
 
 
 def test_a_chart_is_not_taken_from_outside_the_project(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -354,8 +368,19 @@ def test_a_chart_is_not_taken_from_outside_the_project(monkeypatch: pytest.Monke
 
     (finding,) = check_paths(["robot"]).findings
 
-    assert finding.code == "robot.chart"
+    assert finding.code == "reference.outside"
     assert "secret words" not in str(finding)
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_a_called_mission_is_known_however_its_lines_end(end: str) -> None:
+    text = MISSION.replace("go: e", "goo: e").replace("\n", end)
+    Path("part.yaml").write_bytes(text.encode())
+    write("m.yaml", MISSION.replace("[ClampFront]", "[{call: ./part.yaml}]"))
+
+    (finding,) = check_paths(["m.yaml"]).findings
+
+    assert (finding.code, finding.place.file) == ("unknown-key", "part.yaml")
 
 
 def test_what_is_wrong_with_a_called_mission_is_still_shown() -> None:

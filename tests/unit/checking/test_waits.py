@@ -30,10 +30,18 @@ FIRES = "{when: way > 50 mm, go: good}"
         ("{after: 11 s, go: good}", "trigger.never"),
         ("{when: way > 60 mm, go: good}", "trigger.shadowed"),
         ("{when: Lamp == Lit, go: good}", "trigger.at_once"),
+        ("{when: change(way) <= 100 mm, go: good}", "trigger.at_once"),  # it begins at 0
+        ("{when: change(way) == 0 mm, go: good}", "trigger.at_once"),
+        ("{when: abs(change(neck) - change(hip)) < 1 deg, go: good}", "trigger.at_once"),
+        ("{when: Lamp == Lit and change(way) > -5 mm, go: good}", "trigger.at_once"),
         ("{when: pace > 1 mm/s, held: 10 s, go: good}", ""),
         ("{after: 10 s, go: good}", ""),
         ("{operator: yes, go: good}", ""),
         ("{when: way > 40 mm, go: good}", ""),
+        ("{when: change(way) < 0 mm, go: good}", ""),
+        ("{when: change(way) <= 100 mm and way > 20 mm, go: good}", ""),  # it need not stand there
+        ("{when: change(way) <= 100 mm, held: 2 s, go: good}", ""),
+        ("{when: known(change(way)), go: good}", ""),
     ],
 )
 def test_a_trigger_is_told_if_it_is_of_no_use(tmp_path: Path, trigger: str, code: str) -> None:

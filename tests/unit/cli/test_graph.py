@@ -34,6 +34,18 @@ def test_the_output_names_the_format(pirate: Any, name: str, begins: str, tmp_pa
     assert (tmp_path / name).read_text("utf-8").startswith(begins)
 
 
+@pytest.mark.parametrize("what", ["newt", "./newt", "newt/", "newt/profile.yaml"])
+def test_a_robots_folder_here_is_drawn(
+    pirate: Any, what: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(NEWT.parent)
+
+    result = pirate("graph", what)
+
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert 'title: "newt"' in result.stdout
+
+
 def test_a_path_is_marked(pirate: Any) -> None:
     result = pirate("graph", "climb", "--format", "svg", "--highlight", "up, holding,slipped,")
 

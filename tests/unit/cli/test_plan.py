@@ -105,6 +105,7 @@ def test_programs_read_json(pirate: Any, target: str, code: int) -> None:
             "--from: no commands ever lead to",
         ),
         (["pirate_ii", "--to-phase", "pass"], "expected MISSION:PHASE"),
+        (["pirate_ii", "--to-phase", ":"], "--to-phase ':': expected MISSION:PHASE"),
         (["pirate_ii", "--to-phase", "mitre_bnd:pass"], "did you mean 'mitre_bend'"),
         (["pirate_ii", "--to-phase", "mitre_bend:pss"], "did you mean 'pass'?"),
         ([NEWT, "--to-phase", "mitre_bend:pass"], "is a mission for pirate_ii, not newt"),

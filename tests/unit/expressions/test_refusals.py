@@ -130,6 +130,17 @@ def test_all_independent_faults_come_at_once() -> None:
     assert "column 22" in str(error)
 
 
+@pytest.mark.parametrize("text", ["abs(eye) == close", "close != abs(eye)"])
+def test_a_word_is_not_told_beside_a_number_that_cannot_be_made_of_words(text: str) -> None:
+    (fault,) = refused(text).faults
+
+    assert fault.message == "'abs' needs a number, not 'eye', a word"
+
+
+def test_a_word_that_is_compared_with_a_number_is_told() -> None:
+    assert refused("abs(path) == close").message == "unknown name 'close'"
+
+
 def test_a_word_alone_is_no_expression() -> None:
     with pytest.raises(ExpressionError, match="compare it"):
         compile_expression("Lamp", VOCABULARY)

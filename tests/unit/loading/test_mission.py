@@ -131,6 +131,8 @@ def test_what_is_shipped_loads(path):
         (with_line("on_fault: [{fault: [robot.stuck, robot.stuk], go: a}]"),
          "4:34: there is no fault 'robot.stuk'"),
         (with_line("on_fault: [{fault: stuck, go: a}]"), "4:20: the text 'stuck' does not fit"),
+        (with_line("on_fault: [{fault: link.silnt, go: a}]"),
+         "4:20: there is no fault 'link.silnt', and 'link.silent' cannot be caught: it always"),
         (with_line("on_fault: [{fault: link.lost, go: a}]"), "4:20: 'link.lost' cannot be caught"),
         (with_line("on_fault: [{fault: robot.fallen, then: continue}]"),
          "4:20: 'robot.fallen' cannot be caught"),
@@ -290,6 +292,15 @@ def test_a_parameter_without_a_default_must_be_given(load):
         load(text)
 
     assert load(text, settings={"way": "5 cm"}).parameters == {"way": "5 cm"}
+
+
+def test_of_an_unknown_fault_those_are_named_that_a_mission_may_handle(load):
+    with pytest.raises(LoadError) as caught:
+        load(with_line("on_fault: [{fault: no.way, then: continue}]"))
+
+    (problem,) = caught.value.problems
+    assert "link.interrupted" in problem.expected
+    assert not {"link.silent", "link.lost", "link.no_echo"} & set(problem.expected.split(", "))
 
 
 def test_a_pipe_from_the_command_line_takes_the_missions_place(load):

@@ -173,6 +173,7 @@ def test_a_byte_order_mark_and_wide_characters_move_no_place() -> None:
         ("[" * 33 + "]" * 33, [("too-deep", 1, 33)]),
         ("a: \x01", [("binary", 1, 4)]),
         (b"ok: 1\na: \xff", [("encoding", 2, 4)]),
+        (b"ok: 1\ra: \xff", [("encoding", 2, 4)]),
         (b"\x7fELF\x00\x01\xff", [("binary", 0, 0)]),
         (b"a\x00b", [("binary", 0, 0)]),
         ("a: 1".encode("utf-16"), [("encoding", 0, 0)]),
