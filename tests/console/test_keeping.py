@@ -9,8 +9,9 @@ import pytest
 
 from pirate_sm.cli.recording import RUNS_VARIABLE, RecordingWishes, recorded
 from pirate_sm.console.session import Keeping
-from pirate_sm.model.events import GoTo
+from pirate_sm.model.events import GoTo, OperatorCommand
 from pirate_sm.recording.reader import read_recording
+from pirate_sm.report.listing import listed
 from pirate_sm.wiring import Prepared
 
 from .driving import Operator, operator, played, with_mission
@@ -59,6 +60,25 @@ def test_after_a_stop_the_run_that_was_begun_is_left_and_not_the_one_that_waits(
     played(story)
     (left,) = runs.glob("*.mcap")
     assert read_recording(left).complete
+
+
+def test_the_duration_of_a_later_run_is_its_own(runs: Path) -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace"), keep=keep) as me:
+            me.wait(20.0)
+            me.session.stop()
+            me.wait(1.0)
+            me.until(lambda: me.latest.state is not None and me.latest.state.look is None)
+            me.session.tell(OperatorCommand("ClampFront"))
+            me.until(lambda: me.states[2] == "FrontClampedRearRelaxed")
+            await leave(me)
+
+    played(story)
+    (left,) = runs.glob("*.mcap")
+    recording = read_recording(left)
+    (*_, last) = recording.steps()
+    assert last.at_s > 20.0
+    assert 0.0 < listed(recording, "").duration_s < 10.0
 
 
 def test_a_series_of_commands_is_something_that_was_asked_for(runs: Path) -> None:
