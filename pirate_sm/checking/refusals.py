@@ -11,6 +11,7 @@ from pirate_sm.checking.places import Places
 from pirate_sm.checking.way import way
 from pirate_sm.engine.program import STOP, Do, Program, Require
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.effects import CommandStatus
 
 
 def refusal_findings(
@@ -163,7 +164,23 @@ def _way_to(step: Require, book: Ledger, first: int, loaded: LoadedMission, *, a
     before = f"put {given} before the call"
     if always:
         return before
-    return f"{before}, each with `unneeded: skip`, or say `on_failure` at the call"
+    failed = [each for each in commands if each in _failed(book, first)]
+    if failed:
+        stand, its = ("stands", "its") if len(failed) == 1 else ("stand", "their")
+        message = f"{', '.join(failed)} {stand} before the call and can fail: let {its} failure"
+        return f"{message} lead elsewhere, or say `on_failure` at the call"
+    each = "each " if len(commands) > 1 else ""
+    return f"{before}, {each}with `unneeded: skip`, or say `on_failure` at the call"
+
+
+def _failed(book: Ledger, step: int) -> set[str]:
+    """Names of the commands that come to no good end on the way to a step."""
+    return {
+        effect.name
+        for each in book.found.path(step)
+        for effect in each.effects
+        if isinstance(effect, CommandStatus) and effect.status in ("refused", "failed")
+    }
 
 
 def _mend(visits: Visits, first: int, *, always: bool) -> str:

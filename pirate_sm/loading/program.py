@@ -240,7 +240,7 @@ class _PhaseWriter:
             out.Do,
             command=command,
             timeout_s=scope.limit(step.timeout, (*path, "timeout")),
-            retries=scope.count(step.retry, (*path, "retry")),
+            retries=scope.retries(step.retry, (*path, "retry")),
             skip_unneeded=step.unneeded == "skip",
             next=after,
             failed=self._failure(step, path, after),

@@ -33,6 +33,10 @@ TIME_LIMIT = "within"
 """The name under which a wait's time limit fires."""
 
 
+MOST_RETRIES = 100
+"""A command that fails so often will not be done; each try is looked at by the check."""
+
+
 @dataclass(frozen=True)
 class Source:
     """A mission, its file, and the path of it."""
@@ -240,6 +244,15 @@ class Scope:
             )
             return 1
         return int(number)
+
+    def retries(self, value: int | Parameter, path: Path) -> int:
+        """How often a command is sent again; too often is a problem."""
+        number = self.count(value, path)
+        if number <= MOST_RETRIES:
+            return number
+        message = f"expected a count of at most {MOST_RETRIES}, got {number}"
+        self.problems.add("range", path, message)
+        return 0
 
     def message(self, text: str, path: Path) -> str:
         """Return the text with parameters and rounds written out; ``{cause}`` stays."""

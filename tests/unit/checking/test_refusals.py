@@ -141,6 +141,38 @@ def test_the_mend_of_a_call_names_the_commands_that_lead_there(
 
 
 @pytest.mark.parametrize(
+    ("steps", "mend"),
+    [
+        (
+            "{command: HoldNose, on_failure: continue}",
+            "HoldNose stands before the call and can fail: let its failure lead elsewhere, "
+            "or say `on_failure` at the call",
+        ),
+        (
+            "{command: HoldNose, if: known(neck)}",
+            "put HoldNose before the call, with `unneeded: skip`, or say `on_failure` at the call",
+        ),
+        (
+            "{command: HoldNose, if: known(neck)}, {command: HoldTail, if: known(neck)}",
+            "put HoldNose, HoldTail before the call, each with `unneeded: skip`, "
+            "or say `on_failure` at the call",
+        ),
+    ],
+)
+def test_the_mend_of_a_call_that_is_refused_at_times_fits_what_stands_before_it(
+    tmp_path: Path, steps: str, mend: str
+) -> None:
+    terms = "BothHeld" if "HoldTail" in steps else "NoseHeld"
+    inner = (
+        f"starts_in: {{Grip: {terms}}}\nstart: q\nphases: {{q: {{do: [SwitchLamp], go: good}}}}\n"
+    )
+    write(tmp_path, inner + "ends: {good: {succeed: ok}}\n", name="sub")
+    body = f"start: p\nphases: {{p: {{do: [{steps}, {{call: sub}}], go: good}}}}\n"
+
+    assert only(checked(tmp_path, body), "call.maybe_starts_in").mend == mend
+
+
+@pytest.mark.parametrize(
     ("phases", "code"),
     [
         ("p: {do: [{call: sub}], go: good}", ""),

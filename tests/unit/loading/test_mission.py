@@ -62,6 +62,10 @@ def test_what_is_shipped_loads(path):
         (steps("{command: Brake, retri: 2}"), "6:29: unknown key 'retri'"),
         (steps("{command: Brake, unneeded: maybe}"), "6:39: expected one of skip, fail"),
         (steps("{command: Brake, retry: -1}"), "6:36: expected a count of at least 0, got -1"),
+        (steps("{command: Brake, retry: 101}"), "6:36: expected a count of at most 100, got 101"),
+        (steps("{command: Brake, retry: $often}").replace(
+            "start:", "parameters: {often: {type: count, default: 9999}}\nstart:", 1),
+         "7:36: expected a count of at most 100, got 9999"),
         (steps("{command: Brake, retry: 1.5}"), "6:36: expected a count such as 3, got '1.5'"),
         (steps("{command: Brake, timeout: 5}"), "6:38: expected a duration such as '2 s', got '5'"),
         (steps("{command: Brake, timeout: 5 mm}"), "6:38: expected a duration such as '2 s'"),
