@@ -11,6 +11,7 @@ from pathlib import Path
 
 from pirate_sm.cli.outputs import refuse_losses, write_file
 from pirate_sm.cli.progress import progress
+from pirate_sm.cli.worded import worded
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.expressions import NumberType
 from pirate_sm.loading import library
@@ -124,8 +125,11 @@ def run_replay(path: str, changed: Changed, stretch: Stretch, jobs: int | None) 
             result = replay(recording, loaded, changed=other, after=after, until_s=until_s)
     _say(_headline(recording))
     if result.difference is not None:
-        for line in _told(result.difference, result.steps):
+        recorded, now = _told(result.difference, result.steps)
+        for line in recorded:
             _say(line)
+        for line in now:
+            _say(_renamed(line, loaded, recording.header) if other else line)
         return DIFFERENT
     if not result.executed:
         raise RecordingError(
@@ -293,27 +297,34 @@ def _headline(recording: Recording) -> str:
     return f"{header.mission} on {header.backend}, {header.began}"
 
 
-def _told(difference: Difference, steps: int) -> Iterator[str]:
+def _told(difference: Difference, steps: int) -> tuple[list[str], list[str]]:
+    """Lines about what was recorded, and then about what comes out now."""
     step = difference.step
-    event = "the start" if step.event is None else repr(step.event)
-    yield f"the first {steps} inputs gave the same; then, at {step.at_s:.3f} s, {event} does not"
+    event = worded(step.event)
+    same = f"the first {steps} inputs gave the same; then, at {step.at_s:.3f} s, this does not:"
     where = f"in the phase {difference.phase}" if difference.phase else "at the start"
-    yield f"  {where}" + (f" ({difference.place})" if difference.place else "")
+    place = f" ({difference.place})" if difference.place else ""
     if difference.remembers:
         parts = ", ".join(difference.remembers)
-        yield f"  its effects are the same; what the engine remembers then is not: {parts}"
-        return
-    yield "  recorded:"
-    yield from _listed(difference.recorded)
-    yield "  now:"
-    yield from _listed(difference.replayed)
+        left = f"its effects are the same; what the engine remembers then is not: {parts}"
+        return [same, f"  {event}"], [f"  {where}{place}", f"  {left}"]
+    recorded = ["  recorded:", *_listed(difference.recorded)]
+    now = [f"  now, {where}{place}:", *_listed(difference.replayed)]
+    return [same, f"  {event}", *recorded], now
 
 
 def _listed(effects: tuple[Effect, ...]) -> Iterator[str]:
     if not effects:
         yield "    nothing"
     for effect in effects:
-        yield f"    {effect!r}"
+        yield f"    {worded(effect)}"
+
+
+def _renamed(line: str, loaded: LoadedMission, header: RunHeader) -> str:
+    """The line with the files that are executed now in place of those that were recorded."""
+    for old, new in zip(header.files, loaded.documents, strict=False):
+        line = line.replace(f"{old.name}:", f"{new.name}:")
+    return line
 
 
 def _say(text: str) -> None:

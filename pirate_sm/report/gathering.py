@@ -190,7 +190,12 @@ class _Run:
 
     def _doubts(self, seen: Poses | None) -> tuple[str, ...]:
         doubts = [self._doubt] if self._doubt else []
-        if self._about.nominal:
+        if self._state is None:
+            doubts.append(
+                "Of the run itself nothing is in the recording, so there is nothing to show: it "
+                "ends before the engine was started."
+            )
+        elif self._about.nominal:
             doubts.append("Nothing moved: commands ended by their time on paper.")
         elif seen is None and self._following.poses.times_s:
             doubts.append(

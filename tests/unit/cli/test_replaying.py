@@ -15,6 +15,9 @@ from pirate_sm.cli.entry import only_run
 from pirate_sm.recording import recorder
 from pirate_sm.recording.reader import read_recording
 
+ROOT = Path(__file__).resolve().parents[3]
+PIPE = "sequences/pipes/mitre_90.yaml"
+
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> bytes:
@@ -209,3 +212,17 @@ def test_what_cannot_be_repaired_is_refused(pirate: Any, run: Path, recorded: by
     assert "cut off before anything" in pirate("repair", "none.mcap").stderr
     assert "not an MCAP file" in pirate("repair", "other.mcap").stderr
     assert sorted(path.name for path in Path().iterdir()) == ["none.mcap", "other.mcap", "run.mcap"]
+
+
+def test_another_mission_is_told_of_by_its_own_file_and_in_words(
+    pirate: Any, run: Path, tmp_path: Path
+) -> None:
+    text = (ROOT / "sequences" / "mitre_bend.yaml").read_text("utf-8")
+    (tmp_path / "other.yaml").write_text(text.replace("      - DriveForward\n", "", 1), "utf-8")
+    result = pirate("replay", run, "--mission", "other.yaml", "--pipe", ROOT / PIPE)
+
+    assert result.exit_code == 1
+    now = result.stdout.partition("  now, ")[2]
+    assert "mitre_bend.yaml" not in now
+    assert re.search(r"in the phase \w+ \(other\.yaml:\d+:\d+\)", result.stdout)
+    assert not re.search(r"\w+\(\w*=|\d\.\d{7,}|Tick", result.stdout)

@@ -172,3 +172,17 @@ def test_a_recording_that_was_cut_short_is_told_as_far_as_it_goes(
     assert found.summary[1].startswith("The recording breaks off after")
     assert "ends early" in found.warnings[0]
     assert found.opens_at_s == found.duration_s
+
+
+def test_of_a_recording_without_data_a_sentence_says_that_there_is_nothing_to_show(
+    recording: Callable[[str], Path], tmp_path: Path
+) -> None:
+    first = read_recording(recording("bend")).content.pieces[0]
+    empty = tmp_path / "empty.mcap"
+    empty.write_bytes(recording("bend").read_bytes()[: first.at - 9])
+
+    found = report_of(read_recording(empty))
+
+    assert (found.duration_s, found.charts, found.scene) == (0.0, (), None)
+    assert "there is nothing to show" in found.warnings[-1]
+    assert "Nobody knew where" not in " ".join(found.warnings)
