@@ -85,7 +85,7 @@ class Outcome:
     torques: tuple[float, ...]
     slid_m: float
     short_m: float
-    took_s: float = field(default=0.0, compare=False)
+    took_s: float = field(default=0.0, compare=False, repr=False)
 
 
 MotorValue: TypeAlias = tuple[str, str, float]

@@ -1,10 +1,21 @@
 from __future__ import annotations
 
 import signal
+from collections.abc import Iterator
 
 import pytest
 
 from pirate_sm.runtime.stopping import BY_SIGNAL, PATIENCE_S, CaughtSignals, StopRequests
+
+
+@pytest.fixture(autouse=True)
+def usual_signals() -> Iterator[None]:
+    """Ctrl-C is heard even where the tests were started to ignore it, as in the background."""
+    before = {number: signal.signal(number, signal.SIG_DFL) for number in BY_SIGNAL}
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 @pytest.mark.parametrize("number", list(BY_SIGNAL))
