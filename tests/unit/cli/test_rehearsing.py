@@ -10,6 +10,7 @@ from typing import Any
 import jsonschema
 import pytest
 
+from pirate_sm.backends.simulator.backend import SimulatorBackend
 from pirate_sm.wiring import COMPILING
 
 from .conftest import NEWT, ROOT
@@ -155,9 +156,7 @@ def test_an_interrupt_ends_the_check_and_is_no_finding(pirate: Any, monkeypatch:
     def interrupted(backend: Any, until_s: float) -> Any:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(
-        "pirate_sm.backends.simulator.backend.SimulatorBackend.advance", interrupted
-    )
+    monkeypatch.setattr(SimulatorBackend, "advance", interrupted)
     result = pirate("check", "climb", "--rehearse")
 
     assert result.exit_code == 130
