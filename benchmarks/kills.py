@@ -26,7 +26,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from itertools import cycle, islice
-from math import degrees, nan
+from math import degrees, nan, radians
 from pathlib import Path
 from random import Random
 from statistics import median
@@ -58,7 +58,10 @@ WATCH_ON_S = 1.0
 """Longer than the dead man's switch takes."""
 
 SETTLES_S = 0.5
-"""What the wheels have pushed settles for so long after they were stopped."""
+"""How long what the wheels have pushed takes to settle after they were stopped."""
+
+MOST_RAD = radians(10)
+"""No clamped joint may move more, whatever moved it."""
 
 STILL_RAD, HELD_RAD = 0.02, 0.05
 """A joint that moved less in a second of the same duty clamped; one that moved less since held."""
@@ -235,7 +238,8 @@ def _judge_truth(case: Case, acted_s: float) -> None:
 
     Wheels that are driven until then move joints, too, and what they pushed settles. A joint that
     kept its duty was not let go of, however it moved, and opening the port resets the bay: then
-    every duty is zero until the last array is sent again. What moved so is told all the same.
+    every duty is zero until the last array is sent again. Such a joint may move by
+    ``MOST_RAD``.
     """
     samples = list(samples_of(case.port.link))
     before = [sample for sample in samples if sample.at_s <= acted_s]
@@ -263,7 +267,7 @@ def _judge_truth(case: Case, acted_s: float) -> None:
         case.moved_deg = degrees(moved[joint])
         duty = before[-1].joints[joint]
         let_go = any(sample.joints[joint] != duty and any(sample.joints) for sample in after)
-        if moved[joint] > HELD_RAD and let_go:
+        if moved[joint] > (HELD_RAD if let_go else MOST_RAD):
             duties = _course(joint, [before[-1], *after], acted_s)
             case.broken.append(f"clamped joint {joint} moved by {case.moved_deg:.0f} deg: {duties}")
 

@@ -179,7 +179,7 @@ def _processor_s(used: resource.struct_rusage) -> float:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--hours", type=float, help="read a recording of so many hours")
+    parser.add_argument("--hours", type=float, help="length of the recording to read, in hours")
     parser.add_argument("--keep", type=Path, help="the long recording, made where it is missing")
     given = parser.parse_args()
     if given.hours:

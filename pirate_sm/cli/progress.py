@@ -10,7 +10,7 @@ from time import monotonic
 from typing import TextIO
 
 _FIRST_S = 0.5
-"""Nobody is told of what takes less."""
+"""Nothing is shown for what takes less."""
 
 _EVERY_S = 0.1
 _CLEARED = "\r\x1b[K"

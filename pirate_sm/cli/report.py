@@ -21,7 +21,7 @@ from pirate_sm.visible import visible
 
 _INDEX = "index.html"
 _HEAD = 2_000
-"""So many bytes of a page hold the name of what made it."""
+"""How many bytes of a page hold the name of what made it."""
 
 _GENERATOR = b'<meta name="generator" content="pirate-sm '
 """By this line a page of any version of this program is known."""

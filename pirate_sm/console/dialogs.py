@@ -23,7 +23,7 @@ _WIDEST = 100
 """A list is at most so wide, as the stylesheet says."""
 
 _FRAME = 6
-"""So many columns of it are border, padding and scroll bar."""
+"""How many of its columns are border, padding and scroll bar."""
 
 
 _STOP = Binding(STOP_KEY, "app.stop", "STOP")

@@ -1,6 +1,6 @@
 """What a mission that is handed back at a later phase leaps over: the waits that it has not passed.
 
-The operator is told of them, because a wait is where a mission looks at the world, and a hand-back
+The operator is shown them, because a wait is where a mission looks at the world, and a hand-back
 looks at the robot's states alone.
 """
 

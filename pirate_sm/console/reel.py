@@ -20,13 +20,13 @@ from pirate_sm.showing.memory import Memory
 from pirate_sm.showing.snapshot import Scene, Snapshot
 
 MOST_FRAMES = 4000
-"""So many moments between two checkpoints can be looked at; where they lie farther apart, as in
-older recordings without any, so do the moments."""
+"""The most moments between two checkpoints that can be looked at; where checkpoints lie farther
+apart, as in older recordings without any, so do the moments."""
 
 FINEST_S = 0.1
 
 _MOST_WINDOWS = 8
-"""Moments between so many checkpoints are in memory."""
+"""The most stretches between checkpoints whose moments are in memory."""
 
 _PLACES = "/places"
 

@@ -22,7 +22,7 @@ PIPE = ("pipe", "diameter", "segments")
 """Keys of which a file of ours has some, however broken it is."""
 
 LEAST_KEYS = 2
-"""So many of them; one may stand anywhere."""
+"""How many there are; one may stand anywhere."""
 
 ROOT_MARKS = (".git", "sequences", "hardware_profiles")
 """What the root of a project has."""

@@ -34,7 +34,7 @@ TIME_LIMIT = "within"
 
 
 MOST_RETRIES = 100
-"""A command that fails so often will not be done; each try is looked at by the check."""
+"""A command that fails this often will not be done; the check looks at each try."""
 
 
 @dataclass(frozen=True)

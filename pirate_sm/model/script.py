@@ -11,7 +11,7 @@ from pirate_sm.model.quantities import Duration
 
 
 class ScriptEntry(Frozen):
-    """In a wait (of ``phase``, if given) that has the trigger, take it ``after`` so long."""
+    """In a wait (of ``phase``, if given) that has the trigger, take it after the time ``after``."""
 
     trigger: Name
     after: Annotated[Duration, Field(ge=0)] | None = None

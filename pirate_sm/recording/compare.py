@@ -26,7 +26,7 @@ SAMPLES = 50
 """So many places between two marks are compared."""
 
 _MOST_KEPT = 60_000
-"""So many frames of a run at most are compared: all those of a quarter of an hour."""
+"""The most frames of a run that are compared: all those of a quarter of an hour."""
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ def add_evenly(
         things: As many.
         new: Its time and the thing.
         apart_s: So far apart they are at least, but for the newest.
-        most: So many are kept at most.
+        most: The largest number that is kept.
 
     Returns:
         How far apart they are from now on.

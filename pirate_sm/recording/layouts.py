@@ -26,7 +26,7 @@ _COLORS = (
 )  # fmt: skip
 _SCENE, _STATES, _LOG = "3D!scene", "StateTransitions!states", "RosOut!log"
 _FAR_ROBOTS = 2.0
-"""The camera stands so many lengths of the robot above it."""
+"""How many lengths of the robot the camera stands above it."""
 
 
 class Plot(NamedTuple):
@@ -72,7 +72,7 @@ def plots_of(loaded: LoadedMission) -> tuple[Plot, ...]:
         for slot, name in zip(profile.slots, slot_names(robot), strict=True)
         if slot.unit == "duty" and (slot.joint or slot.wheel)
     ]
-    found.append(Plot("Duty cycles told to the motors", tuple(drives)))
+    found.append(Plot("Duty cycles sent to the motors", tuple(drives)))
     return tuple(plot for plot in found if plot.fields)
 
 
@@ -196,7 +196,7 @@ def plotjuggler_layout(loaded: LoadedMission) -> str:
 
 
 def _docks(parent: Xml.Element, orientation: str, count: int) -> Xml.Element:
-    """Room for so many parts of one size, beside (``|``) or above (``-``) each other."""
+    """Room for a number of parts of one size, beside (``|``) or above (``-``) each other."""
     sizes = ";".join([f"{1 / count:.6f}"] * count)
     room = {"orientation": orientation, "count": str(count), "sizes": sizes}
     return Xml.SubElement(parent, "DockSplitter", room)

@@ -67,7 +67,7 @@ class Content(NamedTuple):
         complete: Whether all of it is there: what comes after is only the index of it.
         indexed: Whether that index is there, too, as it was written.
         damage: Where bytes begin that are not what was written; empty where there are none.
-        whole: So many bytes are whole records; what follows is torn.
+        whole: How many bytes are whole records; what follows is torn.
         size: Of the file, bytes.
     """
 

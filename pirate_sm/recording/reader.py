@@ -113,7 +113,7 @@ class Recording:
         path: Of its file.
         header: What was run, with every text that it was made from.
         content: Where everything is in the file.
-        watch: Is told how much of the recording has been gone through, from 0 to 1.
+        watch: Receives how much of the recording has been read, from 0 to 1.
     """
 
     path: Path
@@ -372,7 +372,7 @@ def read_recording(
 
     Args:
         path: The file.
-        watch: Is told how much of it has been gone through, whenever it is gone through.
+        watch: Receives how much of it has been read, whenever it is read.
         damaged: Whether one will do that is damaged, up to where it is.
 
     Raises:

@@ -18,7 +18,7 @@ from pirate_sm.recording.header import REPAIRED
 from pirate_sm.recording.reader import Recording, Step
 
 _LEAST_BYTES = 1 << 20
-"""So many bytes of messages at least are in one piece: nothing can be cut short any more."""
+"""The least bytes of messages in one piece: nothing can be cut short any more."""
 
 
 class Repaired(NamedTuple):
@@ -27,7 +27,7 @@ class Repaired(NamedTuple):
     Attributes:
         steps: How many steps it holds.
         until_s: Until when.
-        torn_bytes: So many bytes at the end of the old file are not whole, or come after damage.
+        torn_bytes: How many bytes at the end of the old file are not whole, or come after damage.
         damage: Why more was left out; empty where nothing was.
         left_until_s: Until about when that goes; 0 where nobody knows.
         complete: Whether all that was recorded is in it.

@@ -21,7 +21,7 @@ from pirate_sm.recording.reloading import recorded_mission
 from pirate_sm.recording.replay import Replayed, replay
 
 _EACH = 16
-"""So many stretches for each process: one sees how far it has come, and none waits long at last."""
+"""Stretches for each process: one sees how far it has come, and none waits long at last."""
 
 
 class _Stretch(NamedTuple):
@@ -63,7 +63,7 @@ def replay_shared(
 def _stretches(
     recording: Recording, most: int, after: Checkpoint | None, until_s: float
 ) -> Iterator[_Stretch]:
-    """At most about so many stretches, about equally long, one after the other."""
+    """Yield about ``most`` stretches of about equal length, one after the other."""
     from_s = after.at_s if after is not None else 0.0
     each_s = (min(until_s, recording.until_s) - from_s) / most
     for checkpoint in recording.checkpoints(after):

@@ -28,7 +28,7 @@ from pirate_sm.report.timeline import Timeline
 from pirate_sm.report.words import Course, Ending, Story, summary
 
 _MOST_CAUSES = 3
-"""Of what went wrong so many things are told, the last ones."""
+"""How many of the things that went wrong are shown: the last ones."""
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,10 @@ MOST_POINTS = 4_000
 
 
 _MOST_KEPT = 4 * MOST_POINTS
-"""So many points of a number at most are in memory, however long a run is."""
+"""The most points of a number in memory, however long a run is."""
 
 _EACH = 4
-"""So many points of a bucket tell what was in it: the least, the largest, a gap, the last."""
+"""The points of a bucket that show what was in it: the least, the largest, a gap, the last."""
 
 _FINEST_S = 1 / 64
 
@@ -133,7 +133,7 @@ class Samples:
 def thinned(
     times_s: Sequence[float], values: Sequence[float], most: int = MOST_POINTS
 ) -> tuple[list[float], list[float]]:
-    """At most about so many points that look the same: of each bucket those that tell most.
+    """Return fewer points that look the same: of each bucket those that show most.
 
     The first and the last point stay, and a gap in what is known stays a gap.
     """

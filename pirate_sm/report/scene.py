@@ -19,7 +19,7 @@ from pirate_sm.report.sampling import Samples
 
 MOST_POSES = 6_000
 _MOST_KEPT = 40_000
-"""So many poses at most are in memory, however long a run is: an hour of a simulation's."""
+"""The most poses in memory, however long a run is: an hour of a simulation's."""
 
 EVERY_S = 0.05
 """A pose twenty times a second is enough for the eye; what lies between is drawn in between."""

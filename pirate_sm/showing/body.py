@@ -147,7 +147,7 @@ def travelled(snapshot: Snapshot) -> list[Text]:
 
 
 def _written(snapshot: Snapshot, reading: Reading) -> str:
-    """A distance is told with what the runs before this one came, where there were any."""
+    """A distance is shown with what the runs before this one came, where there were any."""
     value = snapshot.signals.get(reading.signal, nan)
     written = "–" if isnan(value) else _WRITE[reading.kind](value)
     before_m = snapshot.before_m if reading.kind == "distance" else 0.0

@@ -124,7 +124,7 @@ def trouble(snapshot: Snapshot) -> Text | None:
 
 
 def _is_past(snapshot: Snapshot, told: Told) -> bool:
-    """Whether a fault was told that the signals show no more."""
+    """Whether a fault was reported that the signals show no more."""
     state, robot = snapshot.state, snapshot.scene.robot
     if told.line.topic != "fault" or state is None:
         return False

@@ -47,7 +47,7 @@ def fitted(text: Text, width: int) -> Text:
 
 
 def in_columns(cells: Sequence[Text], width: int, count: int) -> list[Text]:
-    """Return the cells in so many columns of one width, to be read downwards."""
+    """Return the cells in columns of one width, to be read downwards."""
     rows = -(-len(cells) // count)
     return [
         Text("", no_wrap=True, end="").join(

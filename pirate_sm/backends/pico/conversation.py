@@ -39,7 +39,7 @@ TIME_PERIOD_S = 2.5
 """A configured device asks for the time so often, and falls silent when 11 s bring no answer."""
 
 _LOOKS = 4
-"""So often a device that says nothing is looked at before it counts as silent."""
+"""How often a device that says nothing is looked at before it counts as silent."""
 
 _TIME_COPIES = 3
 _TIME_AGAIN_S = 0.4

@@ -480,7 +480,7 @@ def test_a_second_reset_while_the_first_is_looked_into_is_one_fault(
     assert device.applied[-1][2][4:8] == (-700, 1000, 700, -1000)
 
 
-@pytest.mark.parametrize("silence_s", [0.45, 0.55, 0.65])
+@pytest.mark.parametrize("silence_s", [0.45, 0.55, 0.69])
 def test_a_line_that_is_silent_for_a_moment_is_no_fault_and_takes_no_mission_time(
     backend: SerialBackend, port: VirtualPort, silence_s: float
 ) -> None:
