@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects clean
+.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects mutants clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -21,6 +21,7 @@ help:
 	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
 	@echo "make kills   the bend in real time, and something dies at a random moment of it"
 	@echo "make bends   the bend in real time, and nothing goes wrong"
+	@echo "make mutants 250 small faults in the code, to be found by the tests (an hour)"
 	@echo "make golden  the golden traces and the pictures of screens anew, after a change that is meant"
 	@echo "make schemas the JSON Schemas anew, after a change of models or of a robot"
 	@echo "make format  every Python file in the one style"
@@ -77,6 +78,9 @@ kills: $(VENV)/.ready-soak
 bends: $(VENV)/.ready-soak
 	$(BIN)/python -m benchmarks.bends
 
+mutants: $(VENV)/.ready-mutants
+	$(BIN)/python -m benchmarks.mutants
+
 clean:
 	rm -rf $(VENV) build dist .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
@@ -87,6 +91,7 @@ $(VENV)/.ready-dev: EXTRAS := dev,sim,serial,live,report,console
 $(VENV)/.ready-browser: EXTRAS := browser,dev,sim,report
 $(VENV)/.ready-bench: EXTRAS := bench,sim,console
 $(VENV)/.ready-soak: EXTRAS := sim,serial
+$(VENV)/.ready-mutants: EXTRAS := mutants,dev,sim,serial,live,report,console
 
 $(VENV)/.ready-%: pyproject.toml | $(VENV)/.created
 	@echo "Installing pirate_sm with its extras [$(EXTRAS)] into $(VENV) (takes a minute, once) ..."

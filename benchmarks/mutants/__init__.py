@@ -1,0 +1,1 @@
+"""How many small faults, put into the code on purpose, the tests find."""

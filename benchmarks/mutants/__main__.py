@@ -1,0 +1,131 @@
+"""How many of 250 small faults the tests find: `python -m benchmarks.mutants`.
+
+A seeded sample of faults is made in the packages that decide what a robot does: flipped
+comparisons, dropped terms, removed statements, swapped arguments, changed constants. Each is tried
+by the tests that run its line. ``equivalent.yaml`` lists those that change nothing that matters,
+with the reason; of the others 95 % must die in each package.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+from collections import defaultdict
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from queue import SimpleQueue
+from tempfile import TemporaryDirectory
+
+import yaml
+
+from benchmarks.mutants.covering import Coverage, measure
+from benchmarks.mutants.making import Mutant, mutants_of
+from benchmarks.mutants.trying import Copy, Fate
+
+ROOT = Path(__file__).resolve().parents[2]
+KEPT = ROOT / "runs" / "mutants"
+EQUIVALENT = Path(__file__).with_name("equivalent.yaml")
+ASKED = 0.95
+
+PACKAGES = {
+    "engine": ("pirate_sm/engine",),
+    "expressions": ("pirate_sm/expressions",),
+    "serial backend": ("pirate_sm/backends/pico",),
+    "program": tuple(
+        f"pirate_sm/loading/{name}.py" for name in ("program", "assembly", "calls", "scope")
+    ),
+    "exploration": ("pirate_sm/checking/exploring",),
+}
+
+
+def files_of(places: tuple[str, ...]) -> list[str]:
+    """Return the Python files at these places, relative to the tree."""
+    found = []
+    for place in places:
+        path = ROOT / place
+        if not path.exists():
+            raise SystemExit(f"{place} is no longer there: mend PACKAGES")
+        files = [path] if path.is_file() else sorted(path.rglob("*.py"))
+        found += [str(each.relative_to(ROOT)) for each in files]
+    return found
+
+
+def sample(number: int, seed: int, only: str | None) -> dict[str, list[Mutant]]:
+    """Return a seeded choice of mutants by package, as many as its share of all there are."""
+    every = {
+        name: [m for path in files_of(places) for m in mutants_of(path, (ROOT / path).read_bytes())]
+        for name, places in PACKAGES.items()
+    }
+    total = sum(len(each) for each in every.values())
+    least = number // (2 * len(every))
+    chosen = {}
+    for name, mutants in every.items():
+        size = least + round((number - least * len(every)) * len(mutants) / total)
+        if only in (None, name):
+            chosen[name] = random.Random(f"{seed} {name}").sample(mutants, min(size, len(mutants)))
+    return chosen
+
+
+def known_equivalents() -> dict[tuple[str, str, str, str], str]:
+    """Return the reasons why a mutant changes nothing, by file, function and change."""
+    listed = yaml.safe_load(EQUIVALENT.read_text()) or []
+    return {(e["file"], e["function"], e["before"], e["after"]): e["reason"] for e in listed}
+
+
+def try_all(
+    mutants: list[Mutant], coverage: Coverage, copies: SimpleQueue[Copy], at_once: int
+) -> list[Fate]:
+    """Return the fate of each mutant; each is shown as it becomes known, if it did not die."""
+
+    def attempt(mutant: Mutant) -> Fate:
+        copy = copies.get()
+        try:
+            fate = copy.fate(mutant, coverage.tests(mutant.path, mutant.line))
+        finally:
+            copies.put(copy)
+        if fate != "killed":
+            print(f"  {fate}: {mutant.path}:{mutant.line} {mutant.function} ({mutant.kind})")
+            print(f"    - {mutant.before}\n    + {mutant.after}", flush=True)
+        return fate
+
+    with ThreadPoolExecutor(at_once) as pool:
+        return list(pool.map(attempt, mutants))
+
+
+def main() -> None:
+    """Try a sample of mutants and show what became of them; exit 1 where too many live."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--number", type=int, default=250)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", choices=PACKAGES, help="one package alone")
+    parser.add_argument("--at-once", type=int, default=2)
+    parser.add_argument("--again", action="store_true", help="run all tests for coverage anew")
+    options = parser.parse_args()
+    if options.again:
+        (KEPT / "coverage").unlink(missing_ok=True)
+        (KEPT / "times").unlink(missing_ok=True)
+    files = [path for places in PACKAGES.values() for path in files_of(places)]
+    coverage = measure(ROOT, files, KEPT, options.at_once)
+    reasons = known_equivalents()
+    short = []
+    with TemporaryDirectory() as folder:
+        copies: SimpleQueue[Copy] = SimpleQueue()
+        for number in range(options.at_once):
+            copies.put(Copy(ROOT, Path(folder, str(number))))
+        for name, mutants in sample(options.number, options.seed, options.only).items():
+            print(f"{name}: {len(mutants)} mutants", flush=True)
+            real = [m for m in mutants if (m.path, m.function, m.before, m.after) not in reasons]
+            fates = defaultdict(int)
+            for fate in try_all(real, coverage, copies, options.at_once):
+                fates[fate] += 1
+            killed = fates["killed"] / max(len(real), 1)
+            print(
+                f"{name}: {fates['killed']} of {len(real)} died ({killed:.0%}), "
+                f"{len(mutants) - len(real)} change nothing", flush=True,
+            )  # fmt: skip
+            short += [name] * (killed < ASKED)
+    raise SystemExit(f"below {ASKED:.0%}: {', '.join(short)}" if short else 0)
+
+
+if __name__ == "__main__":
+    main()
