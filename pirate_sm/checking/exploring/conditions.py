@@ -106,13 +106,14 @@ class Conditions:
         return self._look(node)[1]
 
     def _look(self, node: tree.Node) -> tuple[frozenset[str], tuple[int, ...]]:
-        if node not in self._seen:
+        seen = self._seen.get(node)
+        if seen is None:
             signals = [each for each in tree.walk(node) if isinstance(each, tree.Signal)]
             known = self._vocabulary.words[: self.region_count]
             regions = {each.index for each in signals if each.name in known}
             free = frozenset(each.name for each in signals if each.name not in known)
-            self._seen[node] = free, tuple(sorted(regions))
-        return self._seen[node]
+            seen = self._seen[node] = free, tuple(sorted(regions))
+        return seen
 
     def _groups(self, facts: Iterable[Fact]) -> list[tuple[Fact, ...]]:
         """Facts that share signals together: each group can be answered for itself."""
@@ -136,17 +137,20 @@ class Conditions:
             states[region] if region in relevant else None for region in range(self.region_count)
         )
         key = (facts, known)
-        if key not in self._answers:
-            self._answers[key] = self._ask_group(facts, known)
-        return self._answers[key]
+        answer = self._answers.get(key)
+        if answer is None:
+            answer = self._answers[key] = self._ask_group(facts, known)
+        return answer
 
     def _ask_group(self, facts: tuple[Fact, ...], states: tuple[str | None, ...]) -> Answer:
         """Values with which it is so; failing that, whether it is so with free truths."""
         found, tried = self._witness(facts, states)
+        if found.possible:
+            return found
         opaque: dict[tree.Node, int] = {}
         size = len(self._vocabulary.words)
         freed = tuple((_without_opaque(node, opaque, size), wanted) for node, wanted in facts)
-        if found.possible or not (opaque or not tried):
+        if tried and not opaque:
             return found
         found, _ = self._witness(freed, states, len(opaque))
         return found._replace(sure=False, numbers={}, words={})

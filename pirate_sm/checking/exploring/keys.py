@@ -28,7 +28,7 @@ def key_of(state: EngineState) -> Any:
         mission.tries,
         mission.handling,
         mission.result.done if mission.result else None,
-        tuple(isnan(since) for since in mission.since),
+        tuple(map(isnan, mission.since)),
         mission.ending and (mission.ending.outcome, mission.ending.end),
         mission.ended,
         body.configuration,
