@@ -47,7 +47,7 @@ def follow(
     """
     if not program.rules:
         return (), ()
-    driven = sum(body.values[slot] != 0 for slot in robot.safe_zero)
+    driven = sum([body.values[slot] != 0 for slot in robot.safe_zero])
     numbers = (
         float(len(robot.held[body.configuration])),
         float(len(robot_state.confirmed_parts(robot, body))),

@@ -130,6 +130,8 @@ def begin(robot: RobotSpec, body: RobotState, now: float) -> Look | None:
 
 def awaiting(robot: RobotSpec, body: RobotState) -> frozenset[Mark]:
     """Return the declared states that only the next accepted setpoints can confirm."""
+    if not any([mark.command == DECLARED for mark in body.marks]):
+        return frozenset()
     names = states_of(robot, body)
     return frozenset(
         mark
@@ -140,10 +142,13 @@ def awaiting(robot: RobotSpec, body: RobotState) -> frozenset[Mark]:
 
 def accepted(robot: RobotSpec, body: RobotState) -> RobotState:
     """Confirm the declared states that the setpoints in force make, where nothing shows more."""
+    waiting = awaiting(robot, body)
+    if not waiting:
+        return body
     names = states_of(robot, body)
     held = {
         mark
-        for mark in awaiting(robot, body)
+        for mark in waiting
         if all(
             write.how != "set" or body.values[write.slot] == write.value
             for write in robot.actuation[mark.which][names[mark.which]][-1]

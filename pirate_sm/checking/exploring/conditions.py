@@ -20,6 +20,11 @@ from pirate_sm.expressions import BOOLEAN, EnumType, Expression, Vocabulary, tre
 Fact: TypeAlias = tuple[tree.Node, bool]
 """A condition, and whether it is true; false stands for false and for unknown."""
 
+_Values: TypeAlias = tuple[
+    Mapping[str, tuple[float, ...]], Mapping[str, tuple[str | None, ...]]
+]
+"""Of numeric signals and of words."""
+
 MOST_TESTS = 50_000
 """Of facts with values; where it would take more, a *yes* is assumed and is not sure."""
 
@@ -76,6 +81,7 @@ class Conditions:
         self.region_count = regions
         self._answers: dict[tuple[tuple[Fact, ...], tuple[str | None, ...]], Answer] = {}
         self._seen: dict[tree.Node, tuple[frozenset[str], tuple[int, ...]]] = {}
+        self._tried: dict[tuple[tree.Node, ...], _Values] = {}
         self.tests = 0
 
     def ask(self, facts: Iterable[Fact], states: Sequence[str | None]) -> Answer:
@@ -165,8 +171,7 @@ class Conditions:
             states: Of the regions.
             free: How many free truths follow the words.
         """
-        nodes = [node for node, _ in facts]
-        numeric, verbal = self._numeric(nodes), self._verbal(nodes)
+        numeric, verbal = self._values(tuple([node for node, _ in facts]))
         said = [*verbal.values(), *(_TRUTHS for _ in range(free))]
         combinations = math.prod(len(each) for each in (*numeric.values(), *said))
         if combinations * len(facts) > MOST_TESTS:
@@ -188,6 +193,13 @@ class Conditions:
                 numbers = dict(zip(numeric, chosen, strict=True))
                 return Answer(True, True, numbers, dict(zip(verbal, spoken, strict=False))), True
         return Answer(False), True
+
+    def _values(self, nodes: tuple[tree.Node, ...]) -> _Values:
+        """What signals are worth trying with, whatever the states are."""
+        values = self._tried.get(nodes)
+        if values is None:
+            values = self._tried[nodes] = self._numeric(nodes), self._verbal(nodes)
+        return values
 
     def _numeric(self, nodes: Sequence[tree.Node]) -> dict[str, tuple[float, ...]]:
         """Per signal the values that are worth trying; unknown is one of them."""

@@ -226,7 +226,7 @@ class _Walk:
             elif self._held_back:
                 held, self._held_back = self._held_back, []
                 for arrival in held:
-                    self._enter(*arrival, sure=False)
+                    self._enter(*arrival, False)
             elif self._unsure:
                 self._leave(self._unsure.popleft())
             elif not self._outlast():
@@ -250,7 +250,7 @@ class _Walk:
             for state, at_s in lasting(it, node.state, self.moves.conditions):
                 move = Move("lasting", Tick(), at_s)
                 step = partial(self.engine.step, state, move.event, at_s)
-                self._try(index, move, step, self._due(state, at_s), known)
+                self._try(index, move, step, _due(it, state, at_s), known)
         return len(self.found.steps) + len(self._held_back) > steps
 
     def _leave(self, index: int) -> None:
@@ -258,27 +258,17 @@ class _Walk:
         if node.over:
             return
         state = node.state
+        wait = self._wait_of(state)
         for move in self.moves.of(state, node.now):
             if not self.found.complete:
                 return
-            step = partial(self.engine.step, state, move.event, move.at_s)
-            self._try(index, move, step, self._due(state, move.at_s))
+            due = () if wait is None else _due(wait, state, move.at_s)
+            self._try(index, move, partial(self.engine.step, state, move.event, move.at_s), due)
 
     def _wait_of(self, state: EngineState) -> Wait | None:
         """The wait that it has come to."""
         it = self.engine.program.instructions[state.mission.pc]
         return it if state.mission.begun and isinstance(it, Wait) else None
-
-    def _due(self, state: EngineState, now: float) -> Collection[Trigger]:
-        """Triggers that fire now if their condition is still true."""
-        it, mission = self._wait_of(state), state.mission
-        if it is None:
-            return ()
-        return [
-            (mission.pc, number)
-            for number, (each, since) in enumerate(zip(it.triggers, mission.since, strict=True))
-            if not isnan(since) and has_come(mission.clock(now), since + each.held_s)
-        ]
 
     def _waits(self, result: tuple[EngineState, tuple[Effect, ...]]) -> int:
         """Index of the wait that it has come to."""
@@ -327,7 +317,7 @@ class _Walk:
     ) -> None:
         sure = moment.answer.sure and (source < 0 or self.found.nodes[source].sure)
         if sure or (source >= 0 and not self.found.nodes[source].sure):
-            self._enter(source, move, state, effects, moment, sure=sure)
+            self._enter(source, move, state, effects, moment, sure)
         else:  # until all that is sure is known
             self._held_back.append((source, move, state, effects, moment))
 
@@ -338,7 +328,6 @@ class _Walk:
         state: EngineState,
         effects: tuple[Effect, ...],
         moment: Moment,
-        *,
         sure: bool,
     ) -> None:
         told = tuple([effect for effect in effects if type(effect) not in _QUIET])
@@ -353,3 +342,13 @@ class _Walk:
             self.found.nodes.append(Node(state, move.at_s, len(self.found.steps), sure))
             (self._sure if sure else self._unsure).append(target)
         self.found.steps.append(Step(source, target, move, told, moment, sure))
+
+
+def _due(wait: Wait, state: EngineState, now: float) -> Collection[Trigger]:
+    """Triggers that fire now if their condition is still true."""
+    mission = state.mission
+    return [
+        (mission.pc, number)
+        for number, (each, since) in enumerate(zip(wait.triggers, mission.since, strict=True))
+        if not isnan(since) and has_come(mission.clock(now), since + each.held_s)
+    ]
