@@ -130,7 +130,7 @@ def begin(robot: RobotSpec, body: RobotState, now: float) -> Look | None:
 
 def awaiting(robot: RobotSpec, body: RobotState) -> frozenset[Mark]:
     """Return the declared states that only the next accepted setpoints can confirm."""
-    if not any([mark.command == DECLARED for mark in body.marks]):
+    if all(mark.command != DECLARED for mark in body.marks):
         return frozenset()
     names = states_of(robot, body)
     return frozenset(

@@ -20,9 +20,7 @@ from pirate_sm.expressions import BOOLEAN, EnumType, Expression, Vocabulary, tre
 Fact: TypeAlias = tuple[tree.Node, bool]
 """A condition, and whether it is true; false stands for false and for unknown."""
 
-_Values: TypeAlias = tuple[
-    Mapping[str, tuple[float, ...]], Mapping[str, tuple[str | None, ...]]
-]
+_Values: TypeAlias = tuple[Mapping[str, tuple[float, ...]], Mapping[str, tuple[str | None, ...]]]
 """Of numeric signals and of words."""
 
 MOST_TESTS = 50_000
