@@ -200,10 +200,9 @@ class Engine:
     ) -> EngineState:
         flight = state.robot.flight
         robot, finished = machine.resolve(self.robot, state.robot, event, now, effects)
-        state = self._finished(self._moved(state, robot), finished)
+        state = self._moved(state, robot)
+        state = self._finished(state, finished)
         if flight is None or event.setpoint_id != flight.setpoint_id:
-            return state
-        if event.status == "accepted":
             return state
         limit = self.robot.link.resend_limit
         if event.status == "unknown" and flight.tries > limit:
@@ -355,15 +354,17 @@ class Engine:
         body = state.robot
         if state.mission.suspended:
             body = body._replace(motion=None)  # its deadline is frozen
-        nominal = self.nominal
         wake = min(
-            robot_state.next_deadline(self.robot, body, nominal),
+            robot_state.next_deadline(self.robot, body, self.nominal),
             next_deadline(self.setting, state),
             state.word_until_s,
-            state.surveyed.due_s if nominal else state.sensing.checked_s + self._listen_every_s,
         )
         if state.look is not None and not state.mission.ending:
             wake = min(wake, state.look.due_s)
+        if self.nominal:
+            wake = min(wake, state.surveyed.due_s)
+        else:
+            wake = min(wake, state.sensing.checked_s + self._listen_every_s)
         if wake == state.wake_at_s or isnan(wake):
             return state
         effects.append(WakeAt(wake))

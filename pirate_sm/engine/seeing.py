@@ -130,8 +130,6 @@ def begin(robot: RobotSpec, body: RobotState, now: float) -> Look | None:
 
 def awaiting(robot: RobotSpec, body: RobotState) -> frozenset[Mark]:
     """Return the declared states that only the next accepted setpoints can confirm."""
-    if all(mark.command != DECLARED for mark in body.marks):
-        return frozenset()
     names = states_of(robot, body)
     return frozenset(
         mark
@@ -142,13 +140,10 @@ def awaiting(robot: RobotSpec, body: RobotState) -> frozenset[Mark]:
 
 def accepted(robot: RobotSpec, body: RobotState) -> RobotState:
     """Confirm the declared states that the setpoints in force make, where nothing shows more."""
-    waiting = awaiting(robot, body)
-    if not waiting:
-        return body
     names = states_of(robot, body)
     held = {
         mark
-        for mark in waiting
+        for mark in awaiting(robot, body)
         if all(
             write.how != "set" or body.values[write.slot] == write.value
             for write in robot.actuation[mark.which][names[mark.which]][-1]

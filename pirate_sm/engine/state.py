@@ -107,7 +107,7 @@ class MissionState(NamedTuple):
 
     def clock(self, now: float) -> float:
         """Mission time: it stands still during a pause."""
-        return (now if isnan(self.paused_s) else self.paused_s) - self.offset_s
+        return (self.paused_s if self.paused else now) - self.offset_s
 
     @property
     def suspended(self) -> bool:
