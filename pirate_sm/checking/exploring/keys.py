@@ -19,7 +19,7 @@ def key_of(state: EngineState) -> Any:
         return (
             where, body.configuration, body.marks, body.values, body.seeking,
             flight and (flight.purpose, flight.values),
-            motion and (motion.command, motion.place, motion.stage, isnan(motion.accepted_s)),
+            motion and (motion.command, bool(motion.place), motion.stage, isnan(motion.accepted_s)),
             state.rules,
         )  # fmt: skip
     return (
