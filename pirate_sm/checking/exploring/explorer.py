@@ -7,7 +7,7 @@ What is found first is therefore reached by the fewest events.
 
 from __future__ import annotations
 
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -235,22 +235,21 @@ class _Walk:
     def _outlast(self) -> bool:
         """Whether a wait has come to something new while sensors showed now this and now that."""
         steps = len(self.found.steps) + len(self._held_back)
-        fired = {
-            (key_of_wait(self.found.nodes[step.source].state), effect.trigger)
-            for step in self.found.steps
-            for effect in step.effects
-            if isinstance(effect, TriggerFired) and step.source >= 0
-        }
+        fired: dict[Any, set[str]] = defaultdict(set)
+        for done in self.found.steps:
+            for effect in done.effects:
+                if isinstance(effect, TriggerFired) and done.source >= 0:
+                    key = key_of_wait(self.found.nodes[done.source].state)
+                    fired[key].add(effect.trigger)
         for index, node in enumerate(list(self.found.nodes)):
             it = self._wait_of(node.state)
             if it is None or node.over or (key := key_of_wait(node.state)) in self._outlasted:
                 continue
             self._outlasted.add(key)
-            known = {trigger for wait, trigger in fired if wait == key}
             for state, at_s in lasting(it, node.state, self.moves.conditions):
                 move = Move("lasting", Tick(), at_s)
                 step = partial(self.engine.step, state, move.event, at_s)
-                self._try(index, move, step, _due(it, state, at_s), known)
+                self._try(index, move, step, _due(it, state, at_s), fired[key])
         return len(self.found.steps) + len(self._held_back) > steps
 
     def _leave(self, index: int) -> None:
