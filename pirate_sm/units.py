@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import astuple, dataclass
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
@@ -169,6 +170,7 @@ _FACTOR: Final = re.compile(r"(1|%|°|[A-Za-zµ]+)(?:\^(-?[0-9]))?")
 _LONGEST_TEXT: Final = 80
 
 
+@lru_cache(maxsize=256)
 def parse_unit(text: str) -> Quantity:
     """Return the factor to SI and the dimension of a unit such as `mm`, `Nm/rad` or `m/s^2`.
 

@@ -53,10 +53,8 @@ def advance(setting: Setting, state: EngineState, now: float, effects: list[Effe
         if mission.diverting or mission.paused or mission.pause_wanted:
             return state
         instruction = instructions[mission.pc]
-        over = type(instruction) is Do and has_come(
-            mission.clock(now), setting.program.time_limit_s
-        )
-        if over and not mission.begun:
+        begins = type(instruction) is Do and not mission.begun
+        if begins and has_come(mission.clock(now), setting.program.time_limit_s):
             return state
         after = _KINDS[type(instruction)](setting, state, instruction, now, effects)
         if after.mission.pc == mission.pc and after.mission.begun:
@@ -169,14 +167,16 @@ def _do(
         effects.append(CommandStatus(name, "refused", reason, it.place))
         cause = f"{name} ({it.place}) was refused as {reason}"
         return fail(setting, state, cause, it.failed, now, effects)
-    forbidden = rules.forbids(setting.robot, setting.program, state, it.command)
+    sent: list[Effect] = []
+    robot = machine.begin(
+        setting.robot, state.robot, state.sensing, it.command, it.timeout_s, it.place, sent
+    )
+    forbidden = rules.forbids(setting.robot, setting.program, state.rules, robot)
     if forbidden:
         message = f"{name} ({it.place}) would break {forbidden}"
         effects.append(Fault(rules.CODE, message, "stop"))
         return end(setting, state, "fault", f"{rules.CODE}: {message}", "", now, effects)
-    robot = machine.begin(
-        setting.robot, state.robot, state.sensing, it.command, it.timeout_s, it.place, effects
-    )
+    effects += sent
     return state._replace(robot=robot, mission=mission._replace(begun=True, result=None))
 
 

@@ -29,11 +29,11 @@ from pirate_sm.engine.robot_state import (
     RobotState,
     confirmed_parts,
     criterion_of,
-    made_by,
+    marks_after,
     posture_of,
-    retried,
     safe_values,
     state_change,
+    touched,
 )
 from pirate_sm.engine.sensing import Sensing
 from pirate_sm.engine.stages import (
@@ -67,15 +67,13 @@ def begin(
     target = robot.table.follow(state.configuration, command)
     motion = Motion(command, target, spec.timeout_s if timeout_s is None else timeout_s, place)
     posture = spec.posture(target)
+    regions, stage = touched(robot, state.configuration, state.marks, command)
     if posture is not None:
-        blind = unknown_angle(robot, posture.writes, sensing)
+        stage, blind = POSTURE, unknown_angle(robot, posture.writes, sensing)
         motion = motion._replace(stage=POSTURE, blind=blind)
-    state = state._replace(motion=motion)
-    regions, stage = _touched(robot, state, motion)
-    stage = POSTURE if posture is not None else stage
-    values, loops = stage_array(robot, state, sensing, regions, stage)
+    values, loops = stage_array(robot, state, motion, sensing, regions, stage)
     effects.append(CommandStatus(spec.name, "sent", "", place))
-    return _send(state._replace(loops=loops), values, "gate", effects)
+    return _send(state, motion, values, loops, "gate", effects)
 
 
 def resolve(
@@ -175,7 +173,7 @@ def watch(
         state = state._replace(motion=motion._replace(since_s=since_s))
     if free and state.loops:
         values = looped_values(robot, state, sensing)
-        state = _send_if_new(state, values, effects)
+        state = _send_if_new(state, state.motion, values, state.loops, effects)
     return state, None
 
 
@@ -222,7 +220,7 @@ def stop(
 ) -> RobotState:
     """The safe array has been sent, whatever else was in flight."""
     values = safe_values(robot, state, sensing.numbers)
-    return _send(state._replace(loops=()), values, "stop", effects)
+    return _send(state, state.motion, values, (), "stop", effects)
 
 
 def reassert(
@@ -234,7 +232,7 @@ def reassert(
     )
     if kept == state.values and not loops:
         return state
-    return _send(state._replace(loops=loops), kept, "loop", effects)
+    return _send(state, state.motion, kept, loops, "loop", effects)
 
 
 def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
@@ -268,28 +266,19 @@ def _why_not_clamped(state: RobotState, motion: Motion, denied: Mapping[int, str
 
 
 def _send(
-    state: RobotState, values: Numbers, purpose: Purpose, effects: list[Effect]
+    state: RobotState,
+    motion: Motion | None,
+    values: Numbers,
+    loops: tuple[Loop, ...],
+    purpose: Purpose,
+    effects: list[Effect],
 ) -> RobotState:
     effects.append(Setpoints(state.next_id, values))
-    seeking = frozenset(loop.slot for loop in state.loops)
+    seeking = frozenset([loop.slot for loop in loops])
     flight = Flight(state.next_id, values, purpose, seeking=seeking)
-    return state._replace(flight=flight, next_id=state.next_id + 1, sent=True)
-
-
-def _touched(robot: RobotSpec, state: RobotState, motion: Motion) -> tuple[tuple[int, ...], int]:
-    """Regions that the command actuates, and the stage that it begins with.
-
-    A command that only confirms a clamp anew asserts what is in force in that state: its last
-    stage.
-    """
-    made = made_by(robot, state, motion.command)
-    clamps = [m for m in retried(robot, state, motion.command) if m.kind == "part"]
-    regions = made.union(*(robot.part_regions[mark.which] for mark in clamps))
-    if made:
-        return tuple(sorted(regions)), 0
-    target = robot.table.configurations[motion.target]
-    stages = (len(robot.actuation[region][target[region]]) for region in regions)
-    return tuple(sorted(regions)), max(stages, default=1) - 1
+    return state._replace(
+        next_id=state.next_id + 1, flight=flight, motion=motion, loops=loops, sent=True
+    )
 
 
 def _accept(
@@ -297,21 +286,11 @@ def _accept(
 ) -> RobotState:
     """The chart has moved; what the command changed is unconfirmed."""
     name = robot.commands[motion.command].name
-    made = made_by(robot, state, motion.command)
-    held, was_held = robot.held[motion.target], robot.held[state.configuration]
-    again = {m.which for m in retried(robot, state, motion.command) if m.kind == "part"}
-    marks = {
-        mark
-        for mark in state.marks
-        if (mark.kind == "region" and mark.which not in made)
-        or (mark.kind == "part" and mark.which in held and mark.which not in again)
-    }
-    marks |= {Mark("region", region, motion.command) for region in made}
-    marks |= {Mark("part", part, motion.command) for part in (held - was_held) | again & held}
+    marks = marks_after(robot, state.configuration, state.marks, motion.command)
     effects.append(CommandStatus(name, "accepted", "", motion.place))
     state = state._replace(
         configuration=motion.target,
-        marks=frozenset(marks),
+        marks=marks,
         motion=motion._replace(accepted_s=now, deadline_s=now + motion.timeout_s),
     )
     if not isinstance(robot.commands[motion.command].done, AcceptedSpec):
@@ -332,12 +311,11 @@ def _complete(
     stages = max((len(robot.actuation[r][target[r]]) for r in regions), default=1)
     if motion.stage + 1 < stages:
         resting = state._replace(values=without_loops(state))
-        values, loops = stage_array(robot, resting, sensing, regions, motion.stage + 1)
-        state = _send_if_new(state._replace(loops=loops), values, effects)
+        values, loops = stage_array(robot, resting, motion, sensing, regions, motion.stage + 1)
         if loops or motion.stage == POSTURE:
             later = motion._replace(stage=motion.stage + 1, since_s=nan)
-            return state._replace(motion=later), None
-        state = state._replace(motion=None)
+            return _send_if_new(state, later, values, loops, effects), None
+        state = _send_if_new(state, None, values, loops, effects)
     else:
         state = _end_motion(state, effects)
     marks = frozenset(mark for mark in state.marks if mark.command != motion.command)
@@ -355,8 +333,16 @@ def _end_motion(state: RobotState, effects: list[Effect]) -> RobotState:
     hold a clamp.
     """
     values = without_loops(state)
-    return _send_if_new(state._replace(motion=None, loops=()), values, effects)
+    return _send_if_new(state, None, values, (), effects)
 
 
-def _send_if_new(state: RobotState, values: Numbers, effects: list[Effect]) -> RobotState:
-    return state if values == state.latest else _send(state, values, "loop", effects)
+def _send_if_new(
+    state: RobotState,
+    motion: Motion | None,
+    values: Numbers,
+    loops: tuple[Loop, ...],
+    effects: list[Effect],
+) -> RobotState:
+    if values != state.latest:
+        return _send(state, motion, values, loops, "loop", effects)
+    return state._replace(motion=motion, loops=loops)

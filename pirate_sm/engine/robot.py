@@ -236,9 +236,9 @@ class LinkSpec:
     resend_limit: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RobotSpec:
-    """Everything the engine knows of a robot.
+    """Everything the engine knows of a robot; no other one is the same.
 
     Attributes:
         actuation: ``actuation[region][state name]`` is the state's stages.

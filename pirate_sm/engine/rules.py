@@ -12,7 +12,6 @@ from pirate_sm.engine import machine, robot_state
 from pirate_sm.engine.program import Program, RuleSpec
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import RobotState
-from pirate_sm.engine.state import EngineState
 from pirate_sm.model.events import SubmitResult
 
 NUMBERS = ("clamps", "confirmed_clamps", "driven_wheels")
@@ -48,7 +47,7 @@ def follow(
     """
     if not program.rules:
         return (), ()
-    driven = sum(body.values[slot] != 0 for slot in robot.safe_zero)
+    driven = sum([body.values[slot] != 0 for slot in robot.safe_zero])
     numbers = (
         float(len(robot.held[body.configuration])),
         float(len(robot_state.confirmed_parts(robot, body))),
@@ -75,17 +74,22 @@ def follow(
     return tuple(after), tuple(broken)
 
 
-def forbids(robot: RobotSpec, program: Program, state: EngineState, command: int) -> str:
-    """Which rules the command would break as soon as it is accepted; empty: none."""
-    if not state.rules:
+def forbids(robot: RobotSpec, program: Program, places: tuple[int, ...], begun: RobotState) -> str:
+    """Which rules a command would break as soon as it is accepted; empty: none.
+
+    Args:
+        robot: The robot.
+        program: Holds the rules.
+        places: Where the rules are.
+        begun: The robot as it is once the command has begun.
+    """
+    flight, motion = begun.flight, begun.motion
+    if not places or flight is None or motion is None:
         return ""
-    body = machine.begin(robot, state.robot, state.sensing, command, None, "", [])
-    flight = body.flight
-    assert flight is not None  # a command begins with an array
     accepted = SubmitResult(flight.setpoint_id, "accepted")
-    body, _ = machine.resolve(robot, body, accepted, 0.0, [])
-    name = robot.commands[command].name
-    _, broken = follow(program, robot, state.rules, body, 1, name)
+    body, _ = machine.resolve(robot, begun, accepted, 0.0, [])
+    name = robot.commands[motion.command].name
+    _, broken = follow(program, robot, places, body, 1, name)
     return "; ".join(said(rule) for rule in broken)
 
 

@@ -20,6 +20,9 @@ from pirate_sm.expressions import BOOLEAN, EnumType, Expression, Vocabulary, tre
 Fact: TypeAlias = tuple[tree.Node, bool]
 """A condition, and whether it is true; false stands for false and for unknown."""
 
+_Values: TypeAlias = tuple[Mapping[str, tuple[float, ...]], Mapping[str, tuple[str | None, ...]]]
+"""Of numeric signals and of words."""
+
 MOST_TESTS = 50_000
 """Of facts with values; where it would take more, a *yes* is assumed and is not sure."""
 
@@ -76,6 +79,7 @@ class Conditions:
         self.region_count = regions
         self._answers: dict[tuple[tuple[Fact, ...], tuple[str | None, ...]], Answer] = {}
         self._seen: dict[tree.Node, tuple[frozenset[str], tuple[int, ...]]] = {}
+        self._tried: dict[tuple[tree.Node, ...], _Values] = {}
         self.tests = 0
 
     def ask(self, facts: Iterable[Fact], states: Sequence[str | None]) -> Answer:
@@ -106,13 +110,14 @@ class Conditions:
         return self._look(node)[1]
 
     def _look(self, node: tree.Node) -> tuple[frozenset[str], tuple[int, ...]]:
-        if node not in self._seen:
+        seen = self._seen.get(node)
+        if seen is None:
             signals = [each for each in tree.walk(node) if isinstance(each, tree.Signal)]
             known = self._vocabulary.words[: self.region_count]
             regions = {each.index for each in signals if each.name in known}
             free = frozenset(each.name for each in signals if each.name not in known)
-            self._seen[node] = free, tuple(sorted(regions))
-        return self._seen[node]
+            seen = self._seen[node] = free, tuple(sorted(regions))
+        return seen
 
     def _groups(self, facts: Iterable[Fact]) -> list[tuple[Fact, ...]]:
         """Facts that share signals together: each group can be answered for itself."""
@@ -136,17 +141,20 @@ class Conditions:
             states[region] if region in relevant else None for region in range(self.region_count)
         )
         key = (facts, known)
-        if key not in self._answers:
-            self._answers[key] = self._ask_group(facts, known)
-        return self._answers[key]
+        answer = self._answers.get(key)
+        if answer is None:
+            answer = self._answers[key] = self._ask_group(facts, known)
+        return answer
 
     def _ask_group(self, facts: tuple[Fact, ...], states: tuple[str | None, ...]) -> Answer:
         """Values with which it is so; failing that, whether it is so with free truths."""
         found, tried = self._witness(facts, states)
+        if found.possible:
+            return found
         opaque: dict[tree.Node, int] = {}
         size = len(self._vocabulary.words)
         freed = tuple((_without_opaque(node, opaque, size), wanted) for node, wanted in facts)
-        if found.possible or not (opaque or not tried):
+        if tried and not opaque:
             return found
         found, _ = self._witness(freed, states, len(opaque))
         return found._replace(sure=False, numbers={}, words={})
@@ -161,8 +169,7 @@ class Conditions:
             states: Of the regions.
             free: How many free truths follow the words.
         """
-        nodes = [node for node, _ in facts]
-        numeric, verbal = self._numeric(nodes), self._verbal(nodes)
+        numeric, verbal = self._values(tuple([node for node, _ in facts]))
         said = [*verbal.values(), *(_TRUTHS for _ in range(free))]
         combinations = math.prod(len(each) for each in (*numeric.values(), *said))
         if combinations * len(facts) > MOST_TESTS:
@@ -184,6 +191,13 @@ class Conditions:
                 numbers = dict(zip(numeric, chosen, strict=True))
                 return Answer(True, True, numbers, dict(zip(verbal, spoken, strict=False))), True
         return Answer(False), True
+
+    def _values(self, nodes: tuple[tree.Node, ...]) -> _Values:
+        """What signals are worth trying with, whatever the states are."""
+        values = self._tried.get(nodes)
+        if values is None:
+            values = self._tried[nodes] = self._numeric(nodes), self._verbal(nodes)
+        return values
 
     def _numeric(self, nodes: Sequence[tree.Node]) -> dict[str, tuple[float, ...]]:
         """Per signal the values that are worth trying; unknown is one of them."""

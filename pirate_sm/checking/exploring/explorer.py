@@ -7,8 +7,8 @@ What is found first is therefore reached by the fewest events.
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections import defaultdict, deque
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, isnan
@@ -56,7 +56,7 @@ WITHIN = "within"
 
 START = Move("start", Tick(), 0.0)
 
-_QUIET = (Setpoints, StateChange, WakeAt)
+_QUIET = frozenset({Setpoints, StateChange, WakeAt})
 
 
 class Node(NamedTuple):
@@ -217,8 +217,7 @@ class _Walk:
     )
 
     def begin(self, body: RobotState | None) -> None:
-        for (state, effects), moment in self._every(partial(self.engine.start, body=body)):
-            self._arrive(-1, START, state, effects, moment)
+        self._try(-1, START, partial(self.engine.start, body=body))
 
     def go_on(self) -> None:
         while self.found.complete:
@@ -227,7 +226,7 @@ class _Walk:
             elif self._held_back:
                 held, self._held_back = self._held_back, []
                 for arrival in held:
-                    self._enter(*arrival, sure=False)
+                    self._enter(*arrival, False)
             elif self._unsure:
                 self._leave(self._unsure.popleft())
             elif not self._outlast():
@@ -236,74 +235,71 @@ class _Walk:
     def _outlast(self) -> bool:
         """Whether a wait has come to something new while sensors showed now this and now that."""
         steps = len(self.found.steps) + len(self._held_back)
-        fired = {
-            (key_of_wait(self.found.nodes[step.source].state), effect.trigger)
-            for step in self.found.steps
-            for effect in step.effects
-            if isinstance(effect, TriggerFired) and step.source >= 0
-        }
+        fired: dict[Any, set[str]] = defaultdict(set)
+        for done in self.found.steps:
+            for effect in done.effects:
+                if isinstance(effect, TriggerFired) and done.source >= 0:
+                    key = key_of_wait(self.found.nodes[done.source].state)
+                    fired[key].add(effect.trigger)
         for index, node in enumerate(list(self.found.nodes)):
-            mission = node.state.mission
-            it = self.engine.program.instructions[mission.pc]
-            key = key_of_wait(node.state)
-            if not (isinstance(it, Wait) and mission.begun) or node.over or key in self._outlasted:
+            it = self._wait_of(node.state)
+            if it is None or node.over or (key := key_of_wait(node.state)) in self._outlasted:
                 continue
             self._outlasted.add(key)
             for state, at_s in lasting(it, node.state, self.moves.conditions):
                 move = Move("lasting", Tick(), at_s)
-                for (after, effects), moment in self._every(
-                    partial(self.engine.step, state, move.event, at_s), self._due(state, at_s)
-                ):
-                    told = (each for each in effects if isinstance(each, TriggerFired))
-                    if any((key, each.trigger) not in fired for each in told):
-                        self._arrive(index, move, after, effects, moment)
+                step = partial(self.engine.step, state, move.event, at_s)
+                self._try(index, move, step, _due(it, state, at_s), fired[key])
         return len(self.found.steps) + len(self._held_back) > steps
 
     def _leave(self, index: int) -> None:
         node = self.found.nodes[index]
         if node.over:
             return
-        for move in self.moves.of(node.state, node.now):
+        state = node.state
+        wait = self._wait_of(state)
+        for move in self.moves.of(state, node.now):
             if not self.found.complete:
                 return
-            results = self._every(
-                partial(self.engine.step, node.state, move.event, move.at_s),
-                self._due(node.state, move.at_s),
-            )
-            for (state, effects), moment in results:
-                self._arrive(index, move, state, effects, moment)
+            due = () if wait is None else _due(wait, state, move.at_s)
+            self._try(index, move, partial(self.engine.step, state, move.event, move.at_s), due)
 
-    def _due(self, state: EngineState, now: float) -> Collection[Trigger]:
-        """Triggers that fire now if their condition is still true."""
-        mission = state.mission
-        it = self.engine.program.instructions[mission.pc]
-        if not (isinstance(it, Wait) and mission.begun):
-            return ()
-        return [
-            (mission.pc, number)
-            for number, (each, since) in enumerate(zip(it.triggers, mission.since, strict=True))
-            if not isnan(since) and has_come(mission.clock(now), since + each.held_s)
-        ]
+    def _wait_of(self, state: EngineState) -> Wait | None:
+        """The wait that it has come to."""
+        it = self.engine.program.instructions[state.mission.pc]
+        return it if state.mission.begun and isinstance(it, Wait) else None
 
     def _waits(self, result: tuple[EngineState, tuple[Effect, ...]]) -> int:
         """Index of the wait that it has come to."""
-        mission = result[0].mission
-        waits = mission.begun and isinstance(self.engine.program.instructions[mission.pc], Wait)
-        return mission.pc if waits else NOWHERE
+        return NOWHERE if self._wait_of(result[0]) is None else result[0].mission.pc
 
-    def _every(
+    def _try(
         self,
+        source: int,
+        move: Move,
         step: Callable[[], tuple[EngineState, tuple[Effect, ...]]],
         due: Collection[Trigger] = (),
-    ) -> Iterator[tuple[tuple[EngineState, tuple[Effect, ...]], Moment]]:
-        """The results of the step, as far as they are not too much."""
+        known: Collection[str] | None = None,
+    ) -> None:
+        """The results of the step have been reached, as far as they are not too much.
+
+        Args:
+            source: Index of the node before.
+            move: What happens.
+            step: What the engine does then.
+            due: Triggers that fire if their condition is still true.
+            known: If given, a result counts only where a trigger has fired that is not one of them.
+        """
         conditions, tests = self.moves.conditions, self.moves.conditions.tests
         try:
-            for result, moment in self.oracle.every(step, self._waits, due):
-                yield result, moment
+            for (state, effects), moment in self.oracle.every(step, self._waits, due):
+                if known is None or any(
+                    isinstance(each, TriggerFired) and each.trigger not in known for each in effects
+                ):
+                    self._arrive(source, move, state, effects, moment)
                 more = (conditions.tests - tests) / _TESTS_A_STEP
                 tests = conditions.tests
-                self.found.work += 1 + len(result[1]) / _EFFECTS_A_STEP + more
+                self.found.work += 1 + len(effects) / _EFFECTS_A_STEP + more
                 if self.found.work > self.most_work or not self.found.complete:
                     self.found.complete = False
                     return
@@ -320,7 +316,7 @@ class _Walk:
     ) -> None:
         sure = moment.answer.sure and (source < 0 or self.found.nodes[source].sure)
         if sure or (source >= 0 and not self.found.nodes[source].sure):
-            self._enter(source, move, state, effects, moment, sure=sure)
+            self._enter(source, move, state, effects, moment, sure)
         else:  # until all that is sure is known
             self._held_back.append((source, move, state, effects, moment))
 
@@ -331,20 +327,27 @@ class _Walk:
         state: EngineState,
         effects: tuple[Effect, ...],
         moment: Moment,
-        *,
         sure: bool,
     ) -> None:
-        key = key_of(state)
-        target = self._known.get(key)
-        told = tuple(effect for effect in effects if not isinstance(effect, _QUIET))
+        told = tuple([effect for effect in effects if type(effect) not in _QUIET])
+        fresh = len(self.found.nodes)
+        target = self._known.setdefault(key_of(state), fresh)
         if target == source and not told:
             return
-        if target is None:
-            target = len(self.found.nodes)
+        if target == fresh:
             if target >= self.most:
                 self.found.complete = False
                 return
-            self._known[key] = target
             self.found.nodes.append(Node(state, move.at_s, len(self.found.steps), sure))
             (self._sure if sure else self._unsure).append(target)
         self.found.steps.append(Step(source, target, move, told, moment, sure))
+
+
+def _due(wait: Wait, state: EngineState, now: float) -> Collection[Trigger]:
+    """Triggers that fire now if their condition is still true."""
+    mission = state.mission
+    return [
+        (mission.pc, number)
+        for number, (each, since) in enumerate(zip(wait.triggers, mission.since, strict=True))
+        if not isnan(since) and has_come(mission.clock(now), since + each.held_s)
+    ]

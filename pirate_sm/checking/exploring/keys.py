@@ -19,7 +19,7 @@ def key_of(state: EngineState) -> Any:
         return (
             where, body.configuration, body.marks, body.values, body.seeking,
             flight and (flight.purpose, flight.values),
-            motion and (motion.command, motion.place, motion.stage, isnan(motion.accepted_s)),
+            motion and (motion.command, bool(motion.place), motion.stage, isnan(motion.accepted_s)),
             state.rules,
         )  # fmt: skip
     return (
@@ -28,7 +28,7 @@ def key_of(state: EngineState) -> Any:
         mission.tries,
         mission.handling,
         mission.result.done if mission.result else None,
-        tuple(isnan(since) for since in mission.since),
+        tuple(map(isnan, mission.since)),
         mission.ending and (mission.ending.outcome, mission.ending.end),
         mission.ended,
         body.configuration,

@@ -60,6 +60,9 @@ class Moves:
         self._program = program
         self.conditions = conditions
         self._can_be: dict[tuple[str, tuple[str | None, ...]], bool] = {}
+        self._codes: dict[
+            tuple[tuple[HandlerSpec, ...], tuple[str | None, ...]], tuple[str, ...]
+        ] = {}
 
     def of(self, state: EngineState, now: float) -> Iterator[Move]:
         """Everything that can happen next, in the order in which stories are told."""
@@ -98,17 +101,27 @@ class Moves:
 
     def _faults(self, state: EngineState, now: float) -> Iterator[Move]:
         """One fault for each handler that is in force here and can be needed."""
-        states = robot_state.obeyed(self._robot, state.robot)
+        handlers = self._program.handlers[state.mission.pc]
+        situation = handlers, robot_state.obeyed(self._robot, state.robot)
+        if situation not in self._codes:
+            self._codes[situation] = tuple(self._needed(*situation))
+        for code in self._codes[situation]:
+            yield Move("fault", FaultReport(code, "so the check"), now, code)
+
+    def _needed(
+        self, handlers: tuple[HandlerSpec, ...], states: tuple[str | None, ...]
+    ) -> Iterator[str]:
+        """Codes of faults, one for each place that they lead to."""
         targets = set()
         seen = set()
-        for handler in self._program.handlers[state.mission.pc]:
+        for handler in handlers:
             if handler.code in seen:  # an inner handler hides the outer ones
                 continue
             seen.add(handler.code)
             if handler.go is None or handler.go in targets or not self.can_be(handler, states):
                 continue
             targets.add(handler.go)
-            yield Move("fault", FaultReport(handler.code, "so the check"), now, handler.code)
+            yield handler.code
 
     def can_be(self, handler: HandlerSpec, states: tuple[str | None, ...]) -> bool:
         """Whether the fault can come up in these states; what no rule tells always can."""

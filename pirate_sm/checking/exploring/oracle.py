@@ -131,7 +131,7 @@ class Oracle:
             chosen = pending.pop()
             result = self._run(step, chosen)
             choices = self._choices
-            held = tuple(self._held.get(waits(result), ()))
+            held = tuple(self._held.get(waits(result), ())) if self._held else ()
             if held:
                 yield from self._beginnings(step, result, held)
             else:

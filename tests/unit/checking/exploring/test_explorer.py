@@ -89,6 +89,22 @@ def test_a_fault_is_no_choice_while_one_is_handled(tmp_path: Path) -> None:
     )
 
 
+def test_where_an_interrupted_command_stands_makes_no_difference(tmp_path: Path) -> None:
+    body = (
+        "on_fault: [{fault: sensor.silent, go: h}]\nstart: w\nphases:\n"
+        "  w: {wait: [{operator: yes, go: p}, {operator: no, go: q}],\n"
+        "      within: {time: 5 s, go: bad}}\n"
+        "  p: {do: [HoldNose], go: good}\n  q: {do: [HoldNose], go: bad}\n"
+        "  h: {do: [{command: Rest, unneeded: skip}], go: bad}\n"
+    )
+    nodes = [node.state for node in explored(tmp_path, body).nodes]
+
+    given = [each for each in nodes if each.robot.motion and not each.mission.diverting]
+    interrupted = [each for each in nodes if each.robot.motion and each.mission.diverting]
+    assert len(given) == 4, "in two places, before and after it is accepted"
+    assert len(interrupted) == 1, "before it is accepted; after that it is over at once"
+
+
 def test_nothing_happens_after_the_end(tmp_path: Path) -> None:
     found = explored(tmp_path, HANDLING)
 
