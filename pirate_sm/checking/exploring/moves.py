@@ -25,6 +25,9 @@ Kind: TypeAlias = Literal[
 ]
 
 NOT_DONE = "not done in time"
+UNSAID = "so the check"
+"""Message of a fault that denies nothing: no rule of the robot says which part it is about."""
+
 REFUSED = "the backend refused the setpoints"
 
 
@@ -59,7 +62,7 @@ class Moves:
         self._robot = robot
         self._program = program
         self.conditions = conditions
-        self._can_be: dict[tuple[str, tuple[str | None, ...]], bool] = {}
+        self._messages: dict[tuple[str, tuple[str | None, ...]], tuple[str, ...]] = {}
 
     def of(self, state: EngineState, now: float) -> Iterator[Move]:
         """Everything that can happen next, in the order in which stories are told."""
@@ -97,25 +100,34 @@ class Moves:
             yield Move("time", Tick(), state.wake_at_s)
 
     def _faults(self, state: EngineState, now: float) -> Iterator[Move]:
-        """One fault for each handler that is in force here and can be needed."""
+        """One fault for each handler in force that can be needed, and for each clamp it denies."""
         states = robot_state.obeyed(self._robot, state.robot)
-        targets = set()
+        clamped = robot_state.confirmed_parts(self._robot, state.robot)
+        known = set()
         seen = set()
         for handler in self._program.handlers[state.mission.pc]:
             if handler.code in seen:  # an inner handler hides the outer ones
                 continue
             seen.add(handler.code)
-            if handler.go is None or handler.go in targets or not self.can_be(handler, states):
-                continue
-            targets.add(handler.go)
-            yield Move("fault", FaultReport(handler.code, "so the check"), now, handler.code)
+            for message in self.messages(handler, states):
+                denied = self._robot.denied_by_report(handler.code, message) & clamped
+                if (handler.go, denied) in known or (handler.go is None and not denied):
+                    continue  # it would change nothing, or nothing else than another fault
+                known.add((handler.go, denied))
+                report = FaultReport(handler.code, message if denied else UNSAID)
+                yield Move("fault", report, now, handler.code)
 
-    def can_be(self, handler: HandlerSpec, states: tuple[str | None, ...]) -> bool:
-        """Whether the fault can come up in these states; what no rule tells always can."""
+    def messages(self, handler: HandlerSpec, states: tuple[str | None, ...]) -> tuple[str, ...]:
+        """Return the words with which the fault can come up in these states, by one rule each.
+
+        What no rule tells always can.
+        """
         key = handler.code, states
-        if key not in self._can_be:
+        if key not in self._messages:
             own = [rule for rule in self._robot.faults if rule.code == handler.code]
-            self._can_be[key] = not own or any(
-                self.conditions.ask([(rule.when.tree, True)], states).possible for rule in own
-            )
-        return self._can_be[key]
+            self._messages[key] = tuple(
+                rule.message
+                for rule in own
+                if self.conditions.ask([(rule.when.tree, True)], states).possible
+            ) or (() if own else (UNSAID,))
+        return self._messages[key]
