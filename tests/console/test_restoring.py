@@ -107,6 +107,30 @@ def test_on_one_key_they_are_given_one_by_one_and_the_mission_goes_on() -> None:
     played(story)
 
 
+def test_a_hand_back_that_needs_no_commands_asks_where_waits_were_not_passed() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            await paused_and_braked(me)
+            await me.command("RelaxFront")
+            await me.command("BendInto")
+            await me.command("DriveForward")
+            await listed(me)
+            await choose(me, "pass")
+            assert "in this run the mission has not passed its waits of enter, prepare" in asked(me)
+            assert "Give" not in asked(me)
+
+            await me.press("enter")  # the careful answer
+            me.wait(0.5)
+            assert me.latest.state.mission.paused
+
+            await listed(me)
+            await choose(me, "pass")
+            await me.press("y")
+            me.until(lambda: me.latest.story.phase.phase.startswith("pass"))
+
+    played(story)
+
+
 @pytest.mark.parametrize("width", [80, 160])
 def test_a_grey_phase_shows_its_whole_reason_and_no_path(width: int) -> None:
     async def story() -> None:
