@@ -17,6 +17,7 @@ from typing import Any
 import yaml
 
 from pirate_sm.checking.exploring.explorer import Exploration, Step
+from pirate_sm.checking.exploring.moves import UNSAID
 from pirate_sm.checking.exploring.story import sentence
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission import MissionCheck
@@ -26,6 +27,7 @@ from pirate_sm.loading.mission import TOLERABLE, LoadedMission
 from pirate_sm.loading.problems import Path as At
 from pirate_sm.loading.source import Document
 from pirate_sm.model.course import UNKNOWN
+from pirate_sm.model.events import FaultReport
 from pirate_sm.units import DIMENSIONLESS, format_quantity
 
 SCRIPT_SUFFIX = ".script.yaml"
@@ -85,6 +87,8 @@ def _happening(found: Exploration, step: Step) -> dict[str, Any]:
     entry: dict[str, Any] = {"happens": _HAPPENS.get(move.kind, move.kind)}
     if move.kind in {"answer", "fault"}:
         entry[move.kind] = move.word
+    if isinstance(move.event, FaultReport) and move.event.message != UNSAID:
+        entry["message"] = move.event.message
     answer = step.moment.answer
     signals = _signals(found.robot.vocabulary.with_changes, answer.numbers, answer.words)
     if signals:

@@ -11,7 +11,7 @@ from pirate_sm.checking.exploring.ranges import ranges
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
 from pirate_sm.engine.program import Branch, Program, TriggerSpec, Wait
-from pirate_sm.expressions import Expression, tree
+from pirate_sm.expressions import Expression, Vocabulary, tree
 from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.loading.mission import LoadedMission
 
@@ -73,7 +73,7 @@ class _Judge:
         self._table = loaded.robot.table
         self._program = loaded.program
         self._conditions = conditions
-        self._changes = frozenset(map(change_of, loaded.robot.vocabulary.numbers))
+        self._changes = {change_of(name): name for name in loaded.robot.vocabulary.numbers}
         self._constant: dict[tree.Node, str] = {}
 
     def triggers(self) -> dict[str, _Said]:
@@ -107,8 +107,11 @@ class _Judge:
         fired = sum(len(book.waits[key].fired[trigger.name]) for book in self._seen)
         if fired:
             at_once = sum(book.waits[key].at_once[trigger.name] for book in self._seen)
-            if trigger.condition is None or not at_once:
+            if trigger.condition is None:
                 return None
+            blind = self._blind(wait, trigger, trigger.condition)
+            if blind or not at_once:
+                return blind
             if at_once == armed or not self._can_be(wait, [(trigger.condition.tree, False)]):
                 message = f"'{trigger.text}' is true already whenever the wait begins"
                 return "trigger.at_once", Severity.WARNING, message, "go there without a wait"
@@ -126,14 +129,49 @@ class _Judge:
 
     def _unchanged(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
         """What is to be said of a condition that is true as long as nothing has changed."""
-        at_first = at_beginning(condition.tree, self._changes)
+        at_first = at_beginning(condition.tree, self._changes.keys())
         if at_first == condition.tree or self._can_be(wait, [(at_first, False)]):
             return None
-        changes = [each for each in tree.walk(condition.tree) if isinstance(each, tree.Signal)]
-        name = next(each.name for each in changes if each.name in self._changes)
-        message = f"'{trigger.text}' is true already whenever the wait begins: {name} is 0 then"
+        names = self._changed(condition)
+        if not all(self._known_at_first(wait, names)):
+            return None
+        are = "is" if len(names) == 1 else "are"
+        message = (
+            f"'{trigger.text}' is true already whenever the wait begins and {' and '.join(names)} "
+            f"{are} known: {' and '.join(map(change_of, names))} {are} 0 then"
+        )
         mend = "ask for a change that the wait brings about: one backwards is negative"
         return "trigger.at_once", Severity.WARNING, message, mend
+
+    def _blind(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
+        """Return what to say of changes of signals that are unknown whenever the wait begins."""
+        unknown = [
+            name for name in self._changed(condition) if not any(self._known_at_first(wait, [name]))
+        ]
+        vocabulary = self._conditions.vocabulary
+        facts = [(tree.Known(_signal(vocabulary, change_of(name))), False) for name in unknown]
+        if not unknown or self._can_be(wait, [(condition.tree, True), *facts]):
+            return None
+        names = " and ".join(unknown)
+        are = "is" if len(unknown) == 1 else "are"
+        message = f"'{trigger.text}' can never fire: {names} {are} unknown when the wait begins"
+        return "trigger.never", Severity.ERROR, message, ""
+
+    def _changed(self, condition: Expression) -> list[str]:
+        """Return the names of the signals about whose change the condition is, each once."""
+        signals = (each for each in tree.walk(condition.tree) if isinstance(each, tree.Signal))
+        names = dict.fromkeys(each.name for each in signals)
+        return [self._changes[name] for name in names if name in self._changes]
+
+    def _known_at_first(self, wait: Wait, names: Sequence[str]) -> Iterator[bool]:
+        """Yield for each time the wait begins whether these signals can be known then."""
+        facts = [(tree.Known(_signal(self._conditions.vocabulary, name)), True) for name in names]
+        for book in self._seen:
+            for number in book.waits[wait.phase, wait.place].armed:
+                step = book.found.steps[number]
+                configuration = book.found.nodes[step.target].state.robot.configuration
+                states = self._table.configurations[configuration]
+                yield self._conditions.ask((*step.moment.facts, *facts), states).possible
 
     def _ahead(self, wait: Wait, number: int) -> str:
         """What fires wherever this trigger would."""
@@ -190,6 +228,11 @@ class _Judge:
                     self._constant[condition.tree] = said
                     break
         return self._constant[condition.tree]
+
+
+def _signal(vocabulary: Vocabulary, name: str) -> tree.Signal:
+    slot = vocabulary.slot(name)
+    return tree.Signal(name, slot.kind, slot.index)
 
 
 def _numbers(node: tree.Node) -> list[tree.Signal]:

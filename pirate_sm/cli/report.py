@@ -40,7 +40,7 @@ def write_reports(places: Sequence[str], output: Path | None) -> int:
     """
     paths = tuple(dict.fromkeys(found for place in places for found in _recordings(Path(place))))
     if len(places) == 1 and paths == (Path(places[0]),):
-        return _write_report(paths[0], output)
+        return _write_report(paths[0], output or paths[0].with_suffix(".html"))
     return _write_index(paths, output or paths[0].parent / _INDEX)
 
 
@@ -55,8 +55,8 @@ def _recordings(place: Path) -> Iterator[Path]:
     yield from found
 
 
-def _write_report(path: Path, output: Path | None) -> int:
-    place = output or path.with_suffix(".html")
+def _write_report(path: Path, place: Path) -> int:
+    _refuse_read_only(place)
     _refuse_foreign(place)
     with progress(f"reading {visible(str(path))}") as watch:
         text = html(report_of(read_recording(path, watch)))
@@ -65,20 +65,42 @@ def _write_report(path: Path, output: Path | None) -> int:
 
 
 def _write_index(paths: Sequence[Path], index: Path) -> int:
-    for path in paths:
-        if index.resolve() in (path.resolve(), path.with_suffix(".html").resolve()):
+    _refuse_read_only(index)
+    pages = [_page(path, index) for path in paths]
+    for path, page in zip(paths, pages, strict=True):
+        if index.resolve() in (path.resolve(), page.resolve()):
             raise UsageError(f"'{index}' is '{path}' or its page; name the list with --output")
-    _refuse_foreign(index, *(path.with_suffix(".html") for path in paths))
-    runs = [_one(path, index) for path in paths]
+        if pages.count(page) > 1:
+            raise UsageError(f"'{page}' would be the page of several recordings: list one folder")
+    _refuse_foreign(index, *pages)
+    runs = [_one(path, page, index) for path, page in zip(paths, pages, strict=True)]
     if all(run.outcome == "unreadable" for run in runs):
         raise RecordingError("none of the recordings can be read")
     _write(index, index_html(runs))
     return 0
 
 
-def _one(path: Path, index: Path) -> Listed:
-    """The run as the list has it; its own page is there."""
+def _page(path: Path, index: Path) -> Path:
+    """Return where a recording's page belongs: beside it, or beside the list if that cannot be."""
     page = path.with_suffix(".html")
+    return page if _is_writable(page.parent) else index.parent / page.name
+
+
+def _is_writable(folder: Path) -> bool:
+    """Return whether a file can be made in a folder; one that is missing is told elsewhere."""
+    return os.access(folder, os.W_OK) or not folder.is_dir()
+
+
+def _refuse_read_only(place: Path) -> None:
+    """Raise an error that says what to do where no file can be made in the folder of a page."""
+    if not _is_writable(place.parent):
+        raise UsageError(
+            f"the folder '{place.parent}' is read-only: name with --output a file in another one"
+        )
+
+
+def _one(path: Path, page: Path, index: Path) -> Listed:
+    """Return the run as the list has it; its own page is there."""
     link = quote(Path(os.path.relpath(page.resolve(), index.resolve().parent)).as_posix())
     text = ""
     try:

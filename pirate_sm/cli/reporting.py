@@ -22,6 +22,7 @@ def report(
     """Tell a recorded run on one page that opens anywhere, offline; list many runs.
 
     Of several recordings, or of a folder, each has its page beside it, and index.html lists them.
+    Pages of a folder that is read-only stand beside the list: name that with --output.
     Pages that are newer than their recording are kept.
 
     Exit codes: 0 written, 2 no recording can be read or a page not be written.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass
 from math import inf, isfinite
@@ -21,7 +21,7 @@ from pirate_sm.cli.recording import RecordingWishes, recorded
 from pirate_sm.cli.script import read_fire, read_script
 from pirate_sm.cli.situation import Situation
 from pirate_sm.errors import UsageError
-from pirate_sm.runtime.companions import Companion, FirstChoice, LoopWatch, TriggerScript
+from pirate_sm.runtime.companions import Companion, Firing, FirstChoice, LoopWatch, TriggerScript
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.observing import Observer, Watcher
 from pirate_sm.runtime.outcome import BUG, Result
@@ -160,11 +160,17 @@ def _show(
 
 
 def _say_unused(prepared: Prepared) -> None:
-    """Whoever asked for a trigger that was never fired knows."""
+    """Say which triggers that were asked for have never fired, and why."""
     for companion in prepared.companions:
-        if isinstance(companion, TriggerScript) and companion.unused:
-            names = ", ".join(f"'{firing.trigger}'" for firing in companion.unused)
-            say(f"warning: never fired, because no wait came that had it: {names}")
+        if isinstance(companion, TriggerScript):
+            _say_never_fired(companion.unused, "no wait came that had it")
+            _say_never_fired(companion.forestalled, "something else ended its wait first")
+
+
+def _say_never_fired(firings: Sequence[Firing], why: str) -> None:
+    if firings:
+        names = ", ".join(f"'{firing.trigger}'" for firing in firings)
+        say(f"warning: never fired, because {why}: {names}")
 
 
 def _people(

@@ -30,7 +30,15 @@ from pirate_sm.console.keys import (
 )
 from pirate_sm.console.obstacles import Asked, obstacles
 from pirate_sm.console.session import Session
-from pirate_sm.console.widgets import EventLog, Lines, Picture, Row, panel, show_robot
+from pirate_sm.console.widgets import (
+    EventLog,
+    Lines,
+    Picture,
+    Row,
+    is_whole,
+    panel,
+    show_robot,
+)
 from pirate_sm.runtime.stopping import Stop
 from pirate_sm.showing import panels
 from pirate_sm.showing.body import travelled
@@ -54,6 +62,11 @@ _SHORT = {
     "abort": "Abort",
 }  # fmt: skip
 """What the footer calls the controls."""
+
+_SHOWN = frozenset(
+    ["header", "alarm", "pages", "picture", "commands", "controls", "now", "why", "link"]
+).union(["states", "phases", "body", "log", "question"])
+"""Names of the widgets that a snapshot is shown in."""
 
 CRASHED = Stop("a fault in the console", 4)
 
@@ -166,8 +179,8 @@ class Console(Asking, App[None]):
     def show(self) -> None:
         """The newest snapshot is on the screen."""
         snapshot = self.session.latest
-        if not (self.is_running and self.screen_stack and self.screen_stack[0].query("#picture")):
-            return  # the screen is not there yet, or its widgets are being removed one by one
+        if not is_whole(self, _SHOWN):
+            return
         self._frame += 1
         if self.is_visible("#picture"):
             self.on_base(Picture, "picture").show(snapshot)

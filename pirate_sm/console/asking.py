@@ -100,7 +100,7 @@ class Asking(_Base):
         lets_go = robot.commands[robot.table.command_index[name]].lets_go
         if lets_go and state is not None and robot.held[state.robot.configuration]:
             question = f"{name} lets go of the pipe: nothing holds the robot then. Let go?"
-            self.push_screen(Confirm(question, "Let go"), lambda yes: give() if yes else None)
+            self._ask(question, "Let go", give)
         else:
             give()
 
@@ -180,16 +180,26 @@ class Asking(_Base):
             return
         reason = reasons.phase_reason(snapshot, phase, self.entries(snapshot))
         plan = self._plan(snapshot, phase)
+        waits = not_passed(snapshot.scene.loaded.program, phase, snapshot.story.passed)
         if not reason:
-            self._move(reasons.hand_back(snapshot, phase))
+            self._ask(
+                restoring.leap(phase, waits) if waits else "",
+                "Hand back",
+                partial(self._move, reasons.hand_back(snapshot, phase)),
+            )
         elif plan is None or plan.hindered is not None:
             self._refuse(phase, reason)
         else:
             robot, body = snapshot.scene.robot, snapshot.state.robot
-            waits = not_passed(snapshot.scene.loaded.program, phase, snapshot.story.passed)
             text = restoring.question(robot, phase, plan, body, waits)
-            give = partial(self._give, phase, plan)
-            self.push_screen(Confirm(text, "Give"), lambda yes: give() if yes else None)
+            self._ask(text, "Give", partial(self._give, phase, plan))
+
+    def _ask(self, question: str, yes: str, then: Callable[[], None]) -> None:
+        """Do what follows once the operator has said yes; at once where there is no question."""
+        if question:
+            self.push_screen(Confirm(question, yes), lambda said: then() if said else None)
+        else:
+            then()
 
     def _give(self, phase: str, plan: Plan) -> None:
         """The commands are given, if the robot is still as it was looked at."""

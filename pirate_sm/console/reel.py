@@ -11,7 +11,7 @@ from pirate_sm.detectors.route import Place, Route
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.truth import Truth
-from pirate_sm.recording.reader import Checkpoint, Recording, Shown
+from pirate_sm.recording.reader import Checkpoint, Recording, Shown, with_own_times
 from pirate_sm.recording.reloading import recorded_mission
 from pirate_sm.recording.replay import engine_of, rerun
 from pirate_sm.showing.anatomy import anatomy_of
@@ -125,10 +125,10 @@ def _frames(
     state, last_s = None, 0.0
     places.begin(window.start_s)
     for again in rerun(recording, loaded, begin.after):
-        at_s = last_s = again.step.at_s
+        at_s = last_s = again.at_s
         if at_s >= until_s and not last:
             return
-        memory.see(again.effects, at_s)
+        memory.see(with_own_times(again.effects, recording.origin_s), at_s)
         state = again.state or state
         if state is None:
             continue
@@ -137,12 +137,12 @@ def _frames(
             due_s = at_s + every_s
             yield Snapshot(
                 scene, at_s, state, memory.story(), places.at(at_s), not places.known,
-                trends=trends.latest,
+                trends=trends.latest, ahead_s=recording.origin_s,
             )  # fmt: skip
     if last and state is not None:
         yield Snapshot(
             scene, last_s, state, memory.story(), places.at(last_s), not places.known,
-            trends=trends.latest, over=recording.complete,
+            trends=trends.latest, over=recording.complete, ahead_s=recording.origin_s,
         )  # fmt: skip
 
 

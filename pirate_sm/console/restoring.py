@@ -77,6 +77,14 @@ def with_way(robot: RobotSpec, choice: Choice, plan: Plan | None) -> Choice:
     return choice._replace(reason=f"only {name} leads there: {step.hindrance}; {choice.reason}")
 
 
+def leap(phase: str, waits: str) -> str:
+    """Return what the operator is asked before a hand-back that needs no commands, over waits."""
+    return (
+        f"Nothing checks where the robot stands, and in this run the mission has not passed "
+        f"{waits}. Hand back at {phase}?"
+    )
+
+
 def question(robot: RobotSpec, phase: str, plan: Plan, body: RobotState, waits: str) -> str:
     """Return what the operator is asked before the commands are given.
 

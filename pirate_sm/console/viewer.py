@@ -16,7 +16,7 @@ from pirate_sm.console.dialogs import Page
 from pirate_sm.console.helping import recording_lines
 from pirate_sm.console.keys import LEAVE, both_cases
 from pirate_sm.console.reel import Reel
-from pirate_sm.console.widgets import EventLog, Lines, Picture, panel, show_robot
+from pirate_sm.console.widgets import EventLog, Lines, Picture, is_whole, panel, show_robot
 from pirate_sm.showing import panels
 from pirate_sm.showing.styled import ACCENT, FLAG, STRONG, Part, line
 
@@ -28,6 +28,11 @@ _WIDE, _HIGH = 120, 36
 _RECORDING = "● RECORDING", f"{FLAG}.{ACCENT}"
 _PAGES = ("drive", "body", "log")
 """Pages of a small terminal, as the stylesheet names them."""
+
+_SHOWN = frozenset(
+    ["header", "alarm", "now", "states", "phases", "picture", "body", "log", "slider"]
+)
+"""Names of the widgets that a moment is shown in."""
 
 
 class Viewer(App[None]):
@@ -103,6 +108,8 @@ class Viewer(App[None]):
 
     def show(self) -> None:
         """The moment of ``time_s`` is on the screen."""
+        if not is_whole(self, _SHOWN):
+            return
         snapshot = self.reel.at(self.time_s)
         self._base(Picture, "picture").show(snapshot)
         header = panels.header(snapshot, self.size.width, flag=_RECORDING)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 
 from rich.segment import Segment
 from rich.style import Style
@@ -175,6 +175,16 @@ def panel(name: str, title: str = "") -> Lines:
     found = Lines(id=name, title=title)
     found.add_class("panel")
     return found
+
+
+def is_whole(app: App[None], names: Set[str]) -> bool:
+    """Return whether the console runs and has a widget of each of these names.
+
+    Widgets are added and removed one by one: a frame that is due in between must be left out.
+    """
+    if not (app.is_running and app.screen_stack):
+        return False
+    return names <= {each.id for each in app.screen_stack[0].walk_children()}
 
 
 def show_robot(app: App[None], snapshot: Snapshot) -> None:

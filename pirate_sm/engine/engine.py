@@ -176,7 +176,9 @@ class Engine:
         return state
 
     def _found(self, report: events.FaultReport) -> Found:
-        return Found(report.code, report.message, self._known_faults.get(report.code, True))
+        code, message = report
+        denies = self.robot.denied_by_report(code, message)
+        return Found(code, message, self._known_faults.get(code, True), denies)
 
     def _tick(
         self, state: EngineState, event: events.Tick, now: float, effects: list[Effect]

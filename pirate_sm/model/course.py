@@ -28,6 +28,7 @@ class Happening(Frozen):
             next deadline comes, at which a command counts as done; ``not_done``: the command
             under way fails; ``sensors``: they show something else; ``answer`` and ``fault``.
         signals: What sensors and detector show from then on: quantities, words, ``unknown``.
+        message: Of a fault; that of one of the robot's rules makes it that rule's.
         what: For people: what this is in the mission.
     """
 
@@ -37,6 +38,7 @@ class Happening(Frozen):
     signals: dict[SignalName, str | int | float] = {}
     answer: str | None = None
     fault: FaultCode | None = None
+    message: str = ""
     what: str = ""
 
     @model_validator(mode="after")
@@ -44,6 +46,8 @@ class Happening(Frozen):
         for key in ("answer", "fault"):
             if (getattr(self, key) is not None) != (self.happens == key):
                 raise ValueError(f"`{key}` says what happens where `happens: {key}`, only there")
+        if self.message and self.fault is None:
+            raise ValueError("`message` is that of a fault, only with `happens: fault`")
         return self
 
 

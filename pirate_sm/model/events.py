@@ -76,7 +76,11 @@ class SubmitResult(NamedTuple):
 
 
 class FaultReport(NamedTuple):
-    """A backend has found something wrong, e.g. ``link.lost``."""
+    """A backend has found something wrong, e.g. ``link.lost``.
+
+    With code and message of one of the robot's fault rules it is that rule's: it denies the clamps
+    that the rule denies.
+    """
 
     code: str
     message: str

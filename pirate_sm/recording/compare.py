@@ -119,7 +119,7 @@ def course_of(recording: Recording, loaded: LoadedMission) -> Course:
     apart_s = 0.0
     found = Course(names=vocabulary.numbers, kinds=kinds)
     for again in rerun(recording, loaded):
-        at_s = again.step.at_s
+        at_s = again.at_s
         found.until_s = max(found.until_s, at_s)
         for effect in again.step.effects:
             what = _mark(effect)

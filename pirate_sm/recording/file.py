@@ -187,6 +187,7 @@ class RecordingFile(Pieces):
     def __init__(self, sink: Sink, header: RunHeader) -> None:
         super().__init__(sink)
         self._topics: dict[str, int] = {}
+        self._start_s: float | None = None
         self._zero_ns = round(datetime.fromisoformat(header.began).timestamp() * NS_PER_S)
         self.attach(RUN, "application/json", _json(header.to_json()), self._zero_ns)
         for file in header.files:
@@ -194,8 +195,10 @@ class RecordingFile(Pieces):
         self.write(self._gathered.take())
 
     def time_ns(self, at_s: float) -> int:
-        """The moment of a mission time, ns since 1970."""
-        return self._zero_ns + round(at_s * NS_PER_S)
+        """Return the moment of a mission time, ns since 1970; the first one is the beginning."""
+        if self._start_s is None:
+            self._start_s = at_s
+        return self._zero_ns + round((at_s - self._start_s) * NS_PER_S)
 
     def add(
         self, topic: str, at_s: float, data: bytes, schema: Mapping[str, Any], schema_name: str

@@ -26,7 +26,7 @@ from pirate_sm.engine.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.folders import shown
-from pirate_sm.model.effects import Effect, Ended
+from pirate_sm.model.effects import Effect, Ended, WaitArmed
 from pirate_sm.model.events import Event
 from pirate_sm.recording.alphabet import ENGINE, STATE, Abandoned, Started, Topic, Topics
 from pirate_sm.recording.beginning import DamagedInsideError, read_header
@@ -49,7 +49,8 @@ class Step(NamedTuple):
 
     Attributes:
         number: Its place in the recording, from 0.
-        at_s: Time since the run began.
+        at_s: When it was on the clock that the engine was given. The runs of a console's session
+            share that clock: see :attr:`Recording.origin_s`.
         event: What the engine was given; None for its start and where it was not asked.
         effects: What it gave back; those of the program around it where it was not asked.
         by: ``seen``: shown to the engine at its start, which comes after it. ``start``: the start
@@ -70,7 +71,7 @@ class Step(NamedTuple):
 
 
 class Told(NamedTuple):
-    """What came of a step; ``number`` and ``at_s`` are those of the step."""
+    """What came of the step of this number; ``at_s`` is the time since the run began."""
 
     number: int
     at_s: float
@@ -142,13 +143,35 @@ class Recording:
         return (f"the recording ends early, at {self.until_s:.3f} s: nothing after that is in it",)
 
     @cached_property
+    def origin_s(self) -> float:
+        """Return when the run began on the clock that the engine was given, 0 where nothing is.
+
+        All other times of a recording count from then, those of its steps apart.
+
+        Raises:
+            RecordingError: It is damaged.
+        """
+        for _, entries in self._pieces(0):
+            inputs = [(self._by_name.get(name), data) for name, _, data in entries]
+            times_s = (
+                at_s
+                for topic, data in inputs
+                if topic is not None and topic.is_input
+                for _, at_s, *_ in self._decoded(topic, data)
+            )
+            first_s = min(times_s, default=None)
+            if first_s is not None:
+                return first_s
+        return 0.0
+
+    @cached_property
     def until_s(self) -> float:
         """Until when it holds: time of the last step in it, 0 where there is none.
 
         Raises:
             RecordingError: It is damaged.
         """
-        return self._last_steps[-1].at_s if self._last_steps else 0.0
+        return self._last_steps[-1].at_s - self.origin_s if self._last_steps else 0.0
 
     @cached_property
     def _ended(self) -> bool:
@@ -258,7 +281,9 @@ class Recording:
             rows.sort(key=lambda row: row[:2])
             for number, same_step in groupby(rows, key=lambda row: row[0]):
                 given = list(same_step)
-                yield Told(number, given[0][2], tuple(row[3] for row in given))
+                made_of = tuple(row[3] for row in given)
+                at_s = given[0][2] - self.origin_s
+                yield Told(number, at_s, with_own_times(made_of, self.origin_s))
 
     def shown(self, *topics: str, since_s: float = -inf) -> Iterator[Shown]:
         """What was made for viewers, in order: of these topics, or of all.
@@ -281,6 +306,9 @@ class Recording:
 
     @cached_property
     def _zero_ns(self) -> int:
+        """When the run began: messages of later runs of a session once counted from the first."""
+        if self.content.pieces:
+            return self.content.pieces[0].start_ns
         return round(datetime.fromisoformat(self.header.began).timestamp() * NS_PER_S)
 
     def _time_s(self, time_ns: int) -> float:
@@ -298,7 +326,8 @@ class Recording:
             return
         for step, at_s, _, made in self._decoded(STATE, data):
             with suppress(ValueError):
-                yield Checkpoint(step, at_s, state_from_text(made.state), place)
+                own_s = at_s - self.origin_s
+                yield Checkpoint(step, own_s, state_from_text(made.state), place)
 
     def _pieces(self, first: int) -> Iterator[tuple[int, list[Message]]]:
         """Number and messages of each piece, which holds whole steps."""
@@ -354,6 +383,16 @@ class Recording:
         if states:
             return [step._replace(state=states.get(step.number)) for step in steps]
         return steps
+
+
+def with_own_times(effects: tuple[Effect, ...], origin_s: float) -> tuple[Effect, ...]:
+    """Return the effects with deadlines that count from the origin of a recording."""
+    found = []
+    for each in effects:
+        if isinstance(each, WaitArmed):
+            each = each._replace(deadline_s=each.deadline_s - origin_s)  # noqa: PLW2901
+        found.append(each)
+    return tuple(found)
 
 
 def _step(number: int, at_s: float, made: Any, effects: list[tuple[int, Effect]]) -> Step:

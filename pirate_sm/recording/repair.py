@@ -88,7 +88,8 @@ def _write(recording: Recording, file: Pieces) -> Repaired:
     if not complete:
         file.note(REPAIRED, {"until_s": repr(copy.until_s), "torn_bytes": str(torn_bytes)})
     file.finish()
-    return Repaired(copy.steps, copy.until_s, torn_bytes, damage, left_until_s, complete)
+    until_s = copy.until_s - recording.origin_s if copy.steps else 0.0
+    return Repaired(copy.steps, until_s, torn_bytes, damage, left_until_s, complete)
 
 
 class _Copy:

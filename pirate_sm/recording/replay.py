@@ -22,11 +22,13 @@ class Rerun(NamedTuple):
     Attributes:
         state: The engine's state after it; None before the start.
         effects: What came of it now; those of the recording where the engine was not asked.
+        at_s: When it was, time since the run began.
     """
 
     step: Step
     state: EngineState | None
     effects: tuple[Effect, ...]
+    at_s: float
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,7 @@ class Difference:
     """The first step in which something else comes out than was recorded.
 
     Attributes:
+        step: The step; its ``at_s`` is the time since the run began.
         recorded: Effects of the recording that the replay does not have at this place.
         replayed: Effects of the replay in their place.
         phase: The phase of the mission then; ``place`` its place in the file, if it has one.
@@ -99,7 +102,7 @@ def rerun(
             state, effects = engine.start(step.at_s, seen, body=step.body, paused=step.paused)
         elif step.by == "engine" and state is not None and step.event is not None:
             state, effects = engine.step(state, step.event, step.at_s)
-        yield Rerun(step, state, effects)
+        yield Rerun(step, state, effects, step.at_s - recording.origin_s)
 
 
 def replay(
@@ -130,7 +133,7 @@ def replay(
     done = Replayed(0, 0, from_s, None, executed=False, from_s=from_s)
     for again in rerun(recording, loaded, after):
         step = again.step
-        if step.at_s > until_s or (until is not None and step.number > until.step):
+        if again.at_s > until_s or (until is not None and step.number > until.step):
             break
         recorded, now = step.effects, again.effects
         if changed:
@@ -139,7 +142,7 @@ def replay(
         if remembers or not same(recorded, now):
             return replace(done, difference=_difference(again, loaded, remembers))
         done = Replayed(
-            done.steps + 1, done.effects + len(step.effects), step.at_s, None,
+            done.steps + 1, done.effects + len(step.effects), again.at_s, None,
             executed=done.executed or step.by in ("start", "engine"), from_s=from_s,
         )  # fmt: skip
     return done
@@ -193,7 +196,8 @@ def _difference(again: Rerun, loaded: LoadedMission, remembers: tuple[str, ...])
         place = getattr(loaded.program.instructions[pc], "place", "")
     if recorded or replayed:  # these say more
         remembers = ()
-    step = again.step._replace(state=None)  # it holds NaN, which is not the same as itself
+    # Its state holds NaN, which is not the same as itself.
+    step = again.step._replace(state=None, at_s=again.at_s)
     return Difference(step, recorded, replayed, phase, place, remembers)
 
 

@@ -15,7 +15,7 @@ from pirate_sm.loading.folders import shown
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import SensorFrame
-from pirate_sm.recording.reader import Recording, Shown
+from pirate_sm.recording.reader import Recording, Shown, with_own_times
 from pirate_sm.recording.replay import Rerun, engine_of, rerun
 from pirate_sm.recording.viewing import PLACES
 from pirate_sm.units import DIMENSIONLESS, Dimension, format_quantity
@@ -54,8 +54,8 @@ def _fill(tables: _Tables, recording: Recording, loaded: LoadedMission) -> None:
     for again in rerun(recording, loaded):
         if again.state is not None and isinstance(again.step.event, SensorFrame):
             tables.signals(again, engine.signals(again.state))
-        for effect in again.step.effects:
-            tables.effect(again.step.at_s, effect)
+        for effect in with_own_times(again.step.effects, recording.origin_s):
+            tables.effect(again.at_s, effect)
     for place in recording.shown(PLACES):
         tables.places(place)
 
@@ -84,7 +84,7 @@ class _Tables:
 
     def signals(self, again: Rerun, values: dict[str, float]) -> None:
         header = ["time_s", *(self._named(name) for name in values)]
-        self._row("signals", header, (again.step.at_s, *values.values()))
+        self._row("signals", header, (again.at_s, *values.values()))
 
     def _named(self, name: str) -> str:
         kind = self._robot.vocabulary.types[name]

@@ -98,23 +98,23 @@ class _Run:
 
     def take(self, again: Rerun) -> None:
         """The step has had its effect on everything."""
-        step = again.step
-        self._at_s = max(self._at_s, step.at_s)
+        step, at_s = again.step, again.at_s
+        self._at_s = max(self._at_s, at_s)
         if again.state is not None:
-            self._look(again.state, step.event, step.at_s)
+            self._look(again.state, step.event, at_s)
         if not self._doubt and not same(step.effects, again.effects):
             self._doubt = (
-                f"From {step.at_s:.2f} s on this version of the program does otherwise than the "
+                f"From {at_s:.2f} s on this version of the program does otherwise than the "
                 "one that recorded: signals may differ from what was known then."
             )
         if again.state is not None:
-            self._note_cause(again.state.mission.cause, step.at_s)
-        self._timeline.take(step.at_s, step.event, step.effects)
-        self._story.take(step.at_s, step.event, step.effects)
-        self._way.see(step.effects, step.at_s)
+            self._note_cause(again.state.mission.cause, at_s)
+        self._timeline.take(at_s, step.event, step.effects)
+        self._story.take(at_s, step.event, step.effects)
+        self._way.see(step.effects, at_s)
         for effect in step.effects:
             if isinstance(effect, fx.Setpoints):
-                self._setpoints.take(step.at_s, effect.values)
+                self._setpoints.take(at_s, effect.values)
             elif isinstance(effect, fx.Ended):
                 self._ended = effect
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import inf
 from pathlib import Path
 from typing import Literal, TypeAlias
 
@@ -60,9 +59,7 @@ def listed(recording: Recording, link: str) -> Listed:
     """
     faults: Counter[str] = Counter()
     ended: fx.Ended | None = None
-    since_s, until_s = inf, -inf  # in a console's session later runs do not begin at 0
     for step in recording.steps():
-        since_s, until_s = min(since_s, step.at_s), max(until_s, step.at_s)
         for effect in step.effects:
             if isinstance(effect, fx.Fault):
                 faults[effect.code] += 1
@@ -80,7 +77,7 @@ def listed(recording: Recording, link: str) -> Listed:
         began=header.began,
         seed=header.options.get("seed", 0) if header.backend == "sim" else None,
         conditions=_conditions(header),
-        duration_s=max(until_s - since_s, 0.0),
+        duration_s=recording.until_s,
         faults=dict(faults),
     )
 

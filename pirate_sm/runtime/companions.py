@@ -97,6 +97,7 @@ class TriggerScript:
 
     Attributes:
         unused: Entries that no wait has used yet.
+        forestalled: Entries whose wait something else ended before they were due.
     """
 
     listening = False
@@ -104,6 +105,8 @@ class TriggerScript:
     def __init__(self, program: Program, firings: Iterable[Firing] = ()) -> None:
         self.due_s = inf
         self.unused = list(firings)
+        self.forestalled: list[Firing] = []
+        self._planned: Firing | None = None
         self._program = program
         self._armed = False
         self._trigger = ""
@@ -115,6 +118,10 @@ class TriggerScript:
                 self._armed, self.due_s = True, now_s
             elif isinstance(effect, TriggerFired | PhaseChange | Ended):
                 self._armed, self.due_s = False, inf
+                planned, self._planned = self._planned, None
+                by = effect.trigger if isinstance(effect, TriggerFired) else ""
+                if planned is not None and planned.trigger != by:
+                    self.forestalled.append(planned)
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Plan the trigger of a wait that has just been armed."""
@@ -138,6 +145,7 @@ class TriggerScript:
         for firing in self.unused:
             if firing.phase in ("", wait.phase) and firing.trigger in (*names, "within"):
                 self.unused.remove(firing)
+                self._planned = firing
                 if firing.trigger == "within":
                     return "", inf
                 usual_s = _before_time(wait, firing.trigger)

@@ -130,7 +130,7 @@ class CoursePlayer:
             case "answer":
                 return (Answer(event.answer or ""),)
             case "fault":
-                return (FaultReport(event.fault or "", "so the course of events"),)
+                return (FaultReport(event.fault or "", event.message or "so the course of events"),)
             case "time" | "sensors":
                 return (Tick(),)
         return ()

@@ -113,7 +113,7 @@ def _heat(snapshot: Snapshot, motor: Motor) -> list[Part]:
     shares = []
     for index in motor.heat:
         since_s = state.faults.since[index]
-        spent_s = 0.0 if isnan(since_s) else snapshot.now_s - since_s
+        spent_s = 0.0 if isnan(since_s) else snapshot.engine_s - since_s
         shares.append((spent_s / rules[index].held_s, spent_s, rules[index].held_s))
     share, spent_s, held_s = max(shares)
     if share <= 0:

@@ -222,7 +222,7 @@ def _moving(snapshot: Snapshot, width: int) -> list[Text]:
     name = snapshot.scene.robot.commands[motion.command].name
     if isnan(motion.accepted_s):
         return [line(("▶ ", GOOD), f"{name}: sent, not yet accepted")]
-    spent_s = state.mission.motion_clock(snapshot.now_s) - motion.accepted_s
+    spent_s = state.mission.motion_clock(snapshot.engine_s) - motion.accepted_s
     limit_s = motion.deadline_s - motion.accepted_s
     return [line(("▶ ", GOOD), f"{name}: until it is done"), bar(spent_s, limit_s, width)]
 
@@ -237,7 +237,7 @@ def _waiting(snapshot: Snapshot, width: int) -> list[Text]:
     lines = [
         line(("○ ", WARN), f"{each.text} ", (f"→ {each.go_name}", MUTED)) for each in here.triggers
     ]
-    spent_s = state.mission.clock(snapshot.now_s) - state.mission.armed_s
+    spent_s = state.mission.clock(snapshot.engine_s) - state.mission.armed_s
     return [*lines, bar(spent_s, here.within_s, width)]
 
 

@@ -54,7 +54,7 @@ class Snapshot:
     """One moment.
 
     Attributes:
-        now_s: Mission time.
+        now_s: Mission time; of a recording, time since its run began.
         state: The engine's; None before it has begun.
         story: What has happened.
         truth: Where the robot is; None where that is not known.
@@ -63,6 +63,7 @@ class Snapshot:
         trends: The last values of the signals that the anatomy follows, oldest first.
         over: Whether nothing can happen any more.
         before_m: What the odometer had counted in the runs before this one.
+        ahead_s: How much more than ``now_s`` the clock showed that the engine was given.
     """
 
     scene: Scene
@@ -75,6 +76,12 @@ class Snapshot:
     trends: Mapping[str, tuple[float, ...]] | None = None
     over: bool = False
     before_m: float = 0.0
+    ahead_s: float = 0.0
+
+    @property
+    def engine_s(self) -> float:
+        """The time that those in the engine's state are compared with."""
+        return self.now_s + self.ahead_s
 
     @cached_property
     def signals(self) -> Mapping[str, float]:

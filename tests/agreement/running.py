@@ -159,9 +159,10 @@ class Run:
         rules = [fault for fault in robot.faults if fault.code == code]
         words = (*robot_state.obeyed(robot, self.state.robot), *self.state.words[-2:])
         numbers = self.state.sensing.shown
-        if rules and not any(rule.when.evaluate(numbers, words) is True for rule in rules):
-            return None
-        return ev.FaultReport(code, "by lot")
+        if not rules:
+            return ev.FaultReport(code, "by lot")
+        true = (rule for rule in rules if rule.when.evaluate(numbers, words) is True)
+        return next((ev.FaultReport(code, rule.message) for rule in true), None)
 
 
 class Measured(Run):

@@ -100,17 +100,19 @@ class Search:
             yield from ((ev.Answer(each.answer), now) for each in it.triggers if each.answer)
         elif isinstance(it, Question):
             yield from ((ev.Answer(choice), now) for choice, _ in it.choices)
-        yield from ((ev.FaultReport(code, "tried"), now) for code in self._faults(state))
+        yield from ((fault, now) for fault in self._faults(state))
 
-    def _faults(self, state: EngineState) -> Iterator[str]:
+    def _faults(self, state: EngineState) -> Iterator[ev.FaultReport]:
         robot = self.loaded.robot
         words = (*robot_state.obeyed(robot, state.robot), *state.words[-2:])
         for code in {each.code for each in self.program.handlers[state.mission.pc]}:
             rules = [fault for fault in robot.faults if fault.code == code]
             # What a rule reads may be shown by nothing that the mission reads: then it may hold.
-            if not rules or any(rule.when.evaluate(_blind(robot), words) is not False
-                                for rule in rules):  # fmt: skip
-                yield code
+            if not rules:
+                yield ev.FaultReport(code, "tried")
+            for rule in rules:
+                if rule.when.evaluate(_blind(robot), words) is not False:
+                    yield ev.FaultReport(code, rule.message)
 
 
 def _blind(robot: object) -> tuple[float, ...]:

@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 from contextlib import AbstractContextManager
+from csv import DictReader
+from datetime import datetime
 from pathlib import Path
 
 import pytest
 
 from pirate_sm.cli.recording import RUNS_VARIABLE, RecordingWishes, recorded
+from pirate_sm.console.reel import reel_of
 from pirate_sm.console.session import Keeping
 from pirate_sm.model.events import GoTo, OperatorCommand
+from pirate_sm.recording.compare import course_of
+from pirate_sm.recording.file import NS_PER_S, RecordingFile
 from pirate_sm.recording.reader import read_recording
+from pirate_sm.recording.reloading import recorded_mission
+from pirate_sm.recording.replay import replay
+from pirate_sm.recording.tables import write_tables
 from pirate_sm.report.listing import listed
+from pirate_sm.report.recorded import report_of
 from pirate_sm.wiring import Prepared
 
 from .driving import Operator, operator, played, with_mission
@@ -79,6 +88,92 @@ def test_the_duration_of_a_later_run_is_its_own(runs: Path) -> None:
     (*_, last) = recording.steps()
     assert last.at_s > 20.0
     assert 0.0 < listed(recording, "").duration_s < 10.0
+
+
+def as_before(file: RecordingFile, at_s: float) -> int:
+    """How the messages of a recording once got their times."""
+    return file._zero_ns + round(at_s * NS_PER_S)
+
+
+@pytest.fixture(scope="module", params=["now", "before"])
+def later(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The recording of a run that began 20 s after its session, as it is made now or once was."""
+    folder = tmp_path_factory.mktemp("runs")
+
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend"), keep=keep) as me:
+            me.wait(20.0)
+            me.session.stop()
+            me.wait(1.0)
+            me.until(lambda: me.latest.state is not None and me.latest.state.look is None)
+            me.session.tell(OperatorCommand("ClampFront"))
+            me.until(lambda: me.states[2] == "FrontClampedRearRelaxed")
+            await leave(me)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(RUNS_VARIABLE, str(folder))
+        if request.param == "before":
+            patch.setattr(RecordingFile, "time_ns", as_before)
+        played(story)
+    (left,) = folder.glob("*.mcap")
+    return left
+
+
+def test_the_report_of_a_later_run_counts_time_from_its_own_start(later: Path) -> None:
+    report = report_of(read_recording(later))
+
+    assert report.duration_s == pytest.approx(listed(read_recording(later), "").duration_s)
+    assert 0.0 < report.duration_s < 10.0
+    spans = [span for lane in report.lanes for span in lane.spans]
+    assert min(span.start_s for span in spans) == 0.0
+    assert max(span.end_s for span in spans) <= report.duration_s
+    for chart in report.charts:
+        assert all(0.0 <= at_s <= report.duration_s for s in chart.series for at_s in s.times_s)
+    assert report.scene is not None
+    assert 0.0 <= report.scene.times_s[0] < 1.0
+    assert report.scene.times_s[-1] <= report.duration_s
+    assert report.story[-1].at_s == report.duration_s
+
+
+def test_the_tables_of_a_later_run_count_time_from_its_own_start(
+    later: Path, tmp_path: Path
+) -> None:
+    recording = read_recording(later)
+    with recorded_mission(recording.header) as loaded:
+        write_tables(recording, loaded, tmp_path / "tables")
+
+    for table in (tmp_path / "tables").glob("*.csv"):
+        with table.open(encoding="utf-8", newline="") as file:
+            times = [float(row["time_s"]) for row in DictReader(file)]
+        assert all(0.0 <= at_s < 10.0 for at_s in times), table.name
+    with (tmp_path / "tables" / "signals.csv").open(encoding="utf-8", newline="") as file:
+        assert float(next(DictReader(file))["time_s"]) < 0.5
+
+
+def test_a_later_run_is_replayed_and_scrubbed_from_its_own_start(later: Path) -> None:
+    recording = read_recording(later)
+    with recorded_mission(recording.header) as loaded:
+        again = replay(recording, loaded)
+        course = course_of(recording, loaded)
+    assert again.difference is None
+    assert 0.0 < again.until_s < 10.0
+    assert course.until_s == again.until_s == recording.until_s
+
+    reel = reel_of(recording)
+    assert reel.length_s == recording.until_s
+    first, last = reel.at(0.0), reel.at(reel.length_s)
+    assert first.now_s < 0.5
+    assert last.now_s == pytest.approx(reel.length_s)
+    assert all(0.0 <= told.now_s < 10.0 for told in last.story.recent)
+    assert last.truth is not None
+
+
+@pytest.mark.parametrize("later", ["now"], indirect=True)
+def test_viewers_see_a_later_run_when_it_was(later: Path) -> None:
+    recording = read_recording(later)
+    began_ns = round(datetime.fromisoformat(recording.header.began).timestamp() * 1e9)
+
+    assert recording.content.pieces[0].start_ns == began_ns
 
 
 def test_a_series_of_commands_is_something_that_was_asked_for(runs: Path) -> None:

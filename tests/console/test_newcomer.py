@@ -7,6 +7,7 @@ from pathlib import Path
 from textual.widgets import OptionList
 
 from pirate_sm.console import reasons
+from pirate_sm.console.dialogs import Confirm
 from pirate_sm.showing import panels
 
 from .driving import operator, played, with_mission
@@ -45,6 +46,8 @@ def test_somebody_drives_in_by_hand_and_lets_the_bend_mission_take_over() -> Non
             assert lines["enter"].startswith("✕")
             assert not lines["prepare"].startswith("✕")
             await me.choose("prepare")
+            assert isinstance(me.app.screen, Confirm)  # the wait of enter was not passed
+            await me.press("y")
             me.until(lambda: me.latest.story.phase.phase.startswith("prepare"), 5)
 
             # Pause: the wheels stand, the clamps hold. Resume: it goes on.
@@ -97,6 +100,7 @@ def test_a_mission_that_was_taken_over_is_handed_back_where_it_fits() -> None:
             await me.press("H")
             await me.look()
             await me.choose("prepare")
+            await me.press("y")  # the wait of enter was not passed
             me.until(lambda: me.latest.story.phase.phase.startswith("pass"))
             assert any("handed back at prepare" in each for each in me.told())
 

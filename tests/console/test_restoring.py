@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from threading import Event
 from typing import Any
 
@@ -18,7 +19,7 @@ from pirate_sm.model.events import GoTo, OperatorCommand
 from pirate_sm.showing.looking import scene_of
 
 from .driving import WALL_S, Operator, confirming, operator, played, with_mission
-from .test_looks import text_of
+from .test_looks import PICTURES, picture_of, text_of
 
 
 async def paused_and_braked(me: Operator) -> None:
@@ -103,6 +104,47 @@ def test_on_one_key_they_are_given_one_by_one_and_the_mission_goes_on() -> None:
             assert (series.done, series.handed_back, series.stopped) == (3, True, "")
             await me.look()
             assert "Esc: no more" not in text_of(me)
+
+    played(story)
+
+
+def test_a_hand_back_that_needs_no_commands_asks_where_waits_were_not_passed() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            await paused_and_braked(me)
+            await me.command("RelaxFront")
+            await me.command("BendInto")
+            await me.command("DriveForward")
+            await listed(me)
+            await choose(me, "pass")
+            assert "in this run the mission has not passed its waits of enter, prepare" in asked(me)
+            assert "Give" not in asked(me)
+
+            await me.press("enter")  # the careful answer
+            me.wait(0.5)
+            assert me.latest.state.mission.paused
+
+            await listed(me)
+            await choose(me, "pass")
+            await me.press("y")
+            me.until(lambda: me.latest.story.phase.phase.startswith("pass"))
+
+    played(story)
+
+
+def test_the_question_before_a_hand_back_is_as_in_the_documents() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace"), size=(120, 36)) as me:
+            await paused_and_braked(me)
+            await listed(me)
+            await choose(me, "pass")
+            await me.look()
+            found, file = picture_of(me), PICTURES / "console_hand_back.svg"
+            if os.environ.get("GOLDEN") == "write":
+                file.write_text(found, encoding="utf-8")
+
+            assert file.exists(), "there is no picture yet: make golden"
+            assert found == file.read_text("utf-8")
 
     played(story)
 

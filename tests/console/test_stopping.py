@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from textual.events import Key
+from textual.widget import Widget
 
 from pirate_sm.cli.console import standing
 from pirate_sm.console.app import Console
@@ -196,6 +197,37 @@ def test_a_frame_that_is_due_while_the_widgets_are_removed_is_left_out() -> None
     async def story() -> None:
         async with operator(trace(), console=Closing, size=SMALL) as me:
             await me.command("ClampFront")
+
+    played(story)
+
+
+class Opening(Console):
+    """A console whose timer fires whenever some more of its widgets have been added."""
+
+    def _register(self, *args: Any, **options: Any) -> list[Widget]:
+        added = super()._register(*args, **options)
+        for _ in range(3):  # words are shown in every third frame
+            self.show()
+        return added
+
+
+def test_a_frame_that_is_due_while_the_widgets_are_added_is_left_out() -> None:
+    async def story() -> None:
+        async with operator(trace(), console=Opening, size=SMALL) as me:
+            await me.command("ClampFront")
+
+    played(story)
+
+
+def test_a_frame_that_is_due_when_any_widget_has_gone_is_left_out() -> None:
+    async def story() -> None:
+        async with operator(trace(), size=SMALL) as me:
+            for name in sorted(each.id for each in me.app.screen.walk_children() if each.id):
+                for found in me.app.screen.query(f"#{name}"):
+                    await found.remove()
+                for _ in range(3):
+                    me.app.show()
+            assert not me.app.screen.query("#header")
 
     played(story)
 

@@ -178,3 +178,16 @@ def test_a_recording_is_not_headed_as_if_it_ran_and_says_how_it_ended(reel):
     assert all(header.startswith(" ● RECORDING ") for header, _ in shown.values())
     assert "SUCCEEDED: In the far leg" in shown["end"][1]
     assert "SUCCEEDED" not in shown["n"][1]
+
+
+def test_a_moment_that_is_due_when_any_widget_has_gone_is_left_out(reel):
+    async def leave():
+        viewer = Viewer(reel, "run.mcap")
+        async with viewer.run_test(size=(120, 40)):
+            for name in sorted(each.id for each in viewer.screen.walk_children() if each.id):
+                for found in viewer.screen.query(f"#{name}"):
+                    await found.remove()
+                viewer.show()
+            assert not viewer.screen.query("#header")
+
+    asyncio.run(leave())

@@ -69,12 +69,13 @@ class Conditions:
         regions: How many of the words are states, which are known.
 
     Attributes:
+        vocabulary: What conditions know.
         region_count: How many of the words are states.
         tests: How much has been tried so far, for who must come to an end.
     """
 
     def __init__(self, vocabulary: Vocabulary, spans: Mapping[str, Range], regions: int) -> None:
-        self._vocabulary = vocabulary
+        self.vocabulary = vocabulary
         self._spans = spans
         self.region_count = regions
         self._answers: dict[tuple[tuple[Fact, ...], tuple[str | None, ...]], Answer] = {}
@@ -113,7 +114,7 @@ class Conditions:
         seen = self._seen.get(node)
         if seen is None:
             signals = [each for each in tree.walk(node) if isinstance(each, tree.Signal)]
-            known = self._vocabulary.words[: self.region_count]
+            known = self.vocabulary.words[: self.region_count]
             regions = {each.index for each in signals if each.name in known}
             free = frozenset(each.name for each in signals if each.name not in known)
             seen = self._seen[node] = free, tuple(sorted(regions))
@@ -152,7 +153,7 @@ class Conditions:
         if found.possible:
             return found
         opaque: dict[tree.Node, int] = {}
-        size = len(self._vocabulary.words)
+        size = len(self.vocabulary.words)
         freed = tuple((_without_opaque(node, opaque, size), wanted) for node, wanted in facts)
         if tried and not opaque:
             return found
@@ -176,9 +177,9 @@ class Conditions:
             return Answer(True, sure=False), False
         self.tests += combinations * len(facts)
         tests = [(_compiled(node), wanted) for node, wanted in facts]
-        order, size = self._vocabulary.numbers, len(self._vocabulary.words)
+        order, size = self.vocabulary.numbers, len(self.vocabulary.words)
         places = [order.index(name) for name in numeric]
-        spots = [self._vocabulary.words.index(name) for name in verbal]
+        spots = [self.vocabulary.words.index(name) for name in verbal]
         spots += range(size, size + free)
         values = [math.nan] * len(order)
         texts: list[str | None] = [*states, *[None] * (size - len(states) + free)]
@@ -224,11 +225,11 @@ class Conditions:
             for each in tree.walk(node)
             if isinstance(each, tree.Signal)
             and each.kind == "word"
-            and self.region_count <= each.index < len(self._vocabulary.words)
+            and self.region_count <= each.index < len(self.vocabulary.words)
         )
         found: dict[str, tuple[str | None, ...]] = {}
         for name in names:
-            kind = self._vocabulary.types[name]
+            kind = self.vocabulary.types[name]
             assert isinstance(kind, EnumType)
             found[name] = (*kind.values, None)
         return found

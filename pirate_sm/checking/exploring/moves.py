@@ -25,6 +25,9 @@ Kind: TypeAlias = Literal[
 ]
 
 NOT_DONE = "not done in time"
+UNSAID = "so the check"
+"""Message of a fault that denies nothing: no rule of the robot says which part it is about."""
+
 REFUSED = "the backend refused the setpoints"
 
 
@@ -46,6 +49,9 @@ class Move(NamedTuple):
     word: str = ""
 
 
+_Situation: TypeAlias = tuple[tuple[HandlerSpec, ...], tuple[str | None, ...], frozenset[int]]
+
+
 class Moves:
     """Knows what can happen in a state.
 
@@ -59,10 +65,8 @@ class Moves:
         self._robot = robot
         self._program = program
         self.conditions = conditions
-        self._can_be: dict[tuple[str, tuple[str | None, ...]], bool] = {}
-        self._codes: dict[
-            tuple[tuple[HandlerSpec, ...], tuple[str | None, ...]], tuple[str, ...]
-        ] = {}
+        self._messages: dict[tuple[str, tuple[str | None, ...]], tuple[str, ...]] = {}
+        self._reports: dict[_Situation, tuple[FaultReport, ...]] = {}
 
     def of(self, state: EngineState, now: float) -> Iterator[Move]:
         """Everything that can happen next, in the order in which stories are told."""
@@ -100,35 +104,49 @@ class Moves:
             yield Move("time", Tick(), state.wake_at_s)
 
     def _faults(self, state: EngineState, now: float) -> Iterator[Move]:
-        """One fault for each handler that is in force here and can be needed."""
-        handlers = self._program.handlers[state.mission.pc]
-        situation = handlers, robot_state.obeyed(self._robot, state.robot)
-        if situation not in self._codes:
-            self._codes[situation] = tuple(self._needed(*situation))
-        for code in self._codes[situation]:
-            yield Move("fault", FaultReport(code, "so the check"), now, code)
+        """One fault for each handler in force that can be needed, and for each clamp it denies."""
+        robot = self._robot
+        situation = (
+            self._program.handlers[state.mission.pc],
+            robot_state.obeyed(robot, state.robot),
+            robot_state.confirmed_parts(robot, state.robot),
+        )
+        if situation not in self._reports:
+            self._reports[situation] = tuple(self._needed(*situation))
+        for report in self._reports[situation]:
+            yield Move("fault", report, now, report.code)
 
     def _needed(
-        self, handlers: tuple[HandlerSpec, ...], states: tuple[str | None, ...]
-    ) -> Iterator[str]:
-        """Codes of faults, one for each place that they lead to."""
-        targets = set()
+        self,
+        handlers: tuple[HandlerSpec, ...],
+        states: tuple[str | None, ...],
+        clamped: frozenset[int],
+    ) -> Iterator[FaultReport]:
+        """Yield the faults that can come up, one for each place and clamps that it leads to."""
+        known = set()
         seen = set()
         for handler in handlers:
             if handler.code in seen:  # an inner handler hides the outer ones
                 continue
             seen.add(handler.code)
-            if handler.go is None or handler.go in targets or not self.can_be(handler, states):
-                continue
-            targets.add(handler.go)
-            yield handler.code
+            for message in self.messages(handler, states):
+                denied = self._robot.denied_by_report(handler.code, message) & clamped
+                if (handler.go, denied) in known or (handler.go is None and not denied):
+                    continue  # it would change nothing, or nothing else than another fault
+                known.add((handler.go, denied))
+                yield FaultReport(handler.code, message if denied else UNSAID)
 
-    def can_be(self, handler: HandlerSpec, states: tuple[str | None, ...]) -> bool:
-        """Whether the fault can come up in these states; what no rule tells always can."""
+    def messages(self, handler: HandlerSpec, states: tuple[str | None, ...]) -> tuple[str, ...]:
+        """Return the words with which the fault can come up in these states, by one rule each.
+
+        What no rule tells always can.
+        """
         key = handler.code, states
-        if key not in self._can_be:
+        if key not in self._messages:
             own = [rule for rule in self._robot.faults if rule.code == handler.code]
-            self._can_be[key] = not own or any(
-                self.conditions.ask([(rule.when.tree, True)], states).possible for rule in own
-            )
-        return self._can_be[key]
+            self._messages[key] = tuple(
+                rule.message
+                for rule in own
+                if self.conditions.ask([(rule.when.tree, True)], states).possible
+            ) or (() if own else (UNSAID,))
+        return self._messages[key]

@@ -52,6 +52,62 @@ def test_a_trigger_is_told_if_it_is_of_no_use(tmp_path: Path, trigger: str, code
     assert [each for each in codes if each.startswith("trigger.")][:1] == ([code] if code else [])
 
 
+def test_what_a_change_is_while_its_signal_is_unknown_is_not_said_to_be_true(
+    tmp_path: Path,
+) -> None:
+    trigger = "{when: abs(change(neck) - change(hip)) < 1 deg, go: good}"
+
+    found = only(checked(tmp_path, wait(trigger, FIRES)), "trigger.at_once")
+
+    assert found.message == (
+        "'abs(change(neck) - change(hip)) < 1 deg' is true already whenever the wait begins and "
+        "neck and hip are known: change(neck) and change(hip) are 0 then"
+    )
+
+
+@pytest.mark.parametrize(
+    ("asked", "code"),
+    [
+        ("not known(way)", "trigger.never"),
+        ("known(way)", "trigger.at_once"),
+        ("way < 20 mm", "trigger.at_once"),
+        ("pace > 1 mm/s", "trigger.at_once"),
+    ],
+)
+def test_a_change_of_a_signal_that_is_unknown_as_the_wait_begins_never_fires(
+    tmp_path: Path, asked: str, code: str
+) -> None:
+    """Three-valued: what it was then is not known later either."""
+    body = f"""
+start: p
+phases:
+  p:
+    do:
+      - SwitchLamp
+      - choose:
+          - if: {asked}
+            do: [{{wait: [{{when: change(way) <= 100 mm}}], within: {{time: 10 s}}}}]
+    go: good
+"""
+    codes = [found for found, _ in told(checked(tmp_path, body))]
+
+    assert [each for each in codes if each.startswith("trigger.")] == [code]
+
+
+def test_a_change_that_begins_now_known_and_now_not_is_left_alone(tmp_path: Path) -> None:
+    body = """
+start: p
+phases:
+  p:
+    do: [SwitchLamp, {choose: [{if: not known(way), do: [{log: a}]}], else: [{log: b}]}]
+    wait: [{when: change(way) <= 100 mm, go: good}]
+    within: {time: 10 s, go: bad}
+"""
+    codes = [found for found, _ in told(checked(tmp_path, body))]
+
+    assert set(codes) <= {"wait.still"}  # nothing drives
+
+
 def test_the_effort_for_conditions_to_be_held_does_not_double_with_each(tmp_path: Path) -> None:
     """Two took 30 steps, ten 26,000, and twelve were too much to look at."""
     signals = ["neck", "hip", "way", "pace", "amps_a", "roll_a", "roll_b", "roll_c", "roll_d"]

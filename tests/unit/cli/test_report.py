@@ -186,6 +186,68 @@ def test_a_page_that_cannot_be_written_is_told(pirate: Any, run: Path, tmp_path:
     assert "cannot be written" in result.stderr
 
 
+@pytest.fixture
+def archive(run: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a recording in which nobody can write, the superuser included."""
+    folder = run.parent / "archive"
+    folder.mkdir()
+    run.rename(folder / run.name)
+    access, open_ = os.access, Path.open
+
+    def may(path: Any, mode: int) -> bool:
+        return access(path, mode) and not (mode == os.W_OK and Path(path) == folder)
+
+    def opened(path: Path, mode: str = "r", **options: Any) -> Any:
+        if "r" not in mode and path.parent == folder:
+            raise OSError(errno.EROFS, "Read-only file system")
+        return open_(path, mode, **options)
+
+    monkeypatch.setattr(os, "access", may)
+    monkeypatch.setattr(Path, "open", opened)
+    return folder
+
+
+@pytest.mark.parametrize("what", [".", "run.mcap"])
+def test_where_a_folder_is_read_only_it_is_said_what_to_do(
+    pirate: Any, archive: Path, what: str
+) -> None:
+    result = pirate("report", archive / what)
+
+    assert result.exit_code == 2
+    assert f"the folder '{archive}' is read-only" in result.stderr
+    assert "--output" in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    assert [each.name for each in archive.iterdir()] == ["run.mcap"]
+
+
+def test_a_folder_that_is_read_only_is_listed_elsewhere_with_its_pages(
+    pirate: Any, archive: Path, tmp_path: Path
+) -> None:
+    listing = tmp_path / "lists" / "runs.html"
+    listing.parent.mkdir()
+
+    assert pirate("report", archive, "--output", listing).exit_code == 0
+    assert 'href="run.html"' in listing.read_text("utf-8")
+    page = listing.with_name("run.html")
+    first = page.stat().st_mtime_ns
+    assert pirate("report", archive, "--output", listing).stdout == f"{listing}\n"
+    assert page.stat().st_mtime_ns == first
+
+
+def test_pages_of_read_only_folders_do_not_replace_one_another(
+    pirate: Any, archive: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "run.mcap").write_bytes((archive / "run.mcap").read_bytes())
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) == tmp_path)
+
+    result = pirate("report", archive, other, "-o", tmp_path / "list.html")
+
+    assert result.exit_code == 2
+    assert f"'{tmp_path / 'run.html'}' would be the page of several recordings" in result.stderr
+
+
 @pytest.mark.parametrize("command", [("report",), ("export", "--urdf", "a.urdf"), ("replay",)])
 def test_a_disk_that_is_full_is_no_fault_of_this_program(
     pirate: Any, run: Path, command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch

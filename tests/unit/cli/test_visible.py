@@ -33,6 +33,14 @@ def test_a_trigger_that_was_never_fired_is_told(pirate_run: Any) -> None:
     assert result.stderr.count("\n") == 1
 
 
+def test_a_trigger_whose_wait_ended_before_is_told(pirate_run: Any) -> None:
+    mission = NEWT / "patrol.yaml"
+    result = pirate_run(mission, "--backend", "trace", "--quiet", "--fire", "look=100")
+
+    assert "never fired, because something else ended its wait first: 'look'" in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
 def test_a_command_that_lets_go_is_marked(pirate: Any) -> None:
     listed = pirate("list", "commands").stdout
 

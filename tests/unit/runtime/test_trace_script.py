@@ -24,8 +24,12 @@ class Played(NamedTuple):
     companions: tuple[Companion, ...]
 
     @property
+    def script(self) -> TriggerScript:
+        return next(each for each in self.companions if isinstance(each, TriggerScript))
+
+    @property
     def unused(self) -> list[Firing]:
-        return next(each for each in self.companions if isinstance(each, TriggerScript)).unused
+        return self.script.unused
 
 
 class Fired:
@@ -124,6 +128,33 @@ def test_a_script_lets_the_time_limit_pass(tmp_path: Path) -> None:
 def test_an_entry_that_fits_no_wait_stays_unused(tmp_path: Path) -> None:
     thrice = [Firing("second")] * 3
     assert play(tmp_path, TWO_WAITS, *thrice).unused == [Firing("second")]
+
+
+@pytest.mark.parametrize(
+    ("firing", "forestalled"),
+    [
+        (Firing("second", 100.0), True),  # `within` ends the wait after 60 s
+        (Firing("second", 1.0), False),
+        (Firing("within"), False),
+    ],
+)
+def test_an_entry_whose_wait_ended_before_is_told_from_one_that_fired(
+    tmp_path: Path, firing: Firing, forestalled: bool
+) -> None:
+    played = play(tmp_path, TWO_WAITS, firing)
+
+    assert played.unused == []
+    assert played.script.forestalled == ([firing] if forestalled else [])
+
+
+def test_an_entry_that_lets_time_pass_is_forestalled_by_what_time_makes_true(
+    tmp_path: Path,
+) -> None:
+    late = "\n      - {after: 1 s, go: late}"
+    played = play(tmp_path, ONE_WAIT % (late, "60 s"), Firing("within"))
+
+    assert [at_s for at_s, _ in played.fired] == [1.0]
+    assert played.script.forestalled == [Firing("within")]
 
 
 POLLING = """

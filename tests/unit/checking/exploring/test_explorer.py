@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
-from checking.small_missions import checked, write
+from checking.small_missions import checked, only, write
+from pirate_sm.checking.counterexamples import write_counterexample
 from pirate_sm.checking.exploring.explorer import Exploration, explore
 from pirate_sm.checking.exploring.ledger import Waiting, ledger
 from pirate_sm.checking.exploring.story import story
-from pirate_sm.checking.mission import conditions_of
+from pirate_sm.checking.mission import check_mission, conditions_of
+from pirate_sm.cli.script import read_script
 from pirate_sm.loading.mission import load_mission
+from pirate_sm.model.effects import CommandStatus, Effect
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.wiring import Order, prepare
 
 ONE = "start: p\nphases: {p: {do: [HoldNose], go: good}}\n"
 WAITING = """
@@ -103,6 +109,64 @@ def test_where_an_interrupted_command_stands_makes_no_difference(tmp_path: Path)
     interrupted = [each for each in nodes if each.robot.motion and each.mission.diverting]
     assert len(given) == 4, "in two places, before and after it is accepted"
     assert len(interrupted) == 1, "before it is accepted; after that it is over at once"
+
+
+LOSES = """
+pipe: straight_113
+on_fault: [{fault: clamp.lost, %s}]
+start: p
+phases:
+  p:
+    do: [ClampFront, ClampRear]
+    wait: [{operator: "on", go: good}]
+    within: {time: 1 min, go: bad}
+  h: {do: [RelaxRear], go: bad}
+"""
+
+
+def test_a_fault_of_a_rule_denies_the_clamps_that_its_rule_denies(tmp_path: Path) -> None:
+    """Without them nothing may let go that would leave such a part alone, as on the robot."""
+    check = check_mission(write(tmp_path, LOSES % "go: h", robot=Path("pirate_ii")))
+
+    refused = only(check, "handler.impossible")
+    assert "RelaxRear can be refused as impossible: no clamp that would" in refused.message
+    assert any("the front has opened nearly to its end stop" in each for each in refused.story)
+
+
+def test_a_fault_that_is_only_logged_denies_them_too(tmp_path: Path) -> None:
+    body = LOSES.replace("go: good}]", "go: h}]") % "then: continue"
+
+    check = check_mission(write(tmp_path, body, robot=Path("pirate_ii")))
+
+    assert "RelaxRear" in only(check, "step.maybe_impossible").message
+
+
+def test_a_fault_that_denies_is_shown_alike_by_its_counterexample(tmp_path: Path) -> None:
+    path = write(tmp_path, LOSES % "go: h", robot=Path("pirate_ii"))
+    check = check_mission(path)
+    finding = only(check, "handler.impossible")
+
+    written = write_counterexample(finding, check, tmp_path / "found", "m", path)
+
+    mission, script = tmp_path / "found" / "m.yaml", Path(written.example)
+    firings, course = read_script(script)
+    assert not firings
+    prepared = prepare(Order(str(mission), backend="trace", course=course, check=False))
+    seen: list[Effect] = []
+    run = MissionRun(
+        prepared.engine, prepared.backend, companions=prepared.companions, observers=[Seen(seen)]
+    )
+    run.execute()
+    refused = [each for each in seen if isinstance(each, CommandStatus)]
+    assert ("RelaxRear", "refused") in [(each.name, each.status) for each in refused]
+
+
+class Seen:
+    def __init__(self, effects: list[Effect]) -> None:
+        self.effects = effects
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        self.effects += effects
 
 
 def test_nothing_happens_after_the_end(tmp_path: Path) -> None:
