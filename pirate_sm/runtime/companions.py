@@ -97,7 +97,8 @@ class TriggerScript:
 
     Attributes:
         unused: Entries that no wait has used yet.
-        forestalled: Entries whose wait something else ended before they were due.
+        forestalled: Entries whose wait something else ended before they were due. Who stops the
+            run knows that the rest does not come.
     """
 
     listening = False
@@ -120,7 +121,8 @@ class TriggerScript:
                 self._armed, self.due_s = False, inf
                 planned, self._planned = self._planned, None
                 by = effect.trigger if isinstance(effect, TriggerFired) else ""
-                if planned is not None and planned.trigger != by:
+                stopped = isinstance(effect, Ended) and effect.outcome == "interrupted"
+                if planned is not None and planned.trigger != by and not stopped:
                     self.forestalled.append(planned)
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
