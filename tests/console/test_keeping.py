@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.cli.recording import RUNS_VARIABLE, RecordingWishes, recorded
+from pirate_sm.cli.run_recording import RUNS_VARIABLE, RecordingOptions, recorded
 from pirate_sm.console.session import Keeping
 from pirate_sm.model.events import GoTo, OperatorCommand
 from pirate_sm.recording.reader import read_recording
@@ -24,7 +24,7 @@ def runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def keep(prepared: Prepared) -> AbstractContextManager[Keeping]:
-    return recorded(prepared, RecordingWishes(), 1.0)
+    return recorded(prepared, RecordingOptions(), 1.0)
 
 
 async def leave(me: Operator) -> None:

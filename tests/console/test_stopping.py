@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from textual.events import Key
 
-from pirate_sm.cli.console import standing
+from pirate_sm.cli.commands.console import standing
 from pirate_sm.console.app import Console
 from pirate_sm.console.dialogs import Confirm, Pick
 from pirate_sm.console.driver import Lossy, StopDriver
