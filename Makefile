@@ -21,7 +21,7 @@ help:
 	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
 	@echo "make kills   the bend in real time, and something dies at a random moment of it"
 	@echo "make bends   the bend in real time, and nothing goes wrong"
-	@echo "make golden  the golden traces and the pictures of screens anew, after a change that is meant"
+	@echo "make golden  the golden traces, help texts and pictures of screens anew, after a change that is meant"
 	@echo "make schemas the JSON Schemas anew, after a change of models or of a robot"
 	@echo "make format  every Python file in the one style"
 	@echo "make clean   the tree without environments and caches"
