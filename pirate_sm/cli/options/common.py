@@ -7,7 +7,7 @@ and its help text.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -26,10 +26,28 @@ Version = Annotated[
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
 
+BACKENDS = ("serial", "sim", "trace")
+"""Those that are part of this package; other packages may add some."""
+
+
+def backend_name(name: str) -> str:
+    """Return the name of a backend, if there is one of that name."""
+    if name not in BACKENDS:
+        from importlib.metadata import entry_points
+
+        known = {*BACKENDS, *entry_points(group="pirate_sm.backends").names}
+        if name not in known:
+            raise ValueError(f"{name!r} is not one of {', '.join(map(repr, sorted(known)))}.")
+    return name
+
+
 Backend = Annotated[
-    Literal["serial", "sim", "trace"],
+    str,
     typer.Option(
-        help="sim: the kinematic simulator; trace: nothing moves; serial: the real robot."
+        metavar=f"<{'|'.join(BACKENDS)}>",
+        parser=backend_name,
+        autocompletion=lambda: list(BACKENDS),
+        help="sim: the kinematic simulator; trace: nothing moves; serial: the real robot.",
     ),
 ]
 RobotOfMission = Annotated[
