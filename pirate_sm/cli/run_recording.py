@@ -1,36 +1,31 @@
-"""The recording of a run: where it goes, what is said of it, how it ends."""
+"""Records a run while it goes on, and says what became of the recording."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from itertools import count
-from math import inf, isinf
+from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pirate_sm.cli.errors import say
-from pirate_sm.errors import RecordingError, UsageError
+from pirate_sm.cli.new_recording import begin_recording, header_of_run, usual_path
+from pirate_sm.errors import UsageError
 from pirate_sm.loading.folders import shown
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Event
 
 if TYPE_CHECKING:
     from pirate_sm.engine.state import EngineState
-    from pirate_sm.recording.file import RecordingFile, Sink
+    from pirate_sm.recording.file import RecordingFile
     from pirate_sm.recording.header import RunHeader
     from pirate_sm.recording.recorder import Recorder
     from pirate_sm.recording.side_channel import SideChannel
     from pirate_sm.runtime.companions import Companion
     from pirate_sm.runtime.loop import MissionRun
     from pirate_sm.wiring import Prepared
-
-RUNS = "runs"
-RUNS_VARIABLE = "PIRATE_SM_RUNS"
-"""Names the folder for recordings in place of ``runs``; empty: none unless asked for."""
 
 _LIVE_S = 0.1
 """So often viewers that look on get something new."""
@@ -97,7 +92,7 @@ class Kept:
 def recorded(
     prepared: Prepared, options: RecordingOptions, factor: float, *, quiet: bool = False
 ) -> Iterator[Kept]:
-    """The run is recorded as was asked for, until the block ends.
+    """Record the run as is asked for, until the block ends.
 
     Args:
         prepared: The run.
@@ -112,29 +107,23 @@ def recorded(
     if options.record is not None and options.off:
         raise UsageError("--record and --no-record exclude each other")
     began = datetime.now(UTC).astimezone()
-    path = _path(options, prepared, began)
+    path = None if options.off else usual_path(prepared, began)
+    path = path if options.record is None else Path(options.record)
     if path is None and not options.live:
         yield Kept(prepared)
         return
-    from pirate_sm.recording.file import Nowhere, RecordingFile
-    from pirate_sm.recording.recorder import COMMIT_S, Recorder
-
-    header = _header(prepared, factor, began)
+    header = header_of_run(prepared, factor, began)
     with ExitStack() as stack:
         side, served = _side(prepared, options, stack)
         file: RecordingFile | None = None
         if path is not None:
-            file, path = _begun(path, header, asked=options.record is not None)
+            file, path = begin_recording(path, header, asked=options.record is not None)
         if file is None and not options.live:
             yield Kept(prepared)
             return
-        name = shown(path) if file and path else ""
-        said = (f"recording: {name}",) if name else ()
-        file = file or RecordingFile(Nowhere(), header)
-        recorder = Recorder(
-            file, header, real_time=prepared.backend.real_time, side=side,
-            commit_s=_LIVE_S if options.live else COMMIT_S,
-        )  # fmt: skip
+        place = path if file else None
+        said = (f"recording: {shown(place)}",) if place else ()
+        recorder = _recorder(prepared, file, header, side, live=options.live)
         warner = Warner(recorder)
         notices = (*prepared.notices, *served, *said)
         kept = Kept(replace(prepared, notices=notices), recorder, (warner,), side)
@@ -142,13 +131,34 @@ def recorded(
             yield kept
         finally:
             recorder.close()
-            if path is not None and name and not (recorder.begun and kept.wanted):
+            if place is not None and not (recorder.begun and kept.wanted):
                 with suppress(OSError):
-                    path.unlink()  # the run was refused, or it was not asked for anything
+                    place.unlink()  # the run was refused, or it was not asked for anything
             if recorder.failure and (quiet or warner.told != until_when(recorder)):
-                say(f"warning: {name or 'live'}: {until_when(recorder)}")
+                say(f"warning: {shown(place) if place else 'live'}: {until_when(recorder)}")
             if side.failure:
                 say(f"warning: viewers see less than there is: {side.failure}")
+
+
+def _recorder(
+    prepared: Prepared,
+    file: RecordingFile | None,
+    header: RunHeader,
+    side: SideChannel,
+    *,
+    live: bool,
+) -> Recorder:
+    """Return who records into the file, without one only for viewers that look on."""
+    from pirate_sm.recording.file import Nowhere, RecordingFile
+    from pirate_sm.recording.recorder import COMMIT_S, Recorder
+
+    return Recorder(
+        file or RecordingFile(Nowhere(), header),
+        header,
+        real_time=prepared.backend.real_time,
+        side=side,
+        commit_s=_LIVE_S if live else COMMIT_S,
+    )
 
 
 def _side(
@@ -166,30 +176,6 @@ def _side(
     live = Live()
     stack.callback(live.close)
     return SideChannel(viewer, live), (f"live: open {live.address} in Foxglove or Lichtblick",)
-
-
-def _begun(path: Path, header: RunHeader, *, asked: bool) -> tuple[RecordingFile | None, Path]:
-    """The recording with its beginning written, and its path; none where that cannot be.
-
-    Args:
-        path: Where to.
-        header: Its beginning.
-        asked: Whether the file was asked for, so that there is no run without it, and no other
-            name will do.
-
-    Raises:
-        RecordingError: It was asked for and cannot be made.
-    """
-    try:
-        return _open(path, header, anew=not asked)
-    except FileExistsError:
-        raise RecordingError(f"{shown(path)} exists already; nothing has moved") from None
-    except OSError as error:
-        problem = f"{shown(path)} cannot be written: {error.strerror}"
-        if asked:
-            raise RecordingError(f"{problem}; nothing has moved") from None
-        say(f"warning: nothing is recorded: {problem}")
-        return None, path
 
 
 def until_when(recorder: Recorder) -> str:
@@ -224,62 +210,3 @@ class Warner:
     def speak(self, now_s: float) -> Sequence[Event]:
         """Nothing."""
         return ()
-
-
-def _path(options: RecordingOptions, prepared: Prepared, began: datetime) -> Path | None:
-    """Where the recording goes; None: nowhere."""
-    if options.record is not None:
-        return Path(options.record)
-    folder = os.environ.get(RUNS_VARIABLE, RUNS)
-    if options.off or not folder:
-        return None
-    name = f"{began:%Y-%m-%dT%H-%M-%S}_{prepared.loaded.mission.mission}_{prepared.order.backend}"
-    return Path(folder) / f"{name}.mcap"
-
-
-def _open(path: Path, header: RunHeader, *, anew: bool) -> tuple[RecordingFile, Path]:
-    """A file that was not there before, and its path; ``anew``: of the next free name."""
-    from pirate_sm.recording.file import DiskFile
-
-    sink: Sink
-    for number in count(2):
-        try:
-            sink = DiskFile(path)
-        except FileExistsError:
-            if not anew:
-                raise
-            path = path.with_stem(f"{path.stem.partition('~')[0]}~{number}")
-        else:
-            return _headed(sink, path, header), path
-    raise AssertionError("numbers do not end")
-
-
-def _headed(sink: Sink, path: Path, header: RunHeader) -> RecordingFile:
-    """The recording with its beginning written; where that fails there is no file."""
-    from pirate_sm.recording.file import RecordingFile
-
-    try:
-        return RecordingFile(sink, header)
-    except BaseException:
-        with suppress(OSError):
-            sink.close()
-        with suppress(OSError):
-            path.unlink()
-        raise
-
-
-def _header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
-    from pydantic_core import to_jsonable_python
-
-    from pirate_sm.recording.header import header_of
-
-    options: dict[str, Any] = to_jsonable_python(prepared.order)
-    options["speed"] = "max" if isinf(factor) else factor
-    return header_of(
-        prepared.loaded,
-        backend=prepared.order.backend,
-        nominal=prepared.engine.nominal,
-        detector=prepared.detector,
-        options=options,
-        began=began,
-    )

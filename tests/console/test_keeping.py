@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.cli.run_recording import RUNS_VARIABLE, RecordingOptions, recorded
+from pirate_sm.cli.new_recording import RUNS_VARIABLE
+from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.console.session import Keeping
 from pirate_sm.model.events import GoTo, OperatorCommand
 from pirate_sm.recording.reader import read_recording
