@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 from pirate_sm.cli.opened_recording import opened_recording, print_visible, title
 from pirate_sm.cli.options.recordings import ReplayOptions
-from pirate_sm.cli.output.worded import worded
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.model.effect_words import field_words
 from pirate_sm.model.effects import Effect
 from pirate_sm.recording.header import RunHeader
 from pirate_sm.recording.reader import Recording
@@ -170,7 +170,7 @@ def _mission(recording: Recording, options: ReplayOptions) -> Iterator[LoadedMis
 def _described(difference: Difference, steps: int) -> tuple[list[str], list[str]]:
     """Return lines about what was recorded, and lines about what comes out now."""
     step = difference.step
-    event = worded(step.event)
+    event = field_words(step.event)
     same = f"the first {steps} inputs gave the same; then, at {step.at_s:.3f} s, this does not:"
     where = f"in the phase {difference.phase}" if difference.phase else "at the start"
     place = f" ({difference.place})" if difference.place else ""
@@ -187,7 +187,7 @@ def _listed(effects: tuple[Effect, ...]) -> Iterator[str]:
     if not effects:
         yield "    nothing"
     for effect in effects:
-        yield f"    {worded(effect)}"
+        yield f"    {field_words(effect)}"
 
 
 def _renamed(line: str, loaded: LoadedMission, header: RunHeader) -> str:

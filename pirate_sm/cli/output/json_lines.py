@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import isfinite
-from typing import Any, TextIO
+from typing import Any, TextIO, assert_never
 
 from pirate_sm import __version__
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.model import effects as fx
+from pirate_sm.model.effect_words import question_words, trigger_reason
 from pirate_sm.model.events import ALPHABET_VERSION
 from pirate_sm.runtime.companions import Answered
-from pirate_sm.showing.telling import told_reason
 
 FORMAT = 1
 """Changes when a reader of the lines would have to."""
@@ -61,9 +61,9 @@ class JsonLines:
     def see(self, effects: Sequence[fx.Effect], now_s: float) -> None:
         """A line for each effect has been handed to whoever reads."""
         for effect in effects:
-            make = _LINES.get(type(effect))
-            if make is not None and not self._is_known(effect):
-                self._write(now_s, *make(self, effect))
+            line = self._object(effect)
+            if line is not None and not self._is_known(effect):
+                self._write(now_s, *line)
         self._out.flush()
 
     def _is_known(self, effect: fx.Effect) -> bool:
@@ -81,20 +81,31 @@ class JsonLines:
             text = json.dumps(line, allow_nan=False)
         self._out.write(f"{text}\n")
 
-    def _state(self, it: fx.StateChange) -> tuple[str, dict[str, Any]]:
-        states = dict(zip(self._regions, it.states, strict=True))
-        return "state", {"state": states, "unconfirmed": list(it.unconfirmed)}
-
-    def _end(self, it: fx.Ended) -> tuple[str, dict[str, Any]]:
-        there = self._observed
-        return "end", {
-            "outcome": it.outcome,
-            "end": it.end or None,
-            "message": it.message,
-            "sim_time_s": _number(there.now_s),
-            "distance_m": _number(there.distance_m()),
-            "odometry_m": _number(there.odometry_m()),
-        }
+    def _object(self, effect: fx.Effect) -> tuple[str, dict[str, Any]] | None:
+        """Return the type of an effect's line and what it says; None where there is no line."""
+        match effect:
+            case fx.Ended(outcome, message, end):
+                there = self._observed
+                return "end", {
+                    "outcome": outcome,
+                    "end": end or None,
+                    "message": message,
+                    "sim_time_s": _number(there.now_s),
+                    "distance_m": _number(there.distance_m()),
+                    "odometry_m": _number(there.odometry_m()),
+                }
+            case fx.StateChange(states, unconfirmed):
+                named = dict(zip(self._regions, states, strict=True))
+                return "state", {"state": named, "unconfirmed": list(unconfirmed)}
+            case fx.TriggerFired():
+                nominal = self._observed.prepared.engine.nominal
+                reason = trigger_reason(effect, nominal=nominal)
+                return "trigger", {**effect._asdict(), "reason": reason}
+            case fx.Ask(question):
+                message = question_words(effect) if question else "the question is withdrawn"
+                return "log", {"level": "info", "message": message}
+            case _:
+                return _object(effect)
 
 
 def _number(value: float | None) -> float | None:
@@ -102,75 +113,34 @@ def _number(value: float | None) -> float | None:
     return round(value, _DIGITS) if value is not None and isfinite(value) else None
 
 
-def _command(_: JsonLines, it: fx.CommandStatus) -> tuple[str, dict[str, Any]]:
-    place = it.place or None
-    return "command", {
-        "name": it.name, "status": it.status, "reason": it.reason, "place": place,
-    }  # fmt: skip
-
-
-def _setpoints(_: JsonLines, it: fx.Setpoints) -> tuple[str, dict[str, Any]]:
-    return "setpoints", {"id": it.setpoint_id, "values": [_number(v) for v in it.values]}
-
-
-def _phase(_: JsonLines, it: fx.PhaseChange) -> tuple[str, dict[str, Any]]:
-    return "phase", {"phase": it.phase, "status": "entered"}
-
-
-def _wait(_: JsonLines, it: fx.WaitArmed) -> tuple[str, dict[str, Any]]:
-    triggers = zip(it.triggers, it.conditions, strict=True)
-    return "phase", {
-        "phase": it.phase,
-        "status": "waiting",
-        "triggers": [{"trigger": name, "condition": text} for name, text in triggers],
-        "deadline_s": _number(it.deadline_s),
-    }
-
-
-def _trigger(lines: JsonLines, it: fx.TriggerFired) -> tuple[str, dict[str, Any]]:
-    nominal = lines._observed.prepared.engine.nominal
-    return "trigger", {**it._asdict(), "reason": told_reason(it, nominal=nominal)}
-
-
-def _detected(_: JsonLines, it: fx.Detected) -> tuple[str, dict[str, Any]]:
-    return "detected", {"word": it.word}
-
-
-def _environment(_: JsonLines, it: fx.Environment) -> tuple[str, dict[str, Any]]:
-    return "environment", {
-        "segment": it.segment,
-        "roll_rad": _number(it.roll_rad),
-        "pitch_rad": _number(it.pitch_rad),
-        "diameter_m": _number(it.diameter_m),
-    }
-
-
-def _fault(_: JsonLines, it: fx.Fault) -> tuple[str, dict[str, Any]]:
-    return "fault", it._asdict()
-
-
-def _log(_: JsonLines, it: fx.Log) -> tuple[str, dict[str, Any]]:
-    return "log", {"level": it.level, "message": it.message}
-
-
-def _ask(_: JsonLines, it: fx.Ask) -> tuple[str, dict[str, Any]]:
-    if not it.question:
-        return "log", {"level": "info", "message": "the question is withdrawn"}
-    return "log", {"level": "info", "message": f"{it.question} ({' / '.join(it.choices)})"}
-
-
-_LINES: dict[type, Callable[[JsonLines, Any], tuple[str, dict[str, Any]]]] = {
-    fx.Setpoints: _setpoints,
-    fx.CommandStatus: _command,
-    fx.StateChange: JsonLines._state,
-    fx.PhaseChange: _phase,
-    fx.WaitArmed: _wait,
-    fx.TriggerFired: _trigger,
-    fx.Detected: _detected,
-    fx.Environment: _environment,
-    fx.Fault: _fault,
-    fx.Log: _log,
-    Answered: _log,
-    fx.Ask: _ask,
-    fx.Ended: JsonLines._end,
-}
+def _object(effect: fx.Effect) -> tuple[str, dict[str, Any]] | None:
+    """Return the type of an effect's line and what it says, where that is in the effect alone."""
+    match effect:
+        case fx.Setpoints(setpoint_id, values):
+            return "setpoints", {"id": setpoint_id, "values": [_number(each) for each in values]}
+        case fx.CommandStatus():
+            return "command", {**effect._asdict(), "place": effect.place or None}
+        case fx.PhaseChange(phase):
+            return "phase", {"phase": phase, "status": "entered"}
+        case fx.WaitArmed(phase, triggers, conditions, deadline_s):
+            waits = zip(triggers, conditions, strict=True)
+            return "phase", {
+                "phase": phase,
+                "status": "waiting",
+                "triggers": [{"trigger": name, "condition": text} for name, text in waits],
+                "deadline_s": _number(deadline_s),
+            }
+        case fx.Environment():
+            segment, *numbers = effect
+            names = fx.Environment._fields[1:]
+            measured = zip(names, map(_number, numbers), strict=True)
+            return "environment", {"segment": segment, **dict(measured)}
+        case fx.Detected():
+            return "detected", effect._asdict()
+        case fx.Fault():
+            return "fault", effect._asdict()
+        case fx.Log():
+            return "log", effect._asdict()
+        case fx.Ask() | fx.WakeAt() | fx.Ended() | fx.StateChange() | fx.TriggerFired():
+            return None
+    assert_never(effect)
