@@ -1,4 +1,4 @@
-"""Every error of a command becomes one clear message and an exit code."""
+"""Turns every error of a command into one message and an exit code."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LOST = {errno.EPIPE, errno.ENOSPC, errno.EBADF}
 
 
 def guarded(work: Callable[[], int], debug: bool) -> int:
-    """The exit code of ``work``; what it raised has been said on standard error."""
+    """Do the work and return its exit code; say on standard error what it raises."""
     try:
         code = work()
         sys.stdout.flush()
@@ -45,7 +45,7 @@ def guarded(work: Callable[[], int], debug: bool) -> int:
 
 
 def say(message: str) -> None:
-    """The message stands on standard error, if anybody still reads it."""
+    """Print the message to standard error, if anybody still reads it."""
     if sys.stderr is None:  # it was closed before we began
         return
     with suppress(OSError, ValueError):
@@ -53,7 +53,7 @@ def say(message: str) -> None:
 
 
 def say_bug(error: BaseException, debug: bool) -> None:
-    """One line about a fault of ours, and how to learn more; with ``debug`` the traceback."""
+    """Say that this program has a fault and how to learn more; with ``debug`` the traceback."""
     if debug:
         show_traceback(error)
     hint = "" if debug else "; run again with --debug for the traceback, and please report it"
@@ -61,21 +61,21 @@ def say_bug(error: BaseException, debug: bool) -> None:
 
 
 def show_traceback(error: BaseException) -> None:
-    """Where the error came from stands on standard error."""
+    """Print the traceback of the error to standard error."""
     import traceback
 
     say("".join(traceback.format_exception(error)).rstrip())
 
 
 def output_lost(error: OSError) -> int:
-    """It has been said that standard output cannot be written; the exit code for that."""
+    """Say that standard output cannot be written; return the exit code for that."""
     silence_stdout()
     say(f"the output cannot be written: {error.strerror}")
     return OUTPUT_LOST
 
 
 def silence_stdout() -> None:
-    """Whatever is still to be flushed at exit goes nowhere instead of to a closed pipe."""
+    """Send what is still to be flushed at exit nowhere instead of to a closed pipe."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())
     os.close(nowhere)

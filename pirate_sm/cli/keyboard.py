@@ -36,7 +36,7 @@ class Keys(Protocol):
     """Gives the keys pressed since it was last asked."""
 
     def pressed(self) -> str:
-        """The keys, oldest first; empty when there were none."""
+        """Return the keys, oldest first; empty when there were none."""
         ...
 
 
@@ -48,19 +48,19 @@ class TerminalKeys:
         self._before: list[Any] | None = None
 
     def __enter__(self) -> Self:
-        """Keys arrive one by one."""
+        """Let keys arrive one by one, without echo."""
         self._before = termios.tcgetattr(self._fd)
         tty.setcbreak(self._fd)
         return self
 
     def __exit__(self, *_: object) -> None:
-        """The terminal is as it was."""
+        """Leave the terminal as it was."""
         if self._before is not None:
             with suppress(termios.error):  # the terminal may have gone
                 termios.tcsetattr(self._fd, termios.TCSADRAIN, self._before)
 
     def pressed(self) -> str:
-        """The keys pressed since it was last asked."""
+        """Return the keys pressed since it was last asked."""
         ready, _, _ = select.select([self._fd], [], [], 0)
         if not ready:
             return ""
@@ -78,7 +78,7 @@ class _Share:
         self.waiting = ""
 
     def pressed(self) -> str:
-        """The keys for this one since it was last asked."""
+        """Return the keys for this one since it was last asked."""
         self._look()
         keys, self.waiting = self.waiting, ""
         return keys
@@ -118,7 +118,7 @@ class Operator:
         heard: Mapping[str, Sequence[str]],
         tell: Callable[[str], None] = lambda text: None,
     ) -> None:
-        """Nothing is asked.
+        """Begin with no question.
 
         Args:
             keys: Where answers come from.
@@ -140,7 +140,7 @@ class Operator:
         return bool(self.choices)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """A new question is put, an old one forgotten."""
+        """Put a new question, forget an old one."""
         for effect in effects:
             if isinstance(effect, Ask):
                 self._put(effect.question, effect.choices, now_s, expects=True)
@@ -151,7 +151,7 @@ class Operator:
                 self._put("", (), now_s, expects=False)
 
     def look(self, state: EngineState | None, now_s: float) -> Sequence[Log]:
-        """What a key has answered, which it will speak next."""
+        """Return a log line if a key has answered; the answer is spoken next."""
         self.due_s = now_s + _LOOK_EVERY_S
         for key in self._keys.pressed():
             choice = self._choice(key)
@@ -162,7 +162,7 @@ class Operator:
         return ()
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """The answer that was just seen."""
+        """Return the answer that was just seen."""
         answer, self._answer = self._answer, None
         return () if answer is None else (Answer(answer),)
 

@@ -23,7 +23,7 @@ class StoppedError(Exception):
 
 
 def find_loaded(name: str | None) -> LoadedRobot:
-    """The robot of this name or path; the first one shipped without one.
+    """Return the robot of this name or path; without one the first that is shipped.
 
     Raises:
         LoadError: Its files cannot be used.
@@ -34,7 +34,7 @@ def find_loaded(name: str | None) -> LoadedRobot:
 
 
 def subject_of(loaded: LoadedRobot, robot: RobotSpec) -> Subject:
-    """The robot with its plan on the wire.
+    """Return the robot with its plan of the serial link.
 
     Raises:
         UsageError: It has no serial link, its texts do not fit, or a library is missing.
@@ -49,14 +49,14 @@ def connection(
     requests: StopRequests,
     stay_s: float | None = None,
 ) -> Listening:
-    """A connection to the robot on this port, not open yet; a guardian will own the port."""
+    """Return a connection to the robot, not open yet; a guardian will own the port."""
     rate = baud or subject.plan.serial.baud
     port = guarded_port(subject.plan, url, baud, STAY_S if stay_s is None else stay_s)
     return Listening(subject, port, rate, stopper(requests))
 
 
 def stopper(requests: StopRequests) -> Callable[[], None]:
-    """What raises once when somebody has asked to stop; the way out is not disturbed again."""
+    """Return a check that raises once when a stop is asked for, so the way out is undisturbed."""
     told = False
 
     def check() -> None:

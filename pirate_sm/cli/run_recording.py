@@ -64,11 +64,11 @@ class Kept:
     wanted: bool = True
 
     def forget(self) -> None:
-        """No recording is left, for nothing was asked for in the run."""
+        """Leave no recording: nothing was asked for in the run."""
         self.wanted = False
 
     def follow(self, run: MissionRun) -> None:
-        """Viewers are shown this run, and its state is kept now and then."""
+        """Show this run to viewers, and record its state now and then."""
         if self.tap is not None:
             self.tap.follow(lambda: run.state)
         if self.side is None:
@@ -164,7 +164,7 @@ def _recorder(
 def _side(
     prepared: Prepared, options: RecordingOptions, stack: ExitStack
 ) -> tuple[SideChannel, tuple[str, ...]]:
-    """What viewers are shown, and what is to be said of it."""
+    """Return the channel to viewers, and notices about it."""
     from pirate_sm.recording.side_channel import SideChannel
     from pirate_sm.recording.viewing import Viewer
 
@@ -179,7 +179,7 @@ def _side(
 
 
 def until_when(recorder: Recorder) -> str:
-    """Until when a recording holds that has ended before its run, and why it has."""
+    """Return until when a recording holds that ended before its run, and why it did."""
     if recorder.kept_s is None:
         return f"nothing of the run is recorded: {recorder.failure}"
     return f"the recording holds until {recorder.kept_s:.3f} s and ends there: {recorder.failure}"
@@ -196,17 +196,17 @@ class Warner:
 
     @property
     def due_s(self) -> float:
-        """At once when there is something to tell."""
+        """At once when there is a warning to give."""
         return 0.0 if self._recorder.failure and not self.told else inf
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Nothing is different."""
+        """Do nothing."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """The warning."""
+        """Return the warning."""
         self.told = until_when(self._recorder)
         return (Log("warning", f"{self.told}; the run goes on"),)
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Nothing."""
+        """Return no event."""
         return ()

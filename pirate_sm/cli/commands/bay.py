@@ -109,7 +109,7 @@ def _switches(options: BayOptions) -> Switches:
 
 
 def _share(text: str | None) -> float:
-    """The share that text such as ``20%`` or ``0.2`` means."""
+    """Return the share that text such as ``20%`` or ``0.2`` means."""
     return 0.0 if text is None else read_quantity(text, DIMENSIONLESS)
 
 
@@ -129,7 +129,7 @@ def _topics(names: Sequence[str]) -> tuple[Topic, ...]:
 
 
 def _setting(options: BayOptions) -> _Setting:
-    """What the mission says, and the first robot and pipe shipped where nobody says anything."""
+    """Return the robot and pipe that are asked for, else the first ones that are shipped."""
     if options.mission is not None:
         return _setting_of(options.mission, options)
     folder = library.find_robot(options.robot, Path.cwd()) if options.robot else library.robots()[0]

@@ -91,7 +91,7 @@ def _joints(loaded: LoadedRobot, skip: Sequence[str]) -> tuple[str, ...]:
 def _measure(
     listening: Listening, joints: Sequence[str], options: CalibrateOptions
 ) -> list[JointReading]:
-    """The operator has straightened the robot, and it has been listened to since."""
+    """Let the operator straighten the robot; return what its joints show then."""
 
     def angles() -> str:
         return _line(read_joints(listening.subject, listening.records, joints))
@@ -137,7 +137,7 @@ def _conclude(
 
 
 def _before(loaded: LoadedRobot) -> dict[str, float]:
-    """The zeros in use until now; a file that cannot be used is about to be replaced."""
+    """Return the zeros in use until now, none where their file cannot be used."""
     try:
         newest = newest_calibration(loaded)
     except LoadError as error:
@@ -147,14 +147,14 @@ def _before(loaded: LoadedRobot) -> dict[str, float]:
 
 
 def _line(readings: Sequence[JointReading]) -> str:
-    """Where the joints are now."""
+    """Return the angles of the joints, in a line."""
     return ", ".join(f"{each.name} {degrees(each.last):+z.1f} deg" for each in readings)
 
 
 def _wait_for_enter(
     listening: Listening, what: str, status: Callable[[], str] = lambda: ""
 ) -> None:
-    """The operator has pressed Enter; the link was served meanwhile.
+    """Wait until the operator presses Enter; serve the link meanwhile.
 
     Raises:
         UsageError: Nobody can press anything any more.

@@ -21,9 +21,13 @@ from pirate_sm.visible import visible
 CLEAN, FOUND, NOTHING = 0, 1, 2
 
 _SGR = {
-    "error": "1;31", "warning": "1;33", "possible": "1;36", "mark": "1;31", "place": "1",
+    "error": "1;31",
+    "warning": "1;33",
+    "possible": "1;36",
+    "mark": "1;31",
+    "place": "1",
     "label": "2",
-}  # fmt: skip
+}
 """How roles look on a terminal."""
 
 _USUAL_COLUMNS = 80
@@ -99,8 +103,12 @@ def _github(report: Report, _: Severity) -> str:
 
 
 _FORMATS: dict[str, Callable[[Report, Severity], str]] = {
-    "text": _text, "json": _json, "sarif": _sarif, "junit": _junit, "github": _github,
-}  # fmt: skip
+    "text": _text,
+    "json": _json,
+    "sarif": _sarif,
+    "junit": _junit,
+    "github": _github,
+}
 
 
 def _plain(_: str, text: str) -> str:
@@ -116,12 +124,12 @@ class _Progress:
     """A line on standard error that says which file is being looked at."""
 
     def __call__(self, done: int, total: int, name: str) -> None:
-        """The line says how far the check is."""
+        """Show how far the check has come."""
         line = visible(f"checking {done + 1}/{total} {name}")[: _columns() - 1]
         print(f"{_ERASE}{line}", end="", file=sys.stderr, flush=True)
 
     def end(self) -> None:
-        """The line is gone."""
+        """Remove the line."""
         print(_ERASE, end="", file=sys.stderr, flush=True)
 
 

@@ -34,7 +34,7 @@ _SIMULATOR = ("numpy", "numba")
 
 
 def rehearsing(seeds: int) -> Rehearse:
-    """What runs missions in the simulator.
+    """Return a function that runs missions in the simulator.
 
     Args:
         seeds: How often: with the seeds from 0 on.
@@ -85,9 +85,13 @@ def _run(
     calls = CloseCalls(loaded.robot, loaded.program)
     requests = StopRequests()
     run = MissionRun(
-        prepared.engine, prepared.backend, observers=[early], requests=requests, tap=calls,
+        prepared.engine,
+        prepared.backend,
+        observers=[early],
+        requests=requests,
+        tap=calls,
         companions=(*prepared.companions, FirstChoice(), _Patience(requests)),
-    )  # fmt: skip
+    )
     calls.follow(run)
     result = run.execute()
     if result.error is not None:
@@ -116,7 +120,7 @@ class _Early:
         }
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
-        """A trigger that fires as soon as it can has been true all the time."""
+        """Note each trigger that fires as soon as it can: it was true when its wait began."""
         for effect in effects:
             if isinstance(effect, WaitArmed):
                 self._armed_s[effect.phase] = now_s
@@ -138,10 +142,10 @@ class _Patience:
         self.due_s = LONGEST_S
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """What happens is not its business."""
+        """Do nothing."""
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Nothing; the run is asked to end."""
+        """Ask the run to end; return no event."""
         self.due_s = inf
         reason = f"it had not ended after {LONGEST_S:g} s"
         self._requests.ask(Stop(reason, 1))

@@ -96,7 +96,7 @@ def _session(order: Order, factor: float, recording: RecordingOptions) -> Sessio
 
 
 def _view(path: str) -> int:
-    """A recording has been looked at.
+    """Show a recording.
 
     Raises:
         RecordingError: It cannot be read.
@@ -126,7 +126,7 @@ def _prepared(order: Order) -> Prepared:
 
 
 def _conclude(app: Console, session: Session, debug: bool) -> int:
-    """How it ended has been said in a sentence; the exit code."""
+    """Say in a sentence how it ended; return the exit code."""
     if parting := session.prepared.parting():
         say(parting)
     result, stop = session.result, session.quitting.stop

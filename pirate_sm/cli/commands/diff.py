@@ -45,8 +45,10 @@ def run_diff(options: DiffOptions) -> int:
     difference = compare(before, after)
     if difference.same and difference.cut_off:
         which = " and ".join(f"the {each} one" for each in difference.cut_off)
-        raise UsageError(f"too much can happen to compare all of it ({which}): nothing differs "
-                         "in what was looked at")  # fmt: skip
+        raise UsageError(
+            f"too much can happen to compare all of it ({which}): nothing differs "
+            "in what was looked at"
+        )
     write = _json if options.format == "json" else _text
     sys.stdout.write(write(difference, shown(old), shown(new)) + "\n")
     return SAME if difference.same else DIFFERENT
@@ -59,9 +61,13 @@ def _text(difference: Difference, old: str, new: str) -> str:
         lines += ["", kind] if changes else []
         for change in changes:
             lines += wrap(
-                visible(change.text), _WIDTH, initial_indent="  ", subsequent_indent="      ",
-                break_long_words=False, break_on_hyphens=False,
-            )  # fmt: skip
+                visible(change.text),
+                _WIDTH,
+                initial_indent="  ",
+                subsequent_indent="      ",
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
     for which in difference.cut_off:
         lines += ["", f"in the {which} version too much can happen to look at all of it"]
     return writable("\n".join(lines))

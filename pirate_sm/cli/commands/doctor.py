@@ -61,7 +61,7 @@ def run_doctor(options: DoctorOptions) -> int:
 
 
 def _look(subject: Subject, options: DoctorOptions, requests: StopRequests) -> Facts:
-    """Everything has been found out and judged; the port is free again."""
+    """Connect, find out everything and judge it; free the port again."""
     say(f"connecting to {options.port} ...")
     stay_s = read_duration("--guard-for", options.guard_for)
     listening = connection(subject, options.port, options.baud, requests, stay_s)
@@ -94,9 +94,12 @@ def _look_around(listening: Listening, subject: Subject, options: DoctorOptions)
     move = Moving(listening, say).run()
     after = listening.facts().link
     link = replace(
-        facts.link, echoed_ms=after.echoed_ms, repeats=after.repeats, damaged=after.damaged,
+        facts.link,
+        echoed_ms=after.echoed_ms,
+        repeats=after.repeats,
+        damaged=after.damaged,
         resets=after.resets,
-    )  # fmt: skip
+    )
     return judged(replace(facts, move=move, link=link), subject)
 
 

@@ -88,7 +88,7 @@ def _is_mission(path: Path) -> bool:
 
 
 def _found(what: str) -> Path:
-    """The file or the robot's folder that is meant: by its path, or by its name."""
+    """Return the file or the robot's folder of this path or name."""
     path = Path(what)
     if path.is_dir() or path.is_file():
         return path

@@ -39,14 +39,17 @@ def phases_of_course(mission: Path, script: Path, settings: dict[str, str]) -> l
     requests, way = StopRequests(), Way()
     players = [each for each in prepared.companions if isinstance(each, CoursePlayer)]
     MissionRun(
-        prepared.engine, prepared.backend, observers=[way], requests=requests,
+        prepared.engine,
+        prepared.backend,
+        observers=[way],
+        requests=requests,
         companions=(*prepared.companions, *(_EndOfCourse(each, requests) for each in players)),
-    ).execute()  # fmt: skip
+    ).execute()
     return way.stops
 
 
 class _EndOfCourse:
-    """Ends a run as soon as its course of events is over: what follows is not of it."""
+    """A companion that ends a run as soon as its course of events is over."""
 
     due_s = inf
     listening = False
@@ -56,10 +59,10 @@ class _EndOfCourse:
         self._requests = requests
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """The run ends when the last event has happened."""
+        """Ask the run to end when the last event has happened."""
         if self._player.over:
             self._requests.ask(Stop("the course of events is over", SUCCEEDED))
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Nothing."""
+        """Return no event."""
         return ()

@@ -92,7 +92,7 @@ def _pipes(_: Iterable[Path]) -> None:
 
 
 def _read(path: Path, model: type[M]) -> M | str:
-    """The model, or the first line of what is wrong with its file."""
+    """Return the model, or the first line of what is wrong with its file."""
     try:
         return validate(read_document(path), model)
     except PirateError as error:

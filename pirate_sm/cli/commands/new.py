@@ -93,7 +93,7 @@ def _check(name: str) -> None:
 
 
 def _modeline(file: str) -> str:
-    """The first line of a file in a robot's folder, where the schemas stand beside it."""
+    """Return the first line of a file in a robot's folder, where the schemas stand beside it."""
     return f"{MODELINE}{file.partition('.')[0].removeprefix('first_')}.schema.json"
 
 
@@ -103,7 +103,7 @@ def _fill(template: str, **values: str) -> str:
 
 
 def _write(texts: dict[Path, str]) -> None:
-    """All of the files are new, or nothing was written."""
+    """Write all of the files, or none where one is there already."""
     for path in texts:
         if path.exists():
             raise UsageError(f"'{path}' is there already, nothing was written")
@@ -117,13 +117,13 @@ def _write(texts: dict[Path, str]) -> None:
 
 
 def _diameter_m(robot: LoadedRobot) -> float:
-    """A diameter in the middle of the robot's reach, h + 2r (thesis eq. 3-2)."""
+    """Return a diameter in the middle of the robot's reach, h + 2r (thesis eq. 3-2)."""
     body = robot.profile.body
     return _FOLD * min(link.length for link in body.links) + 2 * body.wheel_radius
 
 
 def _first_command(robot: LoadedRobot) -> str:
-    """A command that the robot can do at its start, one that takes hold if there is one."""
+    """Return a command that the robot can do at its start, one that takes hold if there is one."""
     spec = robot.normal
     start = at_rest_in(spec, spec.table.initial)
     possible = [

@@ -43,7 +43,7 @@ def write_reports(options: ReportOptions) -> int:
 
 
 def _recordings(place: Path) -> Iterator[Path]:
-    """The recordings in a folder; a file is its own."""
+    """Yield the recordings in a folder, or the file itself."""
     if not place.is_dir():
         yield place
         return
@@ -75,7 +75,7 @@ def _write_index(paths: Sequence[Path], index: Path) -> int:
 
 
 def _one(path: Path, index: Path) -> Listed:
-    """The run as the list has it; its own page is there."""
+    """Write the page of a run unless it is fresh; return its entry for the list."""
     page = path.with_suffix(".html")
     link = quote(Path(os.path.relpath(page.resolve(), index.resolve().parent)).as_posix())
     text = ""
@@ -101,7 +101,7 @@ def _is_fresh(page: Path, recording: Recording) -> bool:
 
 
 def _refuse_foreign(*places: Path) -> None:
-    """Nothing stands in these places that is no page of ours.
+    """Check that no file is written over that is not a page of ours.
 
     Raises:
         UsageError: Something does; all of it is told.

@@ -1,4 +1,4 @@
-"""Whether anybody still reads standard output, known before there is something to write."""
+"""Notices when nobody reads standard output any more, before something is written."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class PipeWatch:
         self._poll.register(out.fileno(), 0)
 
     def pulse(self, now_s: float) -> None:
-        """Somebody still reads.
+        """Check that somebody still reads.
 
         Raises:
             BrokenPipeError: Nobody does.
@@ -31,7 +31,7 @@ class PipeWatch:
 
 
 def watch_pipe(out: TextIO) -> PipeWatch | None:
-    """A watch over the output where it is a pipe or a socket."""
+    """Return a watch over the output where it is a pipe or a socket."""
     try:
         mode = os.fstat(out.fileno()).st_mode
     except (OSError, ValueError):  # no file at all

@@ -18,6 +18,9 @@ from pirate_sm.diagnosis.facts import BoardFact, Facts, TopicFact
 _REFRESH_S = 0.25
 _STYLES = {"no-go": "bold red", "suspicious": "yellow", "note": "dim"}
 _MD5_SHOWN = 8
+_TOPIC = ("topic", "device", "id", "type", "md5", "per s")
+_BOARD = ("board", "module", "frames", "per s", "expected", "longest gap")
+_SENSOR = ("board", "sensor", "raw", "value", "least", "most", "remark")
 
 
 class Section(NamedTuple):
@@ -30,26 +33,23 @@ class Section(NamedTuple):
 
 
 def sections(facts: Facts) -> list[Section]:
-    """The tables for a person: topics, boards, sensors."""
-    topics = [
-        (each.name, each.direction, "" if each.id is None else str(each.id), each.type,
-         _md5(each), f"{each.per_s:.1f}")
-        for each in facts.topics
-    ]  # fmt: skip
-    boards = [
-        (str(each.id), each.module, str(each.frames), f"{each.per_s:.1f}",
-         f"{each.expected_per_s:.1f}", f"{each.longest_gap_s * 1e3:.0f} ms")
-        for each in facts.boards
-    ]  # fmt: skip
+    """Return the tables for a person: topics, boards, sensors."""
     sensors = [row for board in facts.boards for row in _sensors(board)]
     return [
-        Section("topics", ("topic", "device", "id", "type", "md5", "per s"),
-                frozenset({2, 5}), topics),
-        Section("boards", ("board", "module", "frames", "per s", "expected", "longest gap"),
-                frozenset({0, 2, 3, 4, 5}), boards),
-        Section("sensors", ("board", "sensor", "raw", "value", "least", "most", "remark"),
-                frozenset({0, 2, 3, 4, 5}), sensors),
-    ]  # fmt: skip
+        Section("topics", _TOPIC, frozenset({2, 5}), list(map(_topic, facts.topics))),
+        Section("boards", _BOARD, frozenset({0, 2, 3, 4, 5}), list(map(_board, facts.boards))),
+        Section("sensors", _SENSOR, frozenset({0, 2, 3, 4, 5}), sensors),
+    ]
+
+
+def _topic(it: TopicFact) -> tuple[str, ...]:
+    number = "" if it.id is None else str(it.id)
+    return it.name, it.direction, number, it.type, _md5(it), f"{it.per_s:.1f}"
+
+
+def _board(it: BoardFact) -> tuple[str, ...]:
+    rates = (f"{it.per_s:.1f}", f"{it.expected_per_s:.1f}")
+    return str(it.id), it.module, str(it.frames), *rates, f"{it.longest_gap_s * 1e3:.0f} ms"
 
 
 def _md5(topic: TopicFact) -> str:
@@ -72,7 +72,7 @@ def _sensors(board: BoardFact) -> Iterator[tuple[str, ...]]:
 
 
 def link_lines(facts: Facts) -> list[str]:
-    """What became of bytes and frames, in words."""
+    """Return lines about what became of bytes and frames."""
     link = facts.link
     lines = [
         f"answered {link.answer_s:.1f} s after the port was opened; {facts.baud} baud",
@@ -99,7 +99,7 @@ def _trips(times_ms: Sequence[float]) -> str:
 
 
 def verdict(facts: Facts) -> str:
-    """Go or no-go, in a line."""
+    """Return go or no-go, in a line."""
     if facts.go:
         doubts = sum(finding.level == "suspicious" for finding in facts.findings)
         if doubts:
@@ -109,7 +109,7 @@ def verdict(facts: Facts) -> str:
 
 
 def plain_text(facts: Facts) -> str:
-    """Everything as lines of text."""
+    """Return everything as lines of text."""
     lines = [f"{facts.robot} on {facts.port}", ""]
     for section in sections(facts):
         rows = [section.headers, *section.rows]
@@ -136,23 +136,23 @@ class LiveTables:
         self._shown_s = -inf
 
     def __enter__(self) -> Self:
-        """The terminal is ours."""
+        """Begin to draw."""
         self._live.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        """The terminal is as it was; the tables are gone."""
+        """Remove the tables; leave the terminal as it was."""
         self._live.__exit__(None, None, None)
 
     def update(self, facts: Facts, now_s: float) -> None:
-        """The tables show what the sensors say, a few times a second."""
+        """Show what the sensors say, a few times a second."""
         if now_s >= self._shown_s + _REFRESH_S:
             self._shown_s = now_s
             self._live.update(sensors_now(facts), refresh=True)
 
     @staticmethod
     def show(facts: Facts) -> None:
-        """The facts stand on the terminal for good, with the verdict below."""
+        """Print the facts for good, with the verdict below."""
         console = Console()
         console.print(_group(facts))
         for line in link_lines(facts):
@@ -165,7 +165,7 @@ class LiveTables:
 
 
 def sensors_now(facts: Facts) -> Columns:
-    """What every sensor says, a small table for each board, side by side where there is room."""
+    """Return what the sensors say, a table for each board, side by side where there is room."""
     tables = []
     for board in facts.boards:
         title = f"{board.id} {board.module}, {board.per_s:.1f} per s"

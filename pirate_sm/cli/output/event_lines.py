@@ -29,14 +29,14 @@ class Lines:
         self._teller = Teller(observed.robot, with_setpoints=nominal, nominal=nominal)
 
     def begin(self) -> None:
-        """It is written what is about to run."""
+        """Write what is about to run."""
         if not self._quiet:
             for notice in headline(self._observed), *self._observed.prepared.notices:
                 self._write(0.0, "run", notice)
             self._out.flush()
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
-        """What has just happened is written, and whoever reads the output has it."""
+        """Write what has just happened, and flush it."""
         for effect in effects:
             if isinstance(effect, Ended):
                 there = self._observed
@@ -66,20 +66,20 @@ class SaysWhyItWaits:
         self._said = False
 
     def pulse(self, now_s: float) -> None:
-        """It has been said once, if a stop waits for the link."""
+        """Say once if a stop waits for the link."""
         stop = self._requests.stop
         if stop is not None and not self._said and (why := away(self._link(), stopping=True)):
             self._said = True
             say(f"{stop.reason}: {why}; a second signal ends at once")
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
-        """It has been said, if the port is not closed before the robot had another chance."""
+        """Say if the port stays open because the robot has not confirmed its stop."""
         if any(isinstance(each, Ended) for each in effects) and not self._link().stopped:
             say(f"{UNCONFIRMED}: waiting for it before the port is closed")
 
 
 def headline(observed: ObservedRun) -> str:
-    """Mission, robot, pipe and backend in one line."""
+    """Return mission, robot, pipe and backend in one line."""
     order, loaded = observed.prepared.order, observed.prepared.loaded
     pipe = f" in {loaded.pipe_name}" if loaded.pipe_name else ""
     return f"{loaded.mission.mission} on {loaded.robot.name}{pipe}, {how_it_runs(order)}"

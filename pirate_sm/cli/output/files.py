@@ -1,4 +1,4 @@
-"""Files that a command writes: no recording is lost for them, and none of them for another."""
+"""Writes the files of a command, never over a recording or over one another."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pirate_sm.errors import UsageError
 
 
 def refuse_losses(places: Iterable[Path]) -> None:
-    """Nothing that is to be written stands where a recording is, or twice in one place.
+    """Refuse to write over a recording, or twice to one place.
 
     Args:
         places: The files that are to be written.
@@ -20,8 +20,8 @@ def refuse_losses(places: Iterable[Path]) -> None:
     """
     places = list(places)
     whole = [place.resolve() for place in places]
-    problems = [f"'{place}' is a recording: nothing is written over it"
-                for place in dict.fromkeys(places) if is_recording(place)]  # fmt: skip
+    recordings = filter(is_recording, dict.fromkeys(places))
+    problems = [f"'{place}' is a recording: nothing is written over it" for place in recordings]
     twice = [place for number, place in enumerate(places) if whole[number] in whole[:number]]
     problems += [f"'{place}' is named twice: each file needs its own name" for place in twice]
     if problems:
@@ -36,7 +36,7 @@ def is_recording(place: Path) -> bool:
 
 
 def begins(place: Path, size: int) -> bytes:
-    """The first bytes of a file; none of what is no file, such as a terminal, or not there."""
+    """Return the first bytes of a file; none of a terminal and the like, or where none is."""
     with suppress(OSError, ValueError):
         if place.is_file():
             with place.open("rb") as file:
@@ -45,10 +45,10 @@ def begins(place: Path, size: int) -> bytes:
 
 
 def write_file(place: Path, text: str) -> None:
-    """The text stands in the file.
+    """Write the text to the file.
 
     Raises:
-        UsageError: It does not; what was begun of the file is gone.
+        UsageError: It cannot be written; what was begun of the file is removed.
     """
     opened = False
     try:

@@ -30,7 +30,7 @@ class JsonLines:
         self._answered = False
 
     def begin(self) -> None:
-        """The first line says what is about to run."""
+        """Write what is about to run as the first line."""
         order, loaded = self._observed.prepared.order, self._observed.prepared.loaded
         self._write(
             0.0,
@@ -59,7 +59,7 @@ class JsonLines:
         self._out.flush()
 
     def see(self, effects: Sequence[fx.Effect], now_s: float) -> None:
-        """A line for each effect has been handed to whoever reads."""
+        """Write a line for each effect, and flush them."""
         for effect in effects:
             line = self._object(effect)
             if line is not None and not self._is_known(effect):
@@ -67,7 +67,7 @@ class JsonLines:
         self._out.flush()
 
     def _is_known(self, effect: fx.Effect) -> bool:
-        """Whether a question only goes away because of the answer that was just told."""
+        """Whether a question is withdrawn only because of the answer that was just written."""
         if isinstance(effect, fx.Ask):
             known, self._answered = self._answered and not effect.question, False
             return known
@@ -109,7 +109,7 @@ class JsonLines:
 
 
 def _number(value: float | None) -> float | None:
-    """JSON knows no NaN and no infinity; six digits are below any wire's resolution."""
+    """Return the number to six digits; None for NaN and infinity, which JSON does not know."""
     return round(value, _DIGITS) if value is not None and isfinite(value) else None
 
 

@@ -66,12 +66,12 @@ class View:
         )
 
     def __enter__(self) -> Self:
-        """The first frame stands."""
+        """Show the first frame."""
         self._live.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        """The last frame stands, and below it how the run ended."""
+        """Leave the last frame, and below it how the run ended."""
         with suppress(OSError):  # the terminal may have gone, and the run stopped for it
             conclusion = self._conclusion()
             # Room for it and for the shell's prompt, so that nothing scrolls away.
@@ -87,24 +87,24 @@ class View:
         return line((f"{self._scene.mission}: {text}", panels.OUTCOME.get(ended.outcome, BAD)))
 
     def begin(self) -> None:
-        """What a person must know stands above the view."""
+        """Print above the view what a person must know."""
         for notice in self._observed.prepared.notices:
             self._console.print(line((notice, WARN)), soft_wrap=True)
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
-        """It has taken note; the next frame shows it."""
+        """Take note of what happened; the next frame shows it."""
         self._memory.see(effects, now_s)
         if self._memory.ended is not None and self._live.is_started:
             self._live.refresh()  # it may be the last one for a while
 
     def pulse(self, now_s: float) -> None:
-        """There is a new frame."""
+        """Draw a new frame."""
         if (state := self._observed.state) is not None:
             self._trends.look(self._scene, state, now_s)
         self._live.refresh()
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        """The frame, a little less high than the terminal, so that nothing scrolls."""
+        """Yield the lines of a frame less high than the terminal, so that nothing scrolls."""
         width, height = console.size
         for shown in self.frame(width, height - self._spare):
             shown.no_wrap, shown.end = True, "\n"
@@ -135,12 +135,17 @@ class View:
     def _snapshot(self) -> Snapshot:
         there, story = self._observed, self._memory.story()
         return snapshot_of(
-            self._scene, there.prepared, there.state, there.now_s, story, self._trends,
+            self._scene,
+            there.prepared,
+            there.state,
+            there.now_s,
+            story,
+            self._trends,
             over=story.ended is not None,
-        )  # fmt: skip
+        )
 
     def _bars(self, snapshot: Snapshot, width: int) -> list[Text]:
-        """What is wrong with the link, and what keys are for."""
+        """Return lines about trouble with the link and about what keys are for."""
         trouble, bars = panels.trouble(snapshot), []
         if trouble is not None:
             bars.append(line((fitted(trouble, width).plain, f"{FLAG}.{BAD}")))
@@ -158,7 +163,7 @@ class View:
 
 
 def _words(snapshot: Snapshot, rows: int) -> list[Text]:
-    """Phases, what is waited for, states; the phases get what room the others leave."""
+    """Return phases, what is waited for, states; the phases get what room the others leave."""
     states = panels.states(snapshot, _LEFT)
     most = max(3, min(6, rows - len(states) - 6))
     now = _filled(panels.now(snapshot, _LEFT)[:most], most)
@@ -182,7 +187,7 @@ def _brief(snapshot: Snapshot, width: int) -> list[Text]:
 
 
 def _setpoints(snapshot: Snapshot, changed: frozenset[int], rows: int) -> list[Text]:
-    """Every slot with what would be sent to it; what the last array changed stands out."""
+    """Return every slot with its setpoint; what the last array changed stands out."""
     slots, values = snapshot.scene.robot.slots, snapshot.story.setpoints
     wide = max(len(slot.name) for slot in slots)
     down = min(rows, len(slots)) or 1
@@ -196,7 +201,7 @@ def _setpoints(snapshot: Snapshot, changed: frozenset[int], rows: int) -> list[T
 
 
 def _title(text: str, width: int, lead: str = "─ ") -> Text:
-    """A heading that fills the line."""
+    """Return a heading that fills the line."""
     return line((lead, MUTED), (text, STRONG), (f" {'─' * (width - len(lead + text) - 1)}", MUTED))
 
 
@@ -205,7 +210,7 @@ def _filled(lines: list[Text], rows: int) -> list[Text]:
 
 
 def _beside(left: list[Text], right: list[Text], rows: int) -> Iterable[Text]:
-    """Two columns side by side."""
+    """Yield the lines of two columns side by side."""
     for number in range(rows):
         whole = fitted(left[number] if number < len(left) else Text(), _LEFT).append(" ")
         yield whole.append_text(right[number]) if number < len(right) else whole

@@ -23,7 +23,7 @@ class ObservedRun:
 
     @property
     def now_s(self) -> float:
-        """Mission time."""
+        """Mission time, s."""
         return self.run.now_s if self.run else 0.0
 
     @property
@@ -32,11 +32,11 @@ class ObservedRun:
         return self.run.state if self.run else None
 
     def truth(self) -> Truth | None:
-        """Where the robot really is, where that is known."""
+        """Return where the robot really is, where that is known."""
         return self.prepared.truth() if self.prepared.truth else None
 
     def odometry_m(self) -> float | None:
-        """What the wheels have rolled, where that is measured."""
+        """Return what the wheels have rolled, m, where that is measured."""
         state = self.state
         if state is None or self.robot.odometry < 0 or self.prepared.engine.nominal:
             return None
@@ -44,6 +44,6 @@ class ObservedRun:
         return None if isnan(value) else value
 
     def distance_m(self) -> float | None:
-        """How far the robot has really come, where that is known."""
+        """Return how far the robot has really come, m, where that is known."""
         truth = self.truth()
         return truth.distance_m if truth else None

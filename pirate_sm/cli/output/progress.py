@@ -1,4 +1,4 @@
-"""How far something has come that takes a while, on a terminal and nowhere else."""
+"""Shows on a terminal how far something has come that takes a while."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _CLEARED = "\r\x1b[K"
 def progress(
     what: str, out: TextIO | None = None, clock: Callable[[], float] = monotonic
 ) -> Iterator[Callable[[float], None]]:
-    """What is yielded takes the share that is done, 0 to 1, and a terminal shows it on one line.
+    """Yield a function that takes the share that is done, 0 to 1, and shows it on a terminal.
 
     The line is gone when the block ends. A share that is smaller than the last one begins anew.
 
@@ -69,7 +69,7 @@ class _Line:
             self._write(_CLEARED)
 
     def _left(self, share: float, now_s: float) -> str:
-        """About how long it still takes; nothing where that is a guess or soon over."""
+        """Return about how long it still takes; empty where that is a guess or soon over."""
         taken_s = now_s - self._began_s
         left_s = taken_s * (1 / share - 1) if share > 0 else 0.0
         if taken_s < 1.0 or left_s < 1.0:
