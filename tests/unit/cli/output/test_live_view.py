@@ -11,13 +11,11 @@ import subprocess
 import sys
 import termios
 from collections.abc import Callable
-from math import inf
 from typing import Any
 
 import pytest
 from rich.console import Console
 
-from pirate_sm.cli.commands.run import ON_A_TERMINAL, read_speed
 from pirate_sm.cli.output.live_view import View
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.model.effects import Effect
@@ -253,10 +251,3 @@ def test_nobody_is_asked_who_says_yes_beforehand() -> None:
 
     assert ended == 0
     assert "[1]" not in shown
-
-
-def test_a_terminal_has_a_speed_at_which_one_can_watch() -> None:
-    assert read_speed(None, ON_A_TERMINAL) == 4.0
-    assert read_speed("realtime", inf) == 1.0
-    assert read_speed("max", 4.0) == inf
-    assert read_speed("2.5", 4.0) == 2.5
