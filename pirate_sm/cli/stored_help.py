@@ -40,7 +40,7 @@ def print_stored_help(arguments: Sequence[str]) -> bool:
 
 
 def help_name(words: Sequence[str]) -> str:
-    """Return the name of the file with the help text of a command, ``pirate.new.robot.txt``."""
+    """Return the name of the file with the help text of a command: its words, with dots."""
     return f"{'.'.join(words)}.txt"
 
 
