@@ -22,7 +22,7 @@ help:
 	@echo "make kills   the bend in real time, and something dies at a random moment of it"
 	@echo "make bends   the bend in real time, and nothing goes wrong"
 	@echo "make mutants 250 small faults in the code, to be found by the tests (an hour)"
-	@echo "make golden  the golden traces and the pictures of screens anew, after a change that is meant"
+	@echo "make golden  the golden traces, help texts and pictures of screens anew, after a change that is meant"
 	@echo "make schemas the JSON Schemas anew, after a change of models or of a robot"
 	@echo "make format  every Python file in the one style"
 	@echo "make clean   the tree without environments and caches"

@@ -27,7 +27,7 @@ from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
 
-from pirate_sm.cli.recording import RecordingWishes, recorded
+from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.runtime.companions import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.stopping import Stop, StopRequests
@@ -114,7 +114,7 @@ def _median(costs: list[Cost], of: Callable[[Cost], float]) -> float:
 
 def _run(path: Path | None, factor: float, until_s: float) -> Cost:
     prepared = prepare(Order(str(MISSION)))
-    wishes = RecordingWishes(record=str(path) if path else None, off=path is None)
+    wishes = RecordingOptions(record=str(path) if path else None, off=path is None)
     requests = StopRequests()
     began_s, spent_s = perf_counter(), process_time()
     with recorded(prepared, wishes, factor) as kept:

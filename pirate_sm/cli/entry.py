@@ -1,332 +1,125 @@
-"""The commands `pirate` and `pirate-run` and their options, quick to start.
+"""The commands `pirate` and `pirate-run`: which there are, and where their options and work stand.
 
-Nothing of this package but its version is imported before a command is known to run: a help text
-must not wait for models, numbers and compilers.
+A command's options are imported when it is asked for, its work when it is known to run: a help
+text or a typing error must not wait for models, numbers and compilers.
 """
 
 from __future__ import annotations
 
 import sys
-from enum import Enum
-from typing import Annotated
+from importlib import import_module
+from inspect import signature
+from typing import Any
 
 import typer
+from typer.core import TyperGroup
 
-from pirate_sm import __version__
-from pirate_sm.cli.checking import check, diff, explain
-from pirate_sm.cli.connecting import GUARD_FOR, calibrate, doctor
-from pirate_sm.cli.drawing import graph
-from pirate_sm.cli.emulating import bay
-from pirate_sm.cli.encoding import degrade
-from pirate_sm.cli.keeping import compare, export, repair, replay
-from pirate_sm.cli.operating import console
-from pirate_sm.cli.planning import plan, robot
-from pirate_sm.cli.reporting import report
+from pirate_sm.cli.options.common import Version
+from pirate_sm.cli.output.encoding import degrade
 
+COMMANDS = {
+    "run": ("running:RunOptions", "run:run_mission"),
+    "list": ("files:ListOptions", "list:list_things"),
+    "schema": ("files:SchemaOptions", "schema:print_schema"),
+    "check": ("checks:CheckOptions", "check:run_check"),
+    "explain": ("checks:ExplainOptions", "explain:explain_code"),
+    "diff": ("checks:DiffOptions", "diff:run_diff"),
+    "graph": ("files:GraphOptions", "graph:draw_graph"),
+    "plan": ("files:PlanOptions", "plan:print_plan"),
+    "robot": ("files:RobotOptions", "robot_page:write_page"),
+    "console": ("running:ConsoleOptions", "console:open_console"),
+    "doctor": ("links:DoctorOptions", "doctor:run_doctor"),
+    "calibrate": ("links:CalibrateOptions", "calibrate:run_calibrate"),
+    "bay": ("emulated_bay:BayOptions", "bay:run_bay"),
+    "replay": ("recordings:ReplayOptions", "replay:run_replay"),
+    "compare": ("recordings:CompareOptions", "compare:run_compare"),
+    "export": ("recordings:ExportOptions", "export:run_export"),
+    "report": ("recordings:ReportOptions", "report:write_reports"),
+    "repair": ("recordings:RepairOptions", "repair:run_repair"),
+    "new mission": ("files:NewMissionOptions", "new:write_mission"),
+    "new robot": ("files:NewRobotOptions", "new:write_robot"),
+}
+"""Each command with its options in ``cli/options`` and its work in ``cli/commands``.
 
-class Backends(str, Enum):  # noqa: UP042 - a StrEnum would show its members in capitals
-    """What can run a mission."""
-
-    SERIAL = "serial"
-    SIM = "sim"
-    TRACE = "trace"
-
-
-class Things(str, Enum):  # noqa: UP042
-    """What can be listed."""
-
-    ROBOTS = "robots"
-    COMMANDS = "commands"
-    SIGNALS = "signals"
-    DEFECTS = "defects"
-    MISSIONS = "missions"
-    PIPES = "pipes"
-
-
-class Files(str, Enum):  # noqa: UP042
-    """What there are JSON Schemas of."""
-
-    MISSION = "mission"
-    PIPE = "pipe"
-    PROFILE = "profile"
-    CHART = "chart"
+The options are a dataclass: its fields are the arguments and options in the order of the help text,
+its docstring is the help text. The work takes them and returns the exit code.
+"""
 
 
-def _app(*, completion: bool) -> typer.Typer:
+class _Group(TyperGroup):
+    """A group of commands that imports a command's options when it is asked for."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of the commands of this group, in the order of the table."""
+        before = f"{self.name} ".lstrip()
+        inside = [each.removeprefix(before) for each in COMMANDS if each.startswith(before)]
+        return list(dict.fromkeys(each.partition(" ")[0] for each in inside))
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return the command of this name, None where there is none."""
+        whole = f"{self.name} {cmd_name}".strip()
+        if whole in COMMANDS:
+            return typer.main.get_command(_single(whole))
+        return super().get_command(ctx, cmd_name)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return the command that is meant; what is like a mistyped name is suggested."""
+        if self.get_command(ctx, args[0]) is None:
+            self.commands = {name: self.get_command(ctx, name) for name in self.list_commands(ctx)}
+        return super().resolve_command(ctx, args)
+
+
+def _app(**more: Any) -> typer.Typer:
     # Plain help starts in half the time of the coloured one; our own errors are shown by us.
     return typer.Typer(
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
-        add_completion=completion,
-        no_args_is_help=completion,
         context_settings={"help_option_names": ["-h", "--help"]},
+        **more,
     )
 
 
-commands = _app(completion=True)
-only_run = _app(completion=False)
-new = _app(completion=True)
-commands.add_typer(new, name="new", help="Start a mission or a robot from a template that runs.")
+def _single(name: str) -> typer.Typer:
+    """Return an app that is one command; its options are imported, its work is not."""
+    options_at, work_at = COMMANDS[name]
+    options = _found("options", options_at)
+
+    def command(**given: Any) -> None:
+        from pirate_sm.cli.errors import guarded
+
+        chosen = options(**given)
+        raise typer.Exit(guarded(lambda: _found("commands", work_at)(chosen), chosen.debug))
+
+    vars(command)["__signature__"] = signature(options, eval_str=True)
+    app = _app(add_completion=False)
+    app.command(name.rsplit(maxsplit=1)[-1], help=options.__doc__)(command)
+    return app
 
 
-def _version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(f"pirate-sm {__version__}")
-        raise typer.Exit
+def _found(package: str, at: str) -> Any:
+    """Return what stands at ``module:name`` in a package of the command line."""
+    module, _, name = at.partition(":")
+    return getattr(import_module(f"pirate_sm.cli.{package}.{module}"), name)
 
 
-_VERSION = typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+commands = _app(cls=_Group, no_args_is_help=True)
+commands.add_typer(
+    _app(cls=_Group, no_args_is_help=True),
+    name="new",
+    help="Start a mission or a robot from a template that runs.",
+)
+only_run = _single("run")
 
 
 @commands.callback()
-def _everything(version: Annotated[bool, _VERSION] = False) -> None:
+def _everything(version: Version = False) -> None:
     """Missions in YAML for in-pipe inspection robots."""
-
-
-@commands.command("run")
-@only_run.command()
-def run(
-    mission: Annotated[
-        str, typer.Argument(metavar="MISSION", help="A shipped mission's name, or a file.")
-    ],
-    backend: Annotated[
-        Backends,
-        typer.Option(
-            help="sim: the kinematic simulator; trace: nothing moves; serial: the real robot."
-        ),
-    ] = Backends.SIM,
-    robot: Annotated[
-        str | None, typer.Option(metavar="NAME", help="In place of the mission's own.")
-    ] = None,
-    pipe: Annotated[
-        str | None, typer.Option(metavar="NAME", help="In place of the mission's own.")
-    ] = None,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="A parameter's value. Repeatable."),
-    ] = None,
-    start_phase: Annotated[
-        str | None, typer.Option("--from", metavar="PHASE", help="Begin with this phase.")
-    ] = None,
-    states: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--state",
-            metavar="REGION=STATE",
-            help="The robot is in this state, in place of starts_in.",
-        ),
-    ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of everything random.")] = 0,
-    speed: Annotated[
-        str | None,
-        typer.Option(
-            metavar="max|realtime|FACTOR",
-            help="Mission time over wall time. On a terminal 4, else max.",
-        ),
-    ] = None,
-    defects: Annotated[
-        list[str] | None,
-        typer.Option("--defect", metavar="NAME", help="Switch on a known defect. Repeatable."),
-    ] = None,
-    fire: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="TRIGGER[=SECONDS]",
-            help="In a trace: the trigger that a wait takes. Repeatable, in order.",
-        ),
-    ] = None,
-    script: Annotated[
-        str | None,
-        typer.Option(metavar="FILE", help="In a trace: a YAML list of {phase, trigger, after}."),
-    ] = None,
-    port: Annotated[
-        str | None,
-        typer.Option(metavar="PORT", help="Of the real robot: /dev/ttyACM0, or a pyserial URL."),
-    ] = None,
-    baud: Annotated[
-        int | None, typer.Option(min=1, help="In place of the robot's own rate.")
-    ] = None,
-    guard_for: Annotated[
-        str | None,
-        typer.Option(metavar="DURATION", help=GUARD_FOR),
-    ] = None,
-    detector: Annotated[
-        str | None,
-        typer.Option(
-            metavar="sim|odometry|operator|socket:ADDRESS",
-            help="Who says where the robot is. For sim: sim, for serial: odometry.",
-        ),
-    ] = None,
-    start_at: Annotated[
-        str | None,
-        typer.Option(metavar="LENGTH", help="Where odometry takes the first wheel to begin."),
-    ] = None,
-    calibration: Annotated[
-        bool,
-        typer.Option("--calibration/--no-calibration", help="Whether its joint zeros are used."),
-    ] = True,
-    check: Annotated[
-        bool, typer.Option("--check/--no-check", help="Whether a faulty mission is refused.")
-    ] = True,
-    record: Annotated[
-        str | None,
-        typer.Option(metavar="FILE.mcap", help="Where the run is kept, in place of runs/."),
-    ] = None,
-    no_record: Annotated[bool, typer.Option("--no-record", help="Nothing is kept.")] = False,
-    live: Annotated[
-        bool, typer.Option("--live", help="Let Foxglove or Lichtblick look on, on this machine.")
-    ] = False,
-    yes: Annotated[
-        bool, typer.Option("--yes", "-y", help="Take the first answer to every question.")
-    ] = False,
-    plain: Annotated[bool, typer.Option("--plain", help="Lines instead of the live view.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="JSON Lines on standard output.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only how it ended.")] = False,
-    debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
-    version: Annotated[bool, _VERSION] = False,
-) -> None:
-    """Run a mission.
-
-    Exit codes: 0 succeeded, 1 mission failed, 2 invalid files or arguments (nothing moved),
-    3 backend or link fault, 4 a fault in this program, 129/130/141/143 stopped from outside; the
-    robot is brought to its safe state on every way out.
-    """
-    from pirate_sm.cli.guard import guarded
-
-    def work() -> int:
-        from pirate_sm.cli.recording import RecordingWishes
-        from pirate_sm.cli.run import Wishes, run_mission
-
-        return run_mission(
-            Wishes(
-                mission=mission,
-                backend=backend.value,
-                robot=robot,
-                pipe=pipe,
-                settings=settings or [],
-                start_phase=start_phase,
-                states=states or [],
-                seed=seed,
-                speed=speed,
-                defects=defects or [],
-                fire=fire or [],
-                script=script,
-                port=port,
-                baud=baud,
-                guard_for=guard_for,
-                calibration=calibration,
-                check=check,
-                detector=detector,
-                start_at=start_at,
-                yes=yes,
-                plain=plain,
-                json=json,
-                quiet=quiet,
-                debug=debug,
-                recording=RecordingWishes(record, no_record, live),
-            )
-        )
-
-    raise typer.Exit(guarded(work, debug))
-
-
-@commands.command("list")
-def list_(
-    what: Annotated[
-        Things | None, typer.Argument(help="All of them when nothing is named.")
-    ] = None,
-    robot: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Whose commands, signals and defects.")
-    ] = None,
-    debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
-) -> None:
-    """Show robots, commands, signals, defects, missions and pipes."""
-    from pirate_sm.cli.guard import guarded
-
-    def work() -> int:
-        from pirate_sm.cli.listing import show
-
-        return show(what.value if what else None, robot)
-
-    raise typer.Exit(guarded(work, debug))
-
-
-@commands.command("schema")
-def schema(
-    files: Annotated[Files, typer.Argument(help="Of which files.")],
-    robot: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help="Missions for this robot: its commands, its states."),
-    ] = None,
-    debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
-) -> None:
-    """Print the JSON Schema with which an editor completes and explains files."""
-    from pirate_sm.cli.guard import guarded
-
-    def work() -> int:
-        from pirate_sm.cli.schema import print_schema
-
-        return print_schema(files.value, robot)
-
-    raise typer.Exit(guarded(work, debug))
-
-
-commands.command("check")(check)
-commands.command("explain")(explain)
-commands.command("diff")(diff)
-commands.command("graph")(graph)
-commands.command("plan")(plan)
-commands.command("robot")(robot)
-commands.command("console")(console)
-commands.command("doctor")(doctor)
-commands.command("calibrate")(calibrate)
-commands.command("bay")(bay)
-commands.command("replay")(replay)
-commands.command("compare")(compare)
-commands.command("export")(export)
-commands.command("report")(report)
-commands.command("repair")(repair)
-
-
-@new.command("mission")
-def new_mission(
-    name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")],
-    robot: Annotated[
-        str | None, typer.Option(metavar="NAME", help="For which robot; the first one shipped.")
-    ] = None,
-    debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
-) -> None:
-    """Write a mission that runs."""
-    from pirate_sm.cli.guard import guarded
-
-    def work() -> int:
-        from pirate_sm.cli.new import write_mission
-
-        return write_mission(name, robot)
-
-    raise typer.Exit(guarded(work, debug))
-
-
-@new.command("robot")
-def new_robot(
-    name: Annotated[str, typer.Argument(help="Its name; the folder is NAME.")],
-    debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
-) -> None:
-    """Write a small robot with a pipe and a mission that runs."""
-    from pirate_sm.cli.guard import guarded
-
-    def work() -> int:
-        from pirate_sm.cli.new import write_robot
-
-        return write_robot(name)
-
-    raise typer.Exit(guarded(work, debug))
 
 
 def _enter(app: typer.Typer) -> None:
     """Run the app, which ends this process; say in one line when its output cannot be written."""
     if sys.stdout is None:
-        from pirate_sm.cli.guard import say
+        from pirate_sm.cli.errors import say
         from pirate_sm.runtime.stopping import OUTPUT_LOST
 
         say("the output cannot be written: standard output is closed")
@@ -339,16 +132,16 @@ def _enter(app: typer.Typer) -> None:
         finally:
             sys.stdout.flush()
     except OSError as error:
-        from pirate_sm.cli.guard import output_lost
+        from pirate_sm.cli.errors import output_lost
 
         raise SystemExit(output_lost(error)) from None
 
 
 def main() -> None:
-    """The process has done what the command line says and ended."""
+    """Do what the command line of `pirate` says, and end the process."""
     _enter(commands)
 
 
 def run_main() -> None:
-    """The process has run the mission on the command line and ended."""
+    """Run the mission on the command line of `pirate-run`, and end the process."""
     _enter(only_run)

@@ -7,13 +7,18 @@ the system's own handling ends the process without a traceback. Nothing has move
 from __future__ import annotations
 
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+from pirate_sm.cli.stored_help import print_stored_help
 
 
 def main() -> None:
     """Do what the command line of `pirate` says, and end the process."""
     with _ctrl_c_without_traceback():
+        if print_stored_help(sys.argv):
+            return
         from pirate_sm.cli import entry
     _end(entry.main)
 
@@ -21,6 +26,8 @@ def main() -> None:
 def run_main() -> None:
     """Run the mission on the command line of `pirate-run`, and end the process."""
     with _ctrl_c_without_traceback():
+        if print_stored_help(sys.argv):
+            return
         from pirate_sm.cli import entry
     _end(entry.run_main)
 

@@ -14,6 +14,7 @@ from pirate_sm.expressions import NumberType
 from pirate_sm.loading.folders import shown
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
+from pirate_sm.model.effect_words import choice_words
 from pirate_sm.model.events import SensorFrame
 from pirate_sm.recording.reader import Recording, Shown, with_own_times
 from pirate_sm.recording.replay import Rerun, engine_of, rerun
@@ -167,7 +168,7 @@ def _waits(tables: _Tables, it: fx.WaitArmed) -> tuple[str, list[str], Iterable[
 
 
 def _asked(tables: _Tables, it: fx.Ask) -> tuple[str, list[str], Iterable[Row]]:
-    return "questions", ["question", "choices"], [(it.question, " / ".join(it.choices))]
+    return "questions", ["question", "choices"], [(it.question, choice_words(it))]
 
 
 _TOPICS: dict[type, Callable[[_Tables, Any], tuple[str, list[str], Iterable[Row]]]] = {

@@ -5,6 +5,12 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 from pirate_sm.model import effects as fx
+from pirate_sm.model.effect_words import (
+    command_words,
+    fault_words,
+    question_words,
+    with_reason,
+)
 
 Level = Literal["info", "warning", "error"]
 
@@ -22,33 +28,31 @@ class Told(NamedTuple):
 
 
 def told(effect: fx.Effect) -> Told | None:
-    """What there is to say about an effect; None where a log has no use for it."""
+    """Return what a log says of an effect; None where a log has no use for it."""
+    level: Level
     match effect:
         case fx.Log():
             return Told(effect.level, effect.message)
-        case fx.CommandStatus(name, status, reason, place):
-            level: Level = "warning" if status in ("refused", "failed") else "info"
-            return Told(level, _with(f"{name} {status}", reason), *_place(place))
+        case fx.CommandStatus(status=status, place=place):
+            level = "warning" if status in ("refused", "failed") else "info"
+            return Told(level, command_words(effect), *_place(place))
         case fx.PhaseChange(phase):
             return Told("info", f"phase {phase}")
         case fx.WaitArmed(phase, triggers):
             return Told("info", f"{phase} waits for {', '.join(triggers) or 'its time limit'}")
         case fx.TriggerFired(_, trigger, go, reason):
-            return Told("info", _with(f"{trigger}: on to {go}", reason))
+            return Told("info", with_reason(f"{trigger}: on to {go}", reason))
         case fx.Detected(word):
             return Told("info", f"detected {word}")
-        case fx.Fault(code, message, handling):
-            return Told("error" if handling == "stop" else "warning", f"{code}: {message}")
-        case fx.Ask(question, choices) if question:
-            return Told("info", f"{question} ({' / '.join(choices)})")
+        case fx.Fault(handling=handling):
+            return Told("error" if handling == "stop" else "warning", fault_words(effect))
+        case fx.Ask(question=question) if question:
+            return Told("info", question_words(effect))
         case fx.Ended(outcome, message):
-            return Told("info" if outcome == "succeeded" else "error", _with(outcome, message))
+            level = "info" if outcome == "succeeded" else "error"
+            return Told(level, with_reason(outcome, message))
         case _:
             return None
-
-
-def _with(text: str, reason: str) -> str:
-    return f"{text}: {reason}" if reason else text
 
 
 def _place(place: str) -> tuple[str, int]:

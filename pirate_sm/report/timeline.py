@@ -7,6 +7,13 @@ from typing import Any
 
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
+from pirate_sm.model.effect_words import (
+    choice_words,
+    condition_words,
+    handling_words,
+    trigger_reason,
+    with_reason,
+)
 from pirate_sm.report.model import Lane, Mark, MarkKind, Span, SpanKind
 
 PHASE, COMMANDS, WAITS, TRIGGERS = "phase", "commands", "waits for", "triggers"
@@ -132,11 +139,11 @@ class Timeline:
     def _wait(self, at_s: float, it: fx.WaitArmed) -> None:
         if self._tracks[PHASE].current != it.phase:  # back from a mission that it called
             self._tracks[PHASE].begin(at_s, it.phase, "phase")
-        self._tracks[WAITS].begin(at_s, " or ".join(it.conditions), "wait", it.phase)
+        self._tracks[WAITS].begin(at_s, condition_words(it), "wait", it.phase)
 
     def _trigger(self, at_s: float, it: fx.TriggerFired) -> None:
         self._tracks[WAITS].end(at_s)
-        reason = told_reason(it, nominal=self._nominal)
+        reason = trigger_reason(it, nominal=self._nominal)
         self._tracks[TRIGGERS].mark(at_s, it.trigger, "trigger", f"{reason} → {it.go}")
 
     def _detected(self, at_s: float, it: fx.Detected) -> None:
@@ -150,8 +157,7 @@ class Timeline:
             track.begin(at_s, it.segment, "word", it.measures)
 
     def _fault(self, at_s: float, it: fx.Fault) -> None:
-        then = {"continue": "the mission goes on", "stop": "safe stop"}
-        about = f"{it.message} ({then.get(it.handling, f'→ {it.handling}')})"
+        about = f"{it.message} ({handling_words(it)})"
         self._tracks[TROUBLE].mark(at_s, it.code, "fault", about)
 
     def _log(self, at_s: float, it: fx.Log) -> None:
@@ -162,17 +168,12 @@ class Timeline:
         track = self._tracks[OPERATOR]
         track.end(at_s)
         if it.question:
-            track.begin(at_s, it.question, "question", " / ".join(it.choices))
+            track.begin(at_s, it.question, "question", choice_words(it))
 
     def _ended(self, at_s: float, it: fx.Ended) -> None:
         for track in self._tracks.values():
             track.end(at_s)
         self._tracks[PHASE].mark(at_s, it.end or it.outcome, "end", it.message)
-
-
-def told_reason(it: fx.TriggerFired, *, nominal: bool) -> str:
-    """Why a trigger fired; in a trace it is the script that passes over waits, nobody else."""
-    return "taken by the trace" if nominal and it.reason == fx.TAKEN else it.reason
 
 
 _REGION = "region "
@@ -184,9 +185,8 @@ def _region(name: str) -> str:
 
 
 def _about(it: fx.CommandStatus) -> str:
-    return (
-        f"{it.status}{f': {it.reason}' if it.reason else ''}{f' ({it.place})' if it.place else ''}"
-    )
+    place = f" ({it.place})" if it.place else ""
+    return f"{with_reason(it.status, it.reason)}{place}"
 
 
 def _pressed(what: str) -> Callable[[Any], str]:

@@ -7,8 +7,9 @@ from typing import Any, Literal, NamedTuple
 
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
+from pirate_sm.model.effect_words import choice_words, condition_words, trigger_reason
 from pirate_sm.report.model import Sentence
-from pirate_sm.report.timeline import told_person, told_reason
+from pirate_sm.report.timeline import told_person
 
 _WORTH_TELLING_S = 0.2
 """A command that took less was done as soon as the robot had it."""
@@ -174,10 +175,10 @@ class Story:
     def _waits(self, at_s: float, it: fx.WaitArmed) -> None:
         if it.phase != self._phase:  # back from a mission that it called
             self._enter(at_s, it.phase)
-        self._waits_since, self._waits_for = at_s, " or ".join(it.conditions)
+        self._waits_since, self._waits_for = at_s, condition_words(it)
 
     def _fired(self, at_s: float, it: fx.TriggerFired) -> None:
-        reason = told_reason(it, nominal=self._nominal)
+        reason = trigger_reason(it, nominal=self._nominal)
         self._close(at_s, f"({reason}), then {it.go}")
 
     def _command(self, at_s: float, it: fx.CommandStatus) -> None:
@@ -209,8 +210,8 @@ class Story:
 
     def _ask(self, at_s: float, it: fx.Ask) -> None:
         if it.question:
-            choices = " / ".join(it.choices)
-            self._add(at_s, f"The mission asks “{it.question}” ({choices}).", "person")
+            asked = f"The mission asks “{it.question}” ({choice_words(it)})."
+            self._add(at_s, asked, "person")
 
 
 _TAKE: dict[type, Callable[[Story, float, Any], None]] = {

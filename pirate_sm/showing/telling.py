@@ -1,15 +1,22 @@
-"""What happens in a run, in words for a person."""
+"""What happens in a run, as lines for a person."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import takewhile
 from math import degrees, isinf
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, assert_never
 
 from pirate_sm.engine.robot import RobotSpec, SlotSpec
 from pirate_sm.model import effects as fx
-from pirate_sm.runtime.companions import Answered
+from pirate_sm.model.effect_words import (
+    command_words,
+    condition_words,
+    fault_words,
+    handling_words,
+    question_words,
+    trigger_reason,
+)
 
 if TYPE_CHECKING:
     from pirate_sm.backends.pico.health import LinkHealth
@@ -20,12 +27,6 @@ class Line(NamedTuple):
 
     topic: str
     text: str
-
-
-def told_reason(it: fx.TriggerFired, *, nominal: bool) -> str:
-    """Why a trigger fired; in a trace it is the script that passes over waits, nobody else."""
-    by_hand = it.reason == fx.TAKEN
-    return "taken by the trace" if nominal and by_hand else it.reason
 
 
 class Teller:
@@ -51,14 +52,18 @@ class Teller:
         self._unconfirmed: tuple[str, ...] = ()
 
     def lines(self, effect: fx.Effect) -> list[Line]:
-        """The lines about one effect; none where nothing has changed for a person."""
-        tell = _TELL.get(type(effect))
-        return tell(self, effect) if tell else []
-
-    def _command(self, it: fx.CommandStatus) -> list[Line]:
-        place = f" ({it.place})" if it.place and it.status in ("refused", "failed") else ""
-        reason = f": {it.reason}" if it.reason else ""
-        return [Line("command", f"{it.name} {it.status}{reason}{place}")]
+        """Return the lines about one effect; none where nothing has changed for a person."""
+        match effect:
+            case fx.StateChange():
+                return self._state(effect)
+            case fx.Setpoints():
+                return self._setpoints(effect)
+            case fx.Log(level, message):
+                return [Line("log" if level == "info" else level, message)]
+            case fx.Ask(question=""):
+                return []
+        line = _line(effect, nominal=self._nominal)
+        return [line] if line else []
 
     def _state(self, it: fx.StateChange) -> list[Line]:
         before = self._states or it.states
@@ -84,48 +89,32 @@ class Teller:
         self._values = it.values
         return [Line("setpoints", f"#{it.setpoint_id} {', '.join(changes) or 'unchanged'}")]
 
-    def _phase(self, it: fx.PhaseChange) -> list[Line]:
-        return [Line("phase", it.phase)]
 
-    def _wait(self, it: fx.WaitArmed) -> list[Line]:
-        limit = "" if isinf(it.deadline_s) else f", at most until {it.deadline_s:.1f} s"
-        return [Line("waits", f"for {' or '.join(it.conditions)}{limit}")]
-
-    def _trigger(self, it: fx.TriggerFired) -> list[Line]:
-        return [Line("trigger", f"{told_reason(it, nominal=self._nominal)} → {it.go}")]
-
-    def _detected(self, it: fx.Detected) -> list[Line]:
-        return [Line("detected", it.word)]
-
-    def _environment(self, it: fx.Environment) -> list[Line]:
-        return [Line("pipe", ", ".join(filter(None, (it.segment or "unknown", it.measures))))]
-
-    def _fault(self, it: fx.Fault) -> list[Line]:
-        then = {"continue": "logged, the mission goes on", "stop": "safe stop"}
-        handling = then.get(it.handling, f"→ {it.handling}")
-        return [Line("fault", f"{it.code}: {it.message} ({handling})")]
-
-    def _log(self, it: fx.Log) -> list[Line]:
-        return [Line("log" if it.level == "info" else it.level, it.message)]
-
-    def _ask(self, it: fx.Ask) -> list[Line]:
-        return [Line("asks", f"{it.question} ({' / '.join(it.choices)})")] if it.question else []
-
-
-_TELL: dict[type, Callable[[Teller, Any], list[Line]]] = {
-    fx.CommandStatus: Teller._command,
-    fx.StateChange: Teller._state,
-    fx.Setpoints: Teller._setpoints,
-    fx.PhaseChange: Teller._phase,
-    fx.WaitArmed: Teller._wait,
-    fx.TriggerFired: Teller._trigger,
-    fx.Detected: Teller._detected,
-    fx.Environment: Teller._environment,
-    fx.Fault: Teller._fault,
-    fx.Log: Teller._log,
-    Answered: Teller._log,
-    fx.Ask: Teller._ask,
-}
+def _line(effect: fx.Effect, *, nominal: bool) -> Line | None:
+    """Return the line about an effect that says all there is to say, whatever came before."""
+    match effect:
+        case fx.CommandStatus(status=status, place=place):
+            where = f" ({place})" if place and status in ("refused", "failed") else ""
+            return Line("command", f"{command_words(effect)}{where}")
+        case fx.PhaseChange(phase):
+            return Line("phase", phase)
+        case fx.WaitArmed(deadline_s=deadline_s):
+            limit = "" if isinf(deadline_s) else f", at most until {deadline_s:.1f} s"
+            return Line("waits", f"for {condition_words(effect)}{limit}")
+        case fx.TriggerFired(go=go):
+            return Line("trigger", f"{trigger_reason(effect, nominal=nominal)} → {go}")
+        case fx.Detected(word):
+            return Line("detected", word)
+        case fx.Environment(segment=segment, measures=measures):
+            return Line("pipe", ", ".join(filter(None, (segment or "unknown", measures))))
+        case fx.Fault(handling=handling):
+            logged = "logged, " if handling == "continue" else ""
+            return Line("fault", f"{fault_words(effect)} ({logged}{handling_words(effect)})")
+        case fx.Ask():
+            return Line("asks", question_words(effect))
+        case fx.StateChange() | fx.Setpoints() | fx.Log() | fx.WakeAt() | fx.Ended():
+            return None
+    assert_never(effect)
 
 
 def changed_setpoints(

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.cli.recording import RUNS_VARIABLE, RecordingWishes, recorded
+from pirate_sm.cli.new_recording import RUNS_VARIABLE
+from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.console.reel import reel_of
 from pirate_sm.console.session import Keeping
 from pirate_sm.model.events import GoTo, OperatorCommand
@@ -33,7 +34,7 @@ def runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def keep(prepared: Prepared) -> AbstractContextManager[Keeping]:
-    return recorded(prepared, RecordingWishes(), 1.0)
+    return recorded(prepared, RecordingOptions(), 1.0)
 
 
 async def leave(me: Operator) -> None:

@@ -11,7 +11,7 @@ import pytest
 from textual.events import Key
 from textual.widget import Widget
 
-from pirate_sm.cli.console import standing
+from pirate_sm.cli.commands.console import standing
 from pirate_sm.console.app import Console
 from pirate_sm.console.dialogs import Confirm, Pick
 from pirate_sm.console.driver import Lossy, StopDriver

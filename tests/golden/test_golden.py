@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.cli.jsonl import JsonLines
-from pirate_sm.cli.situation import Situation
+from pirate_sm.cli.output.json_lines import JsonLines
+from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.loading import library
 from pirate_sm.runtime.companions import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
@@ -24,7 +24,7 @@ MISSIONS = [path.stem for path in library.missions()]
 def trace(mission: str) -> str:
     """The JSON lines of a trace, without what changes with every comment in a file."""
     prepared = prepare(Order(f"sequences/{mission}.yaml", backend="trace"))
-    situation = Situation(prepared)
+    situation = ObservedRun(prepared)
     out = io.StringIO()
     lines = JsonLines(out, situation)
     companions = [*prepared.companions, FirstChoice()]

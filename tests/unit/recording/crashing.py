@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from pirate_sm.cli.recording import RecordingWishes, recorded
+from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.runtime.companions import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
@@ -50,7 +50,7 @@ class Witness:
 def main() -> None:
     recording, witness, speed = sys.argv[1:]
     prepared = prepare(Order("mitre_bend"))
-    with recorded(prepared, RecordingWishes(record=recording), float(speed)) as kept:
+    with recorded(prepared, RecordingOptions(record=recording), float(speed)) as kept:
         companions = [*prepared.companions, *kept.companions, FirstChoice()]
         run = MissionRun(
             prepared.engine, prepared.backend, companions=companions,

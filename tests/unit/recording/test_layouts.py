@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import pytest
 from mcap.reader import make_reader
 
-from pirate_sm.cli.recording import RecordingWishes, recorded
+from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.recording.layouts import lichtblick_layout, plotjuggler_layout
@@ -33,7 +33,7 @@ def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
     """The recording of a whole run, written just now."""
     path: Path = tmp_path_factory.mktemp("runs") / "run.mcap"
     prepared = prepare(RUNS[request.param])
-    with recorded(prepared, RecordingWishes(record=str(path)), float("inf")) as kept:
+    with recorded(prepared, RecordingOptions(record=str(path)), float("inf")) as kept:
         mission = MissionRun(
             prepared.engine, prepared.backend, tap=kept.tap,
             companions=[*prepared.companions, *kept.companions, FirstChoice()],

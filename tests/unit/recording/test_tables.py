@@ -8,7 +8,7 @@ import pandas
 import pytest
 from recording_runs import record
 
-from pirate_sm.cli.recording import RecordingWishes, recorded
+from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.errors import RecordingError
 from pirate_sm.recording.reader import read_recording
 from pirate_sm.recording.reloading import recorded_mission
@@ -41,7 +41,7 @@ def test_each_topic_is_a_table(tables):
 def test_places_are_those_that_the_simulator_knew(tmp_path):
     path = tmp_path / "run.mcap"
     prepared = prepare(Order("mitre_bend", seed=2))
-    with recorded(prepared, RecordingWishes(record=str(path)), float("inf")) as kept:
+    with recorded(prepared, RecordingOptions(record=str(path)), float("inf")) as kept:
         run = MissionRun(
             prepared.engine, prepared.backend, tap=kept.tap,
             companions=[*prepared.companions, *kept.companions, FirstChoice()],

@@ -13,7 +13,7 @@ import pytest
 from keeping import header
 from mcap.reader import make_reader
 
-from pirate_sm.cli.recording import RecordingWishes, recorded
+from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
@@ -49,7 +49,7 @@ RUNS = {
 def recording(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path: Path = tmp_path_factory.mktemp("runs") / "run.mcap"
     prepared = prepare(RUNS[request.param])
-    with recorded(prepared, RecordingWishes(record=str(path)), float("inf")) as kept:
+    with recorded(prepared, RecordingOptions(record=str(path)), float("inf")) as kept:
         run = MissionRun(
             prepared.engine, prepared.backend, tap=kept.tap,
             companions=[*prepared.companions, *kept.companions, FirstChoice()],

@@ -1,0 +1,140 @@
+"""`pirate check`: what is wrong with robots, missions and pipes."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from pirate_sm.checking.findings import Severity
+from pirate_sm.checking.project import Report, Wishes, check_paths
+from pirate_sm.checking.rehearsal import Rehearse
+from pirate_sm.checking.reports.text import text_report
+from pirate_sm.cli.options.checks import CheckOptions
+from pirate_sm.cli.options.values import read_settings
+from pirate_sm.cli.output.encoding import writable
+from pirate_sm.cli.output.terminal import is_terminal
+from pirate_sm.errors import UsageError
+from pirate_sm.visible import visible
+
+CLEAN, FOUND, NOTHING = 0, 1, 2
+
+_SGR = {
+    "error": "1;31",
+    "warning": "1;33",
+    "possible": "1;36",
+    "mark": "1;31",
+    "place": "1",
+    "label": "2",
+}
+"""How roles look on a terminal."""
+
+_USUAL_COLUMNS = 80
+_ERASE = "\r\x1b[2K"
+
+
+def run_check(options: CheckOptions) -> int:
+    """Print the report; return the exit code, which says whether anything was found.
+
+    Raises:
+        UsageError: A path leads nowhere, an option does not fit, or the simulator is wanted and
+            not installed.
+    """
+    fail_on = Severity[options.fail_on.upper()]
+    asked = Wishes(
+        robot=options.robot,
+        pipe=options.pipe,
+        settings=read_settings(options.settings),
+        keep_going=not options.debug,
+        counterexamples=None if options.counterexamples is None else Path(options.counterexamples),
+        rehearse=_rehearse(options),
+        outside=options.outside,
+    )
+    progress = _Progress() if is_terminal(sys.stderr) else None
+    try:
+        report = check_paths(options.paths or (), asked, progress)
+    finally:
+        if progress is not None:
+            progress.end()
+    print(writable(_FORMATS[options.format](report, fail_on)))
+    if report.nothing:
+        return NOTHING
+    return FOUND if report.fails(fail_on) else CLEAN
+
+
+def _rehearse(options: CheckOptions) -> Rehearse | None:
+    if not options.rehearse:
+        if options.seeds != 1:
+            raise UsageError("--seeds is for --rehearse")
+        return None
+    from pirate_sm.cli.commands.check_rehearsal import rehearsing  # needs the simulator
+
+    return rehearsing(options.seeds)
+
+
+def _text(report: Report, _: Severity) -> str:
+    coloured = is_terminal(sys.stdout) and not os.environ.get("NO_COLOR")
+    return text_report(report, _painted if coloured else _plain)
+
+
+def _json(report: Report, _: Severity) -> str:
+    from pirate_sm.checking.reports.json import json_report
+
+    return json_report(report)
+
+
+def _sarif(report: Report, _: Severity) -> str:
+    from pirate_sm.checking.reports.sarif import sarif_report
+
+    return sarif_report(report)
+
+
+def _junit(report: Report, fail_on: Severity) -> str:
+    from pirate_sm.checking.reports.junit import junit_report
+
+    return junit_report(report, fail_on)
+
+
+def _github(report: Report, _: Severity) -> str:
+    from pirate_sm.checking.reports.github import github_report
+
+    return visible(github_report(report), lines=True)
+
+
+_FORMATS: dict[str, Callable[[Report, Severity], str]] = {
+    "text": _text,
+    "json": _json,
+    "sarif": _sarif,
+    "junit": _junit,
+    "github": _github,
+}
+
+
+def _plain(_: str, text: str) -> str:
+    return visible(text)
+
+
+def _painted(role: str, text: str) -> str:
+    code = _SGR.get(role)
+    return f"\x1b[{code}m{visible(text)}\x1b[0m" if code else visible(text)
+
+
+class _Progress:
+    """A line on standard error that says which file is being looked at."""
+
+    def __call__(self, done: int, total: int, name: str) -> None:
+        """Show how far the check has come."""
+        line = visible(f"checking {done + 1}/{total} {name}")[: _columns() - 1]
+        print(f"{_ERASE}{line}", end="", file=sys.stderr, flush=True)
+
+    def end(self) -> None:
+        """Remove the line."""
+        print(_ERASE, end="", file=sys.stderr, flush=True)
+
+
+def _columns() -> int:
+    try:
+        return os.get_terminal_size(sys.stderr.fileno()).columns or _USUAL_COLUMNS
+    except (OSError, ValueError):
+        return _USUAL_COLUMNS

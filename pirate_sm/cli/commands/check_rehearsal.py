@@ -1,0 +1,152 @@
+"""Missions run in the simulator by a check: how they end, and what nearly happened."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib.util import find_spec
+from math import inf
+from pathlib import Path
+
+from pirate_sm.checking.rehearsal import Nearly, Rehearsal, Rehearse, RehearsedRun
+from pirate_sm.cli.errors import say
+from pirate_sm.engine.moments import ROUNDING_S
+from pirate_sm.engine.program import Wait
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.folders import shown
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.effects import Effect, TriggerFired, WaitArmed
+from pirate_sm.model.events import Event
+from pirate_sm.runtime.close_calls import CloseCall, CloseCalls
+from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.runtime.stopping import Stop, StopRequests
+from pirate_sm.wiring import Order, prepare
+
+LONGEST_S = 3600.0
+"""A mission that has not ended by then is ended."""
+
+MOST_CALLS = 5
+LEAST_SHARE = 0.1
+"""What came less near is not worth a line."""
+
+_SIMULATOR = ("numpy", "numba")
+"""What the extra `sim` installs."""
+
+
+def rehearsing(seeds: int) -> Rehearse:
+    """Return a function that runs missions in the simulator.
+
+    Args:
+        seeds: How often: with the seeds from 0 on.
+
+    Raises:
+        UsageError: The simulator is not installed.
+    """
+    missing = [name for name in _SIMULATOR if find_spec(name) is None]
+    if missing:
+        raise UsageError(
+            f"--rehearse runs missions in the simulator, which needs {missing[0]}, "
+            "which is not installed: pip install 'pirate-sm[sim]'"
+        )
+
+    def rehearse(loaded: LoadedMission, path: Path) -> Rehearsal:
+        return _rehearsed(loaded, path, seeds)
+
+    return rehearse
+
+
+def _rehearsed(loaded: LoadedMission, path: Path, seeds: int) -> Rehearsal:
+    if loaded.pipe is None:
+        return Rehearsal(shown(path), skipped="it names no pipe; --pipe gives one")
+    runs, calls = [], dict[str, tuple[CloseCall, int]]()
+    early = _Early(loaded)
+    for seed in range(seeds):
+        try:
+            run, nearest = _run(loaded, path, seed, early)
+        except UsageError as error:
+            return Rehearsal(shown(path), skipped=str(error))
+        runs.append(run)
+        for call in nearest:
+            if call.about not in calls or call.share > calls[call.about][0].share:
+                calls[call.about] = call, seed
+    near = sorted(calls.values(), key=lambda each: -each[0].share)
+    nearly = tuple(
+        Nearly(call.text, call.share, call.at_s, seed)
+        for call, seed in near[:MOST_CALLS]
+        if call.share >= LEAST_SHARE
+    )
+    return Rehearsal(shown(path), tuple(runs), nearly, at_once=tuple(early.found.items()))
+
+
+def _run(
+    loaded: LoadedMission, path: Path, seed: int, early: _Early
+) -> tuple[RehearsedRun, list[CloseCall]]:
+    prepared = prepare(Order(str(path), seed=seed), loaded, say)
+    calls = CloseCalls(loaded.robot, loaded.program)
+    requests = StopRequests()
+    run = MissionRun(
+        prepared.engine,
+        prepared.backend,
+        observers=[early],
+        requests=requests,
+        tap=calls,
+        companions=(*prepared.companions, FirstChoice(), _Patience(requests)),
+    )
+    calls.follow(run)
+    result = run.execute()
+    if result.error is not None:
+        raise result.error
+    if result.ended.outcome == "interrupted" and requests.stop is None:
+        raise KeyboardInterrupt  # it is the check that a person has interrupted
+    ended = result.ended
+    return RehearsedRun(seed, ended.outcome, ended.message, result.now_s), calls.nearest()
+
+
+class _Early:
+    """Notices triggers whose condition has been true since their wait began.
+
+    Attributes:
+        found: Texts of their conditions, by their places.
+    """
+
+    def __init__(self, loaded: LoadedMission) -> None:
+        self.found: dict[str, str] = {}
+        self._armed_s: dict[str, float] = {}
+        self._triggers = {
+            (wait.phase, trigger.name): trigger
+            for wait in loaded.program.instructions
+            if isinstance(wait, Wait)
+            for trigger in wait.triggers
+        }
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Note each trigger that fires as soon as it can: it was true when its wait began."""
+        for effect in effects:
+            if isinstance(effect, WaitArmed):
+                self._armed_s[effect.phase] = now_s
+            elif isinstance(effect, TriggerFired):
+                trigger = self._triggers.get((effect.phase, effect.trigger))
+                if trigger is None or trigger.condition is None:
+                    continue
+                if now_s <= self._armed_s[effect.phase] + trigger.held_s + ROUNDING_S:
+                    self.found[trigger.place] = trigger.condition.text
+
+
+class _Patience:
+    """A companion that ends a run which does not end by itself."""
+
+    listening = False
+
+    def __init__(self, requests: StopRequests) -> None:
+        self._requests = requests
+        self.due_s = LONGEST_S
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Do nothing."""
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Ask the run to end; return no event."""
+        self.due_s = inf
+        reason = f"it had not ended after {LONGEST_S:g} s"
+        self._requests.ask(Stop(reason, 1))
+        return ()

@@ -1,0 +1,83 @@
+"""`pirate compare`: two recorded runs, laid side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pirate_sm.cli.opened_recording import opened_recording, print_visible, title
+from pirate_sm.cli.options.recordings import CompareOptions
+from pirate_sm.expressions import NumberType, Vocabulary
+from pirate_sm.recording.circumstances import unlike
+from pirate_sm.recording.compare import Comparison, compare, course_of
+from pirate_sm.recording.header import RunHeader
+from pirate_sm.recording.reloading import recorded_mission
+from pirate_sm.units import DIMENSIONLESS, format_quantity
+
+SAME, DIFFERENT = 0, 1
+
+_MOST_SIGNALS = 12
+
+
+def run_compare(options: CompareOptions) -> int:
+    """Lay two recorded runs side by side; return the exit code.
+
+    Raises:
+        RecordingError: One of the recordings cannot be read.
+    """
+    courses, vocabularies, headers = [], [], []
+    for name, path in (("A", options.first), ("B", options.second)):
+        with opened_recording(path) as recording, recorded_mission(recording.header) as loaded:
+            headers.append(recording.header)
+            courses.append(course_of(recording, loaded))
+            vocabularies.append(loaded.robot.vocabulary)
+        print_visible(f"{name}: {title(recording)}")
+    result = compare(*courses)
+    lines = ["", *_circumstances(*headers), "", *_legs(result), ""]
+    for line in [*lines, *_deviations(result, vocabularies[0])]:
+        print_visible(line)
+    return DIFFERENT if result.parted is not None else SAME
+
+
+def _circumstances(first: RunHeader, second: RunHeader) -> Iterator[str]:
+    """Yield what the two runs were not alike in, a line each."""
+    found = unlike(first, second)
+    if not found:
+        yield "A and B were made with the same seed, parameters and files"
+        return
+    names, ones = (max(len(each[column]) for each in found) for column in (0, 1))
+    yield f"{'what differed':<{max(names, 13)}}  {'A':<{max(ones, 1)}}  B"
+    for each in found:
+        yield f"{each.name:<{max(names, 13)}}  {each.first:<{max(ones, 1)}}  {each.second}"
+
+
+def _legs(result: Comparison) -> Iterator[str]:
+    """Yield when each run came to what the mission comes to, and where they part."""
+    yield f"{'what the mission comes to':<42} {'A':>9} {'B':>9} {'B - A':>9}   lasted A, B"
+    for leg in result.legs:
+        later_s = leg.second_s - leg.first_s
+        yield (
+            f"{leg.mark:<42} {leg.first_s:>7.2f} s {leg.second_s:>7.2f} s {later_s:>+7.2f} s   "
+            f"{leg.lasted_first_s:.2f} s, {leg.lasted_second_s:.2f} s"
+        )
+    if result.parted is not None:
+        yield f"here they part: A comes to '{result.parted[0]}', B to '{result.parted[1]}'"
+
+
+def _deviations(result: Comparison, vocabulary: Vocabulary) -> Iterator[str]:
+    """Yield the signals that were farthest apart, for what signals of their kind span."""
+    apart = [each for each in result.deviations if each.most > 0]
+    if result.deviations and not apart:
+        yield "every signal is the same in A and B"
+    if apart:
+        yield "farthest apart, for what signals of their kind span:"
+    for each in apart[:_MOST_SIGNALS]:
+        kind = vocabulary.types[each.name]
+        dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
+        most, typical, a, b = (
+            format_quantity(float(f"{value:.4g}"), dimension)
+            for value in (each.most, each.typical, each.first, each.second)
+        )
+        yield (
+            f"  {each.name:<16} up to {most}, typically {typical}; "
+            f"most after '{each.where}' at {each.at_s:.2f} s of A: {a} and {b}"
+        )

@@ -1,0 +1,160 @@
+"""`pirate console`: open it, and leave it by the safe state whichever way it is left."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import AbstractContextManager
+from dataclasses import replace
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from pirate_sm.cli.errors import say, say_bug
+from pirate_sm.cli.options.running import ConsoleOptions
+from pirate_sm.cli.options.values import read_speed
+from pirate_sm.cli.order import order_of
+from pirate_sm.cli.output.encoding import shows_signs
+from pirate_sm.cli.output.progress import progress
+from pirate_sm.cli.output.terminal import is_terminal
+from pirate_sm.cli.run_recording import RecordingOptions, recorded
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.by_hand import BY_HAND
+from pirate_sm.runtime.outcome import BUG, SUCCEEDED
+from pirate_sm.runtime.stopping import CaughtSignals
+from pirate_sm.visible import visible
+from pirate_sm.wiring import Order, Prepared, load, prepare
+
+if TYPE_CHECKING:
+    from pirate_sm.console.app import Console
+    from pirate_sm.console.session import Keeping, Session
+    from pirate_sm.showing.snapshot import Snapshot
+
+_LOOK_EVERY_S = 0.1
+
+RECORDING = ".mcap"
+"""What ends like this is looked at, not run."""
+
+
+def open_console(options: ConsoleOptions) -> int:
+    """Open the console; return its exit code once it has been left.
+
+    Without a mission the robot is driven by hand, and nothing is recorded.
+
+    Raises:
+        LoadError: Everything that is wrong with the files; nothing has moved.
+        UsageError: An argument does not fit; nothing has moved.
+    """
+    order, factor = order_of(options), read_speed(options.speed, 1.0)
+    _check_terminal()
+    if order.mission.endswith(RECORDING):
+        return _view(order.mission)
+    session = _session(order, factor, RecordingOptions(None, options.no_record, options.live))
+    from pirate_sm.console.app import Console
+    from pirate_sm.console.driver import StopDriver
+
+    app = Console(session, driver_class=StopDriver)
+    with CaughtSignals(session.quitting, ends_process=True):
+        try:
+            app.run()
+        except Exception as error:
+            app.failure = app.failure or error
+        finally:
+            session.quit()
+            while not session.join(_LOOK_EVERY_S):
+                pass  # a signal may insist meanwhile
+    return _conclude(app, session, options.debug)
+
+
+def _check_terminal() -> None:
+    """Check that the console can be shown.
+
+    Raises:
+        UsageError: It cannot: the terminal or the library is missing.
+    """
+    if not (is_terminal(sys.stdout) and sys.stdin.isatty() and sys.stderr.isatty()):
+        raise UsageError("the console needs a terminal; `pirate run` does without")
+    if not shows_signs(sys.stdout):
+        raise UsageError(
+            f"the console needs a terminal with UTF-8, this one has {sys.stdout.encoding}: "
+            "set LANG=C.UTF-8, or use `pirate run`"
+        )
+    if find_spec("textual") is None:
+        raise UsageError(
+            "the console needs textual, which is not installed: pip install 'pirate-sm[console]'"
+        )
+
+
+def _session(order: Order, factor: float, recording: RecordingOptions) -> Session:
+    """Return a session of the console, whose missions are recorded."""
+    from pirate_sm.console.session import Session, unkept
+
+    def keep(prepared: Prepared) -> AbstractContextManager[Keeping]:
+        if prepared.loaded.mission.mission == BY_HAND:
+            return unkept(prepared)
+        return recorded(prepared, recording, factor)
+
+    return Session(_prepared(order), factor=factor, keep=keep)
+
+
+def _view(path: str) -> int:
+    """Show a recording.
+
+    Raises:
+        RecordingError: It cannot be read.
+    """
+    from pathlib import Path
+
+    from pirate_sm.console.reel import reel_of
+    from pirate_sm.console.viewer import Viewer
+    from pirate_sm.recording.reader import read_recording
+
+    with progress(f"reading {visible(path)}") as watch:
+        reel = reel_of(read_recording(Path(path), watch))
+    Viewer(reel, Path(path).name).run()
+    return SUCCEEDED
+
+
+def _prepared(order: Order) -> Prepared:
+    from pirate_sm.console.shelf import without_mission
+
+    if order.mission:
+        return prepare(order, load(order), say=say)
+    if order.settings:
+        raise UsageError("--set needs a mission")
+    by_hand = replace(order, mission=BY_HAND, check=False)
+    prepared = prepare(by_hand, without_mission(order), say=say)
+    return replace(prepared, order=replace(by_hand, check=order.check))
+
+
+def _conclude(app: Console, session: Session, debug: bool) -> int:
+    """Say in a sentence how it ended; return the exit code."""
+    if parting := session.prepared.parting():
+        say(parting)
+    result, stop = session.result, session.quitting.stop
+    how = result.ended.message if result is not None else "nothing has moved"
+    if app.failure is not None and not _gone(app.failure, session):
+        say_bug(app.failure, debug)
+        say(f"{how}; the robot was brought to its safe state")
+        return BUG
+    if result is None:
+        return SUCCEEDED
+    if result.ended.outcome != "interrupted":
+        say(how)
+        return result.exit_code
+    say(f"{how}: {standing(session.latest)}")
+    return stop.exit_code if stop is not None else SUCCEEDED
+
+
+def standing(snapshot: Snapshot) -> str:
+    """Return how the robot was left, as far as it has been commanded."""
+    state = snapshot.state
+    if state is None:
+        return "nothing has moved"
+    held = snapshot.scene.robot.held[state.robot.configuration]
+    clamped = " and clamps held" if held else "; no part is clamped"
+    return f"safe state, wheels stopped{clamped}"
+
+
+def _gone(failure: Exception, session: Session) -> bool:
+    """Whether it failed only because the terminal has gone."""
+    stop = session.quitting.stop
+    return isinstance(failure, OSError) and stop is not None and stop.exit_code > BUG

@@ -1,0 +1,91 @@
+"""`pirate diff`: what two versions of a mission can do, compared.
+
+The JSON is described by ``docs/schemas/diff.schema.json``.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import asdict
+from textwrap import wrap
+
+from pirate_sm.checking.abilities import abilities_of
+from pirate_sm.checking.diff import Difference, Kind, compare
+from pirate_sm.cli.options.checks import DiffOptions
+from pirate_sm.cli.options.values import read_settings
+from pirate_sm.cli.output.encoding import writable
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import library
+from pirate_sm.loading.folders import shown
+from pirate_sm.loading.mission import load_mission
+from pirate_sm.visible import visible
+
+SAME, DIFFERENT = 0, 1
+
+FORMAT = 1
+
+_KINDS: tuple[Kind, ...] = ("gained", "lost", "changed", "renamed")
+_WIDTH = 100
+
+
+def run_diff(options: DiffOptions) -> int:
+    """Print what differs; return the exit code, which says whether anything does.
+
+    Raises:
+        LoadError: One of the versions cannot be loaded.
+        UsageError: One is not there, or too large for its likeness to be known.
+    """
+    old, new = (library.find_mission(each) for each in (options.old, options.new))
+    settings = read_settings(options.settings)
+    before, after = (
+        abilities_of(load_mission(path, robot=options.robot, settings=settings))
+        for path in (old, new)
+    )
+    difference = compare(before, after)
+    if difference.same and difference.cut_off:
+        which = " and ".join(f"the {each} one" for each in difference.cut_off)
+        raise UsageError(
+            f"too much can happen to compare all of it ({which}): nothing differs "
+            "in what was looked at"
+        )
+    write = _json if options.format == "json" else _text
+    sys.stdout.write(write(difference, shown(old), shown(new)) + "\n")
+    return SAME if difference.same else DIFFERENT
+
+
+def _text(difference: Difference, old: str, new: str) -> str:
+    lines = [f"{old} → {new}: {_summary(difference)}"]
+    for kind in _KINDS:
+        changes = difference.of(kind)
+        lines += ["", kind] if changes else []
+        for change in changes:
+            lines += wrap(
+                visible(change.text),
+                _WIDTH,
+                initial_indent="  ",
+                subsequent_indent="      ",
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
+    for which in difference.cut_off:
+        lines += ["", f"in the {which} version too much can happen to look at all of it"]
+    return writable("\n".join(lines))
+
+
+def _summary(difference: Difference) -> str:
+    counts = ((kind, len(difference.of(kind))) for kind in _KINDS)
+    told = ", ".join(f"{count} {kind}" for kind, count in counts if count)
+    return f"both can do the same{', ' if told else ''}{told}" if difference.same else told
+
+
+def _json(difference: Difference, old: str, new: str) -> str:
+    whole = {
+        "format": FORMAT,
+        "old": old,
+        "new": new,
+        "same": difference.same,
+        "cut_off": list(difference.cut_off),
+        "changes": [asdict(each) for each in difference.changes],
+    }
+    return json.dumps(whole, indent=1)

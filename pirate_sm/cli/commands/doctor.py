@@ -1,0 +1,116 @@
+"""`pirate doctor`: what is connected to a port, and whether a mission may start with it."""
+
+from __future__ import annotations
+
+import json
+import sys
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
+
+from pirate_sm.cli.errors import say
+from pirate_sm.cli.options.links import DoctorOptions
+from pirate_sm.cli.options.values import read_duration
+from pirate_sm.cli.output.doctor_tables import LiveTables, plain_text
+from pirate_sm.cli.output.terminal import agree, is_terminal
+from pirate_sm.cli.robot_connection import StoppedError, connection, find_loaded, subject_of
+from pirate_sm.diagnosis.facts import Facts, Finding, Subject
+from pirate_sm.diagnosis.judgement import judged
+from pirate_sm.diagnosis.listening import Listening
+from pirate_sm.diagnosis.moving import DUTY, TURN_FOR_S, Moving
+from pirate_sm.loading.calibration import newest_calibration, summary, with_zeros
+from pirate_sm.runtime.stopping import CaughtSignals, StopRequests
+
+GO, NO_GO = 0, 1
+
+
+def run_doctor(options: DoctorOptions) -> int:
+    """Print what is found about a connected robot; return 0 for go, 1 for no-go.
+
+    Raises:
+        LoadError: The robot's files cannot be used.
+        UsageError: An argument does not fit, or nobody agreed to --move.
+        BackendError: There is no robot to connect to.
+    """
+    loaded = find_loaded(options.robot)
+    robot, notices = loaded.normal, list[str]()
+    calibration = newest_calibration(loaded) if options.calibration else None
+    if calibration is not None:
+        robot = with_zeros(robot, calibration.zeros)
+        notices.append(summary(calibration))
+    subject = subject_of(loaded, robot)
+    if options.move and not options.yes:
+        question = (
+            f"Each wheel of {loaded.profile.robot} will turn for {TURN_FOR_S:g} s at "
+            f"{DUTY:.0%}: is it on a block, with its wheels free?"
+        )
+        agree(question, nobody=f"{question} Agree to it with --yes")
+    requests = StopRequests()
+    try:
+        with CaughtSignals(requests, ends_process=True):
+            facts = _look(subject, options, requests)
+    except StoppedError as stopped:
+        say(f"{stopped}; whatever was turned has been stopped")
+        return stopped.exit_code
+    notes = tuple(Finding("note", notice) for notice in notices)
+    facts = replace(facts, findings=(*facts.findings, *notes))
+    if options.json:
+        print(json.dumps(facts.as_data()))
+    else:
+        _show(facts, options)
+    return GO if facts.go else NO_GO
+
+
+def _look(subject: Subject, options: DoctorOptions, requests: StopRequests) -> Facts:
+    """Connect, find out everything and judge it; free the port again."""
+    say(f"connecting to {options.port} ...")
+    stay_s = read_duration("--guard-for", options.guard_for)
+    listening = connection(subject, options.port, options.baud, requests, stay_s)
+    try:
+        with listening:
+            return _look_around(listening, subject, options)
+    finally:
+        if parting := listening.port.remark():
+            say(parting)
+
+
+def _look_around(listening: Listening, subject: Subject, options: DoctorOptions) -> Facts:
+    if left := listening.port.remark():
+        say(left)
+    say(f"listening for {options.seconds:g} s ...")
+    with _live(options) as view:
+
+        def watch(heard: Listening) -> None:
+            if view is not None:
+                view.update(judged(heard.facts(), subject), heard.port.now())
+
+        listening.listen(options.seconds, watch)
+    facts = judged(listening.facts(), subject)
+    if not options.move:
+        return facts
+    if not facts.go:
+        note = Finding("note", "nothing was sent: a robot that is no-go is not moved")
+        others = tuple(each for each in facts.findings if each.level != "note")
+        return replace(facts, findings=(*others, note))
+    move = Moving(listening, say).run()
+    after = listening.facts().link
+    link = replace(
+        facts.link,
+        echoed_ms=after.echoed_ms,
+        repeats=after.repeats,
+        damaged=after.damaged,
+        resets=after.resets,
+    )
+    return judged(replace(facts, move=move, link=link), subject)
+
+
+def _live(options: DoctorOptions) -> AbstractContextManager[LiveTables | None]:
+    if options.json or options.plain or not is_terminal(sys.stdout):
+        return nullcontext()
+    return LiveTables()
+
+
+def _show(facts: Facts, options: DoctorOptions) -> None:
+    if options.plain or not is_terminal(sys.stdout):
+        sys.stdout.write(plain_text(facts))
+    else:
+        LiveTables.show(facts)

@@ -1,0 +1,27 @@
+"""`pirate explain`: what the code of a finding means."""
+
+from __future__ import annotations
+
+from pirate_sm.checking import catalogue
+from pirate_sm.checking.reports.text import explained, listed
+from pirate_sm.cli.options.checks import ExplainOptions
+from pirate_sm.cli.output.encoding import writable
+from pirate_sm.errors import UsageError
+
+
+def explain_code(options: ExplainOptions) -> int:
+    """Print what the catalogue says of the code, of all codes the titles; return the exit code.
+
+    Raises:
+        UsageError: There is no such code.
+    """
+    code = options.code
+    if code is None:
+        print(writable(listed()))
+        return 0
+    if code not in catalogue.entries():
+        close = catalogue.nearest_code(code)
+        hint = f"did you mean '{close}'?" if close else "`pirate explain` lists them all"
+        raise UsageError(f"there is no code '{code[:100]}': {hint}")
+    print(writable(explained(code)))
+    return 0

@@ -1,0 +1,112 @@
+"""`pirate graph`: a robot's chart or a mission as a picture."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from pirate_sm.cli.options.files import GraphOptions
+from pirate_sm.cli.options.values import read_settings
+from pirate_sm.cli.output.files import write_file
+from pirate_sm.drawing.chart_graph import chart_graph
+from pirate_sm.drawing.dot import dot
+from pirate_sm.drawing.highlight import Stop, highlight
+from pirate_sm.drawing.mermaid import mermaid
+from pirate_sm.drawing.mission_graph import called_missions, mission_graph
+from pirate_sm.drawing.model import Graph
+from pirate_sm.drawing.svg.picture import svg
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import library
+from pirate_sm.loading.chart_outline import outline_chart
+from pirate_sm.loading.folders import PROFILE_FILE, shown
+from pirate_sm.loading.mission import load_mission
+from pirate_sm.loading.problems import Problems
+from pirate_sm.loading.robot import load_robot
+from pirate_sm.loading.source import Document, read_document
+from pirate_sm.spelling import nearest, one_of
+
+WRITERS: dict[str, Callable[[Graph], str]] = {"mermaid": mermaid, "dot": dot, "svg": svg}
+_BY_SUFFIX = {".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".mermaid": "mermaid"}
+
+
+def draw_graph(options: GraphOptions) -> int:
+    """Write the drawing to the file, or to standard output; return the exit code.
+
+    Raises:
+        LoadError: The files have faults.
+        UsageError: There is no such mission, robot or chart, or nothing of a name to mark.
+    """
+    graph = _graph(options)
+    if options.counterexample is not None:
+        if options.path is not None:
+            raise UsageError("--highlight and --counterexample exclude each other")
+        graph = highlight(graph, _counterexample(options, options.counterexample))
+    elif options.path is not None:
+        stops = [stop.strip() for stop in options.path.split(",")]
+        graph = highlight(graph, [stop for stop in stops if stop])
+    kind = options.format or _BY_SUFFIX.get(options.output.suffix if options.output else "", "")
+    text = WRITERS[kind or "mermaid"](graph)
+    if options.output is None:
+        sys.stdout.write(text)
+        return 0
+    write_file(options.output, text)
+    return 0
+
+
+def _counterexample(options: GraphOptions, script: Path) -> list[Stop]:
+    from pirate_sm.cli.commands.graph_counterexample import (
+        phases_of_course,  # the runtime is not needed for a plain drawing
+    )
+
+    settings = read_settings(options.settings)
+    return phases_of_course(_found(options.file), script, settings)
+
+
+def _graph(options: GraphOptions) -> Graph:
+    path = _found(options.file)
+    if options.counterexample is not None and not _is_mission(path):
+        raise UsageError(f"'{options.file}' is no mission: no course of events leads through it")
+    if path.name == PROFILE_FILE or path.is_dir():
+        robot = load_robot(library.find_robot(str(path), Path.cwd()))
+        return _chart(robot.documents[1], robot.profile.robot)
+    document = read_document(path, shown(path))
+    if isinstance(document.data, dict) and "states" in document.data:
+        return _chart(document, str(document.data.get("name") or path.stem))
+    if isinstance(document.data, dict) and "segments" in document.data:
+        raise UsageError(f"'{options.file}' is a pipe: expected a mission, a robot or a chart")
+    loaded = load_mission(path, settings=read_settings(options.settings))
+    called = called_missions(loaded.mission, path) if options.calls else ()
+    return mission_graph(loaded.mission, called)
+
+
+def _is_mission(path: Path) -> bool:
+    if path.name == PROFILE_FILE or path.is_dir():
+        return False
+    data = read_document(path, shown(path)).data
+    return isinstance(data, dict) and "phases" in data
+
+
+def _found(what: str) -> Path:
+    """Return the file or the robot's folder of this path or name."""
+    path = Path(what)
+    if path.is_dir() or path.is_file():
+        return path
+    if "/" in what or path.suffix:
+        return library.find_mission(what)
+    known = {robot.name: robot for robot in library.robots()}
+    known |= {mission.stem: mission for mission in library.missions()}
+    if what in known:
+        return known[what]
+    close = nearest(what, known)
+    hint = f"did you mean '{close}'?" if close else f"expected {one_of(sorted(known))}"
+    raise UsageError(f"there is no mission, robot or file '{what}'; {hint}")
+
+
+def _chart(document: Document, title: str) -> Graph:
+    problems = Problems(document)
+    outline = outline_chart(document, problems)
+    problems.raise_errors()
+    if outline is None:
+        raise AssertionError("an outline is missing only beside a problem")
+    return chart_graph(outline, title)

@@ -1,0 +1,68 @@
+"""The phases that a course of events leads to, which `pirate graph --counterexample` marks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+from pathlib import Path
+
+from pirate_sm.cli.order import read_script
+from pirate_sm.drawing.highlight import Stop as Reached
+from pirate_sm.drawing.way import Way
+from pirate_sm.errors import UsageError
+from pirate_sm.model.effects import Effect
+from pirate_sm.model.events import Event
+from pirate_sm.runtime.course import CoursePlayer
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.runtime.outcome import SUCCEEDED
+from pirate_sm.runtime.stopping import Stop, StopRequests
+from pirate_sm.wiring import Order, prepare
+
+
+def phases_of_course(mission: Path, script: Path, settings: dict[str, str]) -> list[Reached]:
+    """Return the phases that the mission comes to in a trace, and the end, in order.
+
+    Args:
+        mission: Its file.
+        script: The course of events.
+        settings: Values of parameters.
+
+    Raises:
+        LoadError: The files have faults.
+        UsageError: The script is for another mission, or lays down no course of events.
+    """
+    _, course = read_script(script)
+    if not course:
+        raise UsageError(f"'{script}' lays down no course of events")
+    order = Order(str(mission), backend="trace", settings=settings, course=course)
+    prepared = prepare(order)
+    requests, way = StopRequests(), Way()
+    players = [each for each in prepared.companions if isinstance(each, CoursePlayer)]
+    MissionRun(
+        prepared.engine,
+        prepared.backend,
+        observers=[way],
+        requests=requests,
+        companions=(*prepared.companions, *(_EndOfCourse(each, requests) for each in players)),
+    ).execute()
+    return way.stops
+
+
+class _EndOfCourse:
+    """A companion that ends a run as soon as its course of events is over."""
+
+    due_s = inf
+    listening = False
+
+    def __init__(self, player: CoursePlayer, requests: StopRequests) -> None:
+        self._player = player
+        self._requests = requests
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Ask the run to end when the last event has happened."""
+        if self._player.over:
+            self._requests.ask(Stop("the course of events is over", SUCCEEDED))
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return no event."""
+        return ()

@@ -1,0 +1,119 @@
+"""`pirate list`: what there is to write into a mission or a command line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+from pirate_sm.cli.options.files import ListOptions
+from pirate_sm.errors import PirateError
+from pirate_sm.expressions import EnumType, NumberType
+from pirate_sm.loading import library
+from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.loading.source import read_document
+from pirate_sm.loading.validate import validate
+from pirate_sm.model.base import Frozen
+from pirate_sm.model.mission import Mission
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.units import describe
+from pirate_sm.visible import visible
+
+Row = Sequence[str]
+M = TypeVar("M", bound=Frozen)
+
+
+def list_things(options: ListOptions) -> int:
+    """Print the things that are named, all of them when none is; return the exit code.
+
+    Raises:
+        LoadError: The robot's files cannot be used.
+        UsageError: There is no such robot.
+    """
+    folders = [library.find_robot(options.robot, Path.cwd())] if options.robot else library.robots()
+    for kind in [options.what] if options.what else _LISTS:
+        _LISTS[kind](folders)
+    return 0
+
+
+def _robots(folders: Iterable[Path]) -> None:
+    rows = [(folder.name, load_robot(folder).profile.description) for folder in folders]
+    _table("robots", rows)
+
+
+def _commands(folders: Iterable[Path]) -> None:
+    for folder in folders:
+        profile = load_robot(folder).profile
+        other = {name: alias for alias, name in profile.aliases.items()}
+        rows = []
+        for name, command in profile.commands.items():
+            alias = f"also {other[name]}" if name in other else ""
+            lets_go = "lets go of every clamp" if command.lets_go else ""
+            about = "; ".join(part for part in (command.description, lets_go, alias) if part)
+            rows.append((name, f"at most {command.timeout:g} s", about))
+        _table(f"commands of {folder.name}", rows)
+
+
+def _signals(folders: Iterable[Path]) -> None:
+    for folder in folders:
+        _table(f"signals and states of {folder.name}", _vocabulary(load_robot(folder)))
+
+
+def _vocabulary(robot: LoadedRobot) -> Iterable[Row]:
+    for name, kind in robot.normal.vocabulary.types.items():
+        if isinstance(kind, NumberType):
+            yield name, describe(kind.dimension)
+        elif isinstance(kind, EnumType):
+            yield name, " | ".join(kind.values)
+
+
+def _defects(folders: Iterable[Path]) -> None:
+    for folder in folders:
+        defects = load_robot(folder).profile.simulation.defects
+        _table(f"defects of {folder.name}", [(n, d.description) for n, d in defects.items()])
+
+
+def _missions(_: Iterable[Path]) -> None:
+    rows = []
+    for path in library.missions():
+        mission = _read(path, Mission)
+        about = mission.description if isinstance(mission, Mission) else mission
+        rows.append((path.stem, about))
+    _table("missions", rows)
+
+
+def _pipes(_: Iterable[Path]) -> None:
+    rows = []
+    for path in library.pipes():
+        pipe = _read(path, Pipe)
+        about = pipe.description if isinstance(pipe, Pipe) else pipe
+        rows.append((path.stem, about))
+    _table("pipes", rows)
+
+
+def _read(path: Path, model: type[M]) -> M | str:
+    """Return the model, or the first line of what is wrong with its file."""
+    try:
+        return validate(read_document(path), model)
+    except PirateError as error:
+        return str(error).partition("\n")[0]
+
+
+def _table(title: str, rows: Iterable[Row]) -> None:
+    lines = [[visible(str(cell)) for cell in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    print(f"{title}:")
+    for line in lines or [["(none)"]]:
+        cells = [cell.ljust(width) for cell, width in zip(line, widths or [0], strict=True)]
+        print(f"  {'  '.join(cells)}".rstrip())
+    print()
+
+
+_LISTS: dict[str, Callable[[Iterable[Path]], None]] = {
+    "robots": _robots,
+    "commands": _commands,
+    "signals": _signals,
+    "defects": _defects,
+    "missions": _missions,
+    "pipes": _pipes,
+}

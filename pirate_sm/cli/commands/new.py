@@ -1,0 +1,135 @@
+"""`pirate new`: a mission or a robot from a template that runs at once."""
+
+from __future__ import annotations
+
+import os
+import re
+from importlib import resources
+from pathlib import Path
+from string import Template
+
+from pirate_sm.cli.options.files import NewMissionOptions, NewRobotOptions
+from pirate_sm.engine.robot_state import at_rest_in, refusal
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import library
+from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.schemas.writing import MODELINE, mission_schema_text, schema_text
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
+_ROBOT_FILES = ("profile.yaml", "chart.yaml", "first_mission.yaml")
+
+_SCHEMA = "mission.schema.json"
+"""What editors read a robot's missions with, in the robot's folder."""
+
+_FOLD = 0.8
+"""Share of a link's length by which a part reaches out in a pipe that suits it."""
+
+
+def write_mission(options: NewMissionOptions) -> int:
+    """Write a mission that runs, NAME.yaml in the working directory; return the exit code.
+
+    What editors complete it with stands beside it, unless the robot has it in its folder.
+
+    Raises:
+        LoadError: The robot's files cannot be used.
+        UsageError: The name is none, is taken, or there is no such robot.
+    """
+    name, robot = options.name, options.robot
+    _check(name)
+    folder = library.find_robot(robot, Path.cwd()) if robot else library.robots()[0]
+    loaded = load_robot(folder)
+    shipped = folder in library.robots()
+    own = folder / _SCHEMA
+    beside = Path(f"{loaded.profile.robot}.{_SCHEMA}")
+    schema = beside if shipped or not own.exists() else Path(os.path.relpath(own))
+    text = _fill(
+        "mission.yaml",
+        name=name,
+        modeline=f"{MODELINE}{schema}",
+        robot=folder.name if shipped else os.path.relpath(folder),
+        diameter=f"{_diameter_m(loaded) * 1e3:.0f} mm",
+        command=_first_command(loaded),
+        commands=", ".join(command.name for command in loaded.normal.commands),
+    )
+    path = Path(f"{name}.yaml")
+    texts = {path: text}
+    if not schema.exists():
+        texts[schema] = mission_schema_text(loaded)
+    _write(texts)
+    print(f"{path} is a mission for {loaded.profile.robot}; run it with: pirate-run {path}")
+    return 0
+
+
+def write_robot(options: NewRobotOptions) -> int:
+    """Write a small robot with a mission that runs into a new folder; return the exit code.
+
+    What editors complete its files with stands beside them.
+
+    Raises:
+        UsageError: The name is none, or is taken.
+    """
+    name = options.name
+    _check(name)
+    folder = Path(name)
+    if folder.exists():
+        raise UsageError(f"'{folder}' is there already, nothing was written")
+    texts = {
+        folder / file: _fill(f"robot/{file}", name=name, modeline=_modeline(file))
+        for file in _ROBOT_FILES
+    }
+    texts |= {folder / f"{kind}.schema.json": schema_text(kind) for kind in ("profile", "chart")}
+    _write(texts)
+    _write({folder / _SCHEMA: mission_schema_text(load_robot(folder))})
+    mission = folder / _ROBOT_FILES[-1]
+    print(f"{folder}/ is a robot with a mission; run it with: pirate-run {mission}")
+    return 0
+
+
+def _check(name: str) -> None:
+    if not _NAME.fullmatch(name):
+        raise UsageError(
+            f"'{name}' cannot be a name: expected a letter, then letters, digits and underscores"
+        )
+
+
+def _modeline(file: str) -> str:
+    """Return the first line of a file in a robot's folder, where the schemas stand beside it."""
+    return f"{MODELINE}{file.partition('.')[0].removeprefix('first_')}.schema.json"
+
+
+def _fill(template: str, **values: str) -> str:
+    source = resources.files("pirate_sm.cli") / "templates" / template
+    return Template(source.read_text("utf-8")).substitute(values)
+
+
+def _write(texts: dict[Path, str]) -> None:
+    """Write all of the files, or none where one is there already."""
+    for path in texts:
+        if path.exists():
+            raise UsageError(f"'{path}' is there already, nothing was written")
+    for path, text in texts.items():
+        try:
+            path.parent.mkdir(exist_ok=True)
+            with path.open("x", encoding="utf-8") as file:
+                file.write(text)
+        except OSError as error:
+            raise UsageError(f"'{path}' cannot be written: {error.strerror}") from None
+
+
+def _diameter_m(robot: LoadedRobot) -> float:
+    """Return a diameter in the middle of the robot's reach, h + 2r (thesis eq. 3-2)."""
+    body = robot.profile.body
+    return _FOLD * min(link.length for link in body.links) + 2 * body.wheel_radius
+
+
+def _first_command(robot: LoadedRobot) -> str:
+    """Return a command that the robot can do at its start, one that takes hold if there is one."""
+    spec = robot.normal
+    start = at_rest_in(spec, spec.table.initial)
+    possible = [
+        (name, spec.table.follow(spec.table.initial, index))
+        for index, name in enumerate(spec.table.commands)
+        if not refusal(spec, start, index)
+    ]
+    holding = [name for name, target in possible if spec.held[target]]
+    return (holding or [name for name, _ in possible])[0]

@@ -1,0 +1,204 @@
+"""`pirate plan`: the fewest commands between two configurations of a robot.
+
+The JSON is described by ``docs/schemas/plan.schema.json``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from shutil import get_terminal_size
+from textwrap import wrap
+from typing import Any
+
+from pirate_sm.checking.restoring import beginnings, restoring
+from pirate_sm.checking.ways import Way, hindered, way_to
+from pirate_sm.cli.options.files import PlanOptions
+from pirate_sm.cli.options.values import read_pairs
+from pirate_sm.engine.planning import Plan
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot_state import RobotState, at_rest_in, states_of
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import library
+from pirate_sm.loading.by_hand import by_hand
+from pirate_sm.loading.configuration import read_states
+from pirate_sm.loading.mission import load_mission
+from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.spelling import nearest, one_of
+from pirate_sm.visible import visible
+
+FOUND, NONE = 0, 1
+
+FORMAT = 1
+
+_FORM = "REGION=STATE, more of them separated by commas"
+_NARROWEST, _WIDEST = 60, 100
+_TOGETHER = "\N{NO-BREAK SPACE}"
+
+
+@dataclass(frozen=True)
+class Found:
+    """Is the answer, with what was asked.
+
+    Attributes:
+        states: The states that were asked for, by region.
+        phase: The phase that was asked for, ``MISSION:PHASE``.
+    """
+
+    robot: RobotSpec
+    body: RobotState
+    way: Way
+    states: dict[str, str] = field(default_factory=dict)
+    phase: str | None = None
+
+
+def print_plan(options: PlanOptions) -> int:
+    """Print the commands, or why there are none; return the exit code.
+
+    Raises:
+        LoadError: The files have faults.
+        UsageError: There is no such robot, mission, phase or state.
+    """
+    if bool(options.to) == (options.to_phase is not None):
+        raise UsageError("say where to, with either --to or --to-phase")
+    loaded = load_robot(library.find_robot(options.robot, Path.cwd()))
+    body = _begin(loaded, _read("--from", options.begin or ()))
+    if options.to_phase is not None:
+        found = _to_phase(loaded, body, options.to_phase)
+    else:
+        found = _to_states(loaded, body, _read("--to", options.to or ()))
+    if options.json:
+        print(json.dumps(_data(found), indent=1))
+    else:
+        print("\n".join(map(visible, _lines(found))))
+    return NONE if found.way.plan is None else FOUND
+
+
+def _read(option: str, texts: Sequence[str]) -> dict[str, str]:
+    """Return what is given as ``REGION=STATE, REGION=STATE``; a mission's ``==`` will do, too."""
+    parts = [part for text in texts for part in text.replace("==", "=").split(",") if part.strip()]
+    if texts and not parts:
+        raise UsageError(f"{option} names no state: expected {_FORM}")
+    return read_pairs(option, parts, _FORM)
+
+
+def _begin(loaded: LoadedRobot, states: dict[str, str]) -> RobotState:
+    """Return the robot in these states; the others are as on the shortest way to them."""
+    body = at_rest_in(loaded.normal, loaded.table.initial)
+    way = _way(loaded, body, states)
+    if way.plan is None:
+        raise UsageError(f"--from: {way.reason}")
+    return at_rest_in(loaded.normal, way.plan.body.configuration)
+
+
+def _way(loaded: LoadedRobot, body: RobotState, states: dict[str, str]) -> Way:
+    program = replace(by_hand(loaded).program, rules=loaded.rules)
+    return way_to(loaded.normal, program, body, read_states(loaded.table, states))
+
+
+def _to_states(loaded: LoadedRobot, body: RobotState, states: dict[str, str]) -> Found:
+    return Found(loaded.normal, body, _way(loaded, body, states), states=states)
+
+
+def _to_phase(loaded: LoadedRobot, body: RobotState, text: str) -> Found:
+    name, colon, phase = text.rpartition(":")
+    if not colon or not name or not phase:
+        raise UsageError(f"--to-phase '{text}': expected MISSION:PHASE")
+    mission = load_mission(library.find_mission(name))
+    if mission.loaded_robot.folder != loaded.folder:
+        raise UsageError(f"{name} is a mission for {mission.robot.name}, not {loaded.normal.name}")
+    phases = mission.program.phases
+    if phase not in phases:
+        close = nearest(phase, phases)
+        hint = f"did you mean '{close}'?" if close else f"expected {one_of(phases)}"
+        raise UsageError(f"{name} has no phase '{phase}'; {hint}")
+    body = at_rest_in(mission.robot, body.configuration)
+    plan = restoring(mission, [phase], body, beginnings(mission)).get(phase)
+    if plan is None:
+        way = Way(None, f"nothing brings it to where {name} can go on with {phase} and succeed")
+    else:
+        way = Way(None, hindered(loaded.normal, plan)) if plan.hindered else Way(plan)
+    return Found(mission.robot, body, way, phase=text)
+
+
+def _lines(found: Found) -> Iterator[str]:
+    robot, width = found.robot, min(max(get_terminal_size().columns, _NARROWEST), _WIDEST)
+    target = f"where {found.phase} can begin" if found.phase else _said(found.states)
+    yield from _wrapped(f"from  {_said(_states(robot, found.body))}", width, 6)
+    yield from _wrapped(f"to    {target}", width, 6)
+    yield ""
+    plan = found.way.plan
+    if plan is None:
+        yield from _wrapped(f"None: {found.way.reason}.", width, 6)
+    elif not plan.steps:
+        yield "Nothing to do: it is so already."
+    else:
+        yield from _table(found, plan, width)
+
+
+def _table(found: Found, plan: Plan, width: int) -> Iterator[str]:
+    robot = found.robot
+    rows = [("", "command", "held by", "what changes")]
+    rows += [
+        (
+            str(number),
+            each["command"],
+            ", ".join(each["held_by"]) or "–",
+            _said(each["changed"]) or "nothing: it is confirmed",
+        )
+        for number, each in enumerate(_steps(found, plan), 1)
+    ]
+    first, second, third = (max(len(row[column]) for row in rows) for column in range(3))
+    for number, command, held, changed in rows:
+        start = f"{number:>{first}}  {command:<{second}}  {held:<{third}}  "
+        yield from _wrapped(start + changed, width, len(start))
+    count = len(plan.steps)
+    yield ""
+    yield f"{count} command{'s' if count > 1 else ''}, on paper {plan.nominal_s(robot):g} s"
+
+
+def _data(found: Found) -> dict[str, Any]:
+    plan = found.way.plan
+    return {
+        "format": FORMAT,
+        "robot": found.robot.name,
+        "from": _states(found.robot, found.body),
+        "to": found.states,
+        "phase": found.phase,
+        "found": plan is not None,
+        "reason": found.way.reason,
+        "commands": [] if plan is None else list(_steps(found, plan)),
+        "nominal_s": None if plan is None else plan.nominal_s(found.robot),
+    }
+
+
+def _steps(found: Found, plan: Plan) -> Iterator[dict[str, Any]]:
+    robot, before = found.robot, _states(found.robot, found.body)
+    for step in plan.steps:
+        spec, after = robot.commands[step.command], _states(robot, step.body)
+        yield {
+            "command": spec.name,
+            "states": after,
+            "changed": {
+                region: state for region, state in after.items() if state != before[region]
+            },
+            "held_by": [robot.parts[part] for part in sorted(robot.held[step.body.configuration])],
+            "nominal_s": spec.nominal_s,
+        }
+        before = after
+
+
+def _said(states: Mapping[str, str]) -> str:
+    return ", ".join(f"{region}{_TOGETHER}{state}" for region, state in states.items())
+
+
+def _wrapped(text: str, width: int, indent: int) -> list[str]:
+    """Return the lines of a text; no region is parted from its state."""
+    lines = wrap(text, width, subsequent_indent=" " * indent, break_on_hyphens=False)
+    return [line.replace(_TOGETHER, " ") for line in lines]
+
+
+def _states(robot: RobotSpec, body: RobotState) -> dict[str, str]:
+    return dict(zip(robot.regions, states_of(robot, body), strict=True))

@@ -1,0 +1,53 @@
+"""`pirate repair`: a recording whose writer was cut short gets its end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from pirate_sm.cli.options.recordings import RepairOptions
+from pirate_sm.cli.output.progress import progress
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.folders import shown
+from pirate_sm.recording.reader import read_recording
+from pirate_sm.recording.repair import Repaired, is_whole, repair
+from pirate_sm.visible import visible
+
+
+def run_repair(options: RepairOptions) -> int:
+    """Write whatever is whole into a new file, and say what is lost; return the exit code.
+
+    Raises:
+        RecordingError: The recording cannot be read.
+        UsageError: The new file cannot be written.
+    """
+    path = Path(options.recording)
+    place = options.output or path.with_suffix(f".repaired{path.suffix}")
+    with progress(f"reading {visible(options.recording)}") as watch:
+        found = read_recording(path, watch, damaged=True)
+        if is_whole(found):
+            print(visible(f"{shown(path)} is whole: there is nothing to repair"))
+            return 0
+        try:
+            done = repair(found, place)
+        except FileExistsError:
+            raise UsageError(f"{shown(place)} exists already; --output names another") from None
+        except OSError as error:
+            raise UsageError(f"{shown(place)} cannot be written: {error.strerror}") from None
+    print(visible(f"{shown(place)} holds {done.steps} inputs, until {done.until_s:.3f} s"))
+    if done.complete:
+        print("nothing is lost: only the index at the end of the file was missing or wrong")
+    for line in _lost(done):
+        print(visible(f"lost: {line}"))
+    return 0
+
+
+def _lost(done: Repaired) -> Iterator[str]:
+    if done.damage:
+        until = f", until about {done.left_until_s:.1f} s or later" if done.left_until_s else ""
+        yield f"what came from there on{until}: the recording is damaged {done.damage}"
+    elif not done.complete:
+        yield "whatever came after that: it is not in the file"
+    if done.torn_bytes:
+        why = "nothing after damage can be used" if done.damage else "which are not whole"
+        yield f"the last {done.torn_bytes} bytes of the file, {why}"

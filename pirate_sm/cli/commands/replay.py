@@ -1,0 +1,197 @@
+"""`pirate replay`: execute a recording again and tell whether the same comes out."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import inf
+from typing import NamedTuple
+
+from pirate_sm.cli.opened_recording import opened_recording, print_visible, title
+from pirate_sm.cli.options.recordings import ReplayOptions
+from pirate_sm.errors import RecordingError, UsageError
+from pirate_sm.loading import library
+from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.model.effect_words import field_words
+from pirate_sm.model.effects import Effect
+from pirate_sm.recording.header import RunHeader
+from pirate_sm.recording.reader import Recording
+from pirate_sm.recording.reloading import as_recorded, recorded_mission
+from pirate_sm.recording.replay import Difference, Replayed, replay
+from pirate_sm.units import TIME, QuantityError, read_quantity
+
+SAME, DIFFERENT = 0, 1
+
+LONG_S = 900.0
+"""From so much mission time on it is worth while to share a replay out among processes."""
+
+
+class Stretch(NamedTuple):
+    """The part of a run that is asked for.
+
+    Attributes:
+        from_s: Where it begins, 0 or more; ``until_s`` where it ends, infinite for the end.
+    """
+
+    from_s: float = 0.0
+    until_s: float = inf
+
+
+def run_replay(options: ReplayOptions) -> int:
+    """Execute a recording again and print how that went; return the exit code.
+
+    Raises:
+        RecordingError: The recording cannot be read, or there is nothing to execute in it.
+        LoadError: What it shall be replayed with cannot be used.
+        UsageError: Likewise, or an option reads otherwise than it should.
+    """
+    stretch, other = _stretch(options.begin, options.until), _changed(options)
+    if other and stretch.from_s:
+        raise UsageError("--from goes on from what was recorded, so it excludes another --mission")
+    path = options.recording
+    with opened_recording(path) as recording, _mission(recording, options) as loaded:
+        if stretch.from_s > recording.until_s:
+            raise RecordingError(
+                f"{path} holds nothing after {recording.until_s:.3f} s: nothing was executed again"
+            )
+        result = _replayed(recording, loaded, options, stretch)
+    print_visible(title(recording))
+    if result.difference is not None:
+        _print_difference(result, loaded, recording.header if other else None)
+        return DIFFERENT
+    if not result.executed:
+        raise RecordingError(
+            f"{path} holds nothing to execute again: "
+            f"{'the stretch' if recording.until_s else 'it'} ends before the engine was started"
+        )
+    print_visible(_same(result))
+    if not recording.complete and result.until_s >= recording.until_s:
+        print_visible("the recording ends there")
+    return SAME
+
+
+def _stretch(begin: str | None, until: str | None) -> Stretch:
+    """Return the stretch between two times in words, such as ``3 h``.
+
+    Raises:
+        UsageError: They are no times, or it ends before it begins.
+    """
+    found = Stretch(_time("--from", begin, 0.0), _time("--until", until, inf))
+    if found.until_s <= 0:
+        raise UsageError("--until must be later than the start of the run: nothing is left")
+    if found.until_s <= found.from_s:
+        raise UsageError("--until must be later than --from")
+    return found
+
+
+def _time(option: str, text: str | None, otherwise: float) -> float:
+    if text is None:
+        return otherwise
+    try:
+        time_s = read_quantity(text, TIME)
+    except QuantityError as error:
+        raise UsageError(f"{option}: {error}") from None
+    if not time_s >= 0:
+        raise UsageError(f"{option}: a time since the run began is not negative")
+    return time_s
+
+
+def _changed(options: ReplayOptions) -> bool:
+    """Whether something else is executed than what was recorded."""
+    return (options.mission, options.robot, options.pipe) != (None, None, None)
+
+
+def _replayed(
+    recording: Recording, loaded: LoadedMission, options: ReplayOptions, stretch: Stretch
+) -> Replayed:
+    """Execute the stretch again, in several processes where it is long."""
+    other = _changed(options)
+    after = recording.checkpoint(stretch.from_s) if stretch.from_s else None
+    if stretch.from_s and after is None:
+        print_visible(
+            f"no checkpoint up to {stretch.from_s:g} s can be used: it begins at the start"
+        )
+    jobs = 1 if other else options.jobs or _jobs(recording, stretch)
+    if jobs > 1 and next(recording.checkpoints(after), None) is not None:
+        from pirate_sm.recording.sharing import replay_shared
+
+        return replay_shared(recording, jobs, after=after, until_s=stretch.until_s)
+    return replay(recording, loaded, changed=other, after=after, until_s=stretch.until_s)
+
+
+def _print_difference(result: Replayed, loaded: LoadedMission, changed: RunHeader | None) -> None:
+    """Print the first difference; ``changed`` is the recording's header if files are changed."""
+    if result.difference is None:
+        return
+    recorded, now = _described(result.difference, result.steps)
+    for line in recorded:
+        print_visible(line)
+    for line in now:
+        print_visible(line if changed is None else _renamed(line, loaded, changed))
+
+
+def _jobs(recording: Recording, stretch: Stretch) -> int:
+    """Return the number of processors, 1 where sharing the work out does not pay."""
+    if min(stretch.until_s, recording.until_s) - stretch.from_s < LONG_S:
+        return 1
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _same(result: Replayed) -> str:
+    since = f"from {result.from_s:.3f} s " if result.from_s else ""
+    return (
+        f"the same came out again: {result.effects} effects of {result.steps} inputs, "
+        f"{since}up to {result.until_s:.3f} s"
+    )
+
+
+@contextmanager
+def _mission(recording: Recording, options: ReplayOptions) -> Iterator[LoadedMission]:
+    """Load the mission of the recording, or another in its place."""
+    if not _changed(options):
+        with recorded_mission(recording.header) as loaded:
+            yield loaded
+        return
+    header = recording.header
+    if options.mission is None:
+        raise UsageError("say with --mission which mission it shall be replayed with")
+    loaded = load_mission(
+        library.find_mission(options.mission),
+        robot=options.robot,
+        pipe=options.pipe,
+        settings=header.options.get("settings") or {},
+        start_phase=header.options.get("start_phase"),
+        states=header.options.get("states"),
+    )
+    yield as_recorded(loaded, header)
+
+
+def _described(difference: Difference, steps: int) -> tuple[list[str], list[str]]:
+    """Return lines about what was recorded, and lines about what comes out now."""
+    step = difference.step
+    event = field_words(step.event)
+    same = f"the first {steps} inputs gave the same; then, at {step.at_s:.3f} s, this does not:"
+    where = f"in the phase {difference.phase}" if difference.phase else "at the start"
+    place = f" ({difference.place})" if difference.place else ""
+    if difference.remembers:
+        parts = ", ".join(difference.remembers)
+        left = f"its effects are the same; what the engine remembers then is not: {parts}"
+        return [same, f"  {event}"], [f"  {where}{place}", f"  {left}"]
+    recorded = ["  recorded:", *_listed(difference.recorded)]
+    now = [f"  now, {where}{place}:", *_listed(difference.replayed)]
+    return [same, f"  {event}", *recorded], now
+
+
+def _listed(effects: tuple[Effect, ...]) -> Iterator[str]:
+    if not effects:
+        yield "    nothing"
+    for effect in effects:
+        yield f"    {field_words(effect)}"
+
+
+def _renamed(line: str, loaded: LoadedMission, header: RunHeader) -> str:
+    """Return the line with the files that are executed now in place of those that were recorded."""
+    for old, new in zip(header.files, loaded.documents, strict=False):
+        line = line.replace(f"{old.name}:", f"{new.name}:")
+    return line

@@ -1,0 +1,146 @@
+"""`pirate report`: a recording as one page, many as a list with a page for each."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from urllib.parse import quote
+
+from pirate_sm import __version__
+from pirate_sm.cli.errors import say
+from pirate_sm.cli.options.recordings import ReportOptions
+from pirate_sm.cli.output.files import begins, is_recording, write_file
+from pirate_sm.cli.output.progress import progress
+from pirate_sm.errors import RecordingError, UsageError
+from pirate_sm.recording.reader import Recording, read_recording
+from pirate_sm.report.index import index_html
+from pirate_sm.report.listing import Listed, listed, unreadable
+from pirate_sm.report.page import html
+from pirate_sm.report.recorded import report_of
+from pirate_sm.visible import visible
+
+_INDEX = "index.html"
+_HEAD = 2_000
+"""How many bytes of a page hold the name of what made it."""
+
+_GENERATOR = b'<meta name="generator" content="pirate-sm '
+"""By this line a page of any version of this program is known."""
+
+
+def write_reports(options: ReportOptions) -> int:
+    """Write the page of a recording; of several, or of a folder, a list besides.
+
+    Raises:
+        RecordingError: The recording cannot be read; of several: none can.
+        UsageError: A page cannot be written, or what plots is not installed.
+    """
+    places, output = options.recordings, options.output
+    paths = tuple(dict.fromkeys(found for place in places for found in _recordings(Path(place))))
+    if len(places) == 1 and paths == (Path(places[0]),):
+        return _write_report(paths[0], output or paths[0].with_suffix(".html"))
+    return _write_index(paths, output or paths[0].parent / _INDEX)
+
+
+def _recordings(place: Path) -> Iterator[Path]:
+    """Yield the recordings in a folder, or the file itself."""
+    if not place.is_dir():
+        yield place
+        return
+    found = sorted(place.glob("*.mcap"))
+    if not found:
+        raise UsageError(f"there is no recording (*.mcap) in the folder '{place}'")
+    yield from found
+
+
+def _write_report(path: Path, place: Path) -> int:
+    _refuse_read_only(place)
+    _refuse_foreign(place)
+    with progress(f"reading {visible(str(path))}") as watch:
+        text = html(report_of(read_recording(path, watch)))
+    _write(place, text)
+    return 0
+
+
+def _write_index(paths: Sequence[Path], index: Path) -> int:
+    _refuse_read_only(index)
+    pages = [_page(path, index) for path in paths]
+    for path, page in zip(paths, pages, strict=True):
+        if index.resolve() in (path.resolve(), page.resolve()):
+            raise UsageError(f"'{index}' is '{path}' or its page; name the list with --output")
+        if pages.count(page) > 1:
+            raise UsageError(f"'{page}' would be the page of several recordings: list one folder")
+    _refuse_foreign(index, *pages)
+    runs = [_one(path, page, index) for path, page in zip(paths, pages, strict=True)]
+    if all(run.outcome == "unreadable" for run in runs):
+        raise RecordingError("none of the recordings can be read")
+    _write(index, index_html(runs))
+    return 0
+
+
+def _page(path: Path, index: Path) -> Path:
+    """Return where a recording's page belongs: beside it, or beside the list if that cannot be."""
+    page = path.with_suffix(".html")
+    return page if _is_writable(page.parent) else index.parent / page.name
+
+
+def _is_writable(folder: Path) -> bool:
+    """Return whether a file can be made in a folder; a missing one is reported elsewhere."""
+    return os.access(folder, os.W_OK) or not folder.is_dir()
+
+
+def _refuse_read_only(place: Path) -> None:
+    """Raise an error that says what to do where no file can be made in the folder of a page."""
+    if not _is_writable(place.parent):
+        raise UsageError(
+            f"the folder '{place.parent}' is read-only: name with --output a file in another one"
+        )
+
+
+def _one(path: Path, page: Path, index: Path) -> Listed:
+    """Write the page of a run unless it is fresh; return its entry for the list."""
+    link = quote(Path(os.path.relpath(page.resolve(), index.resolve().parent)).as_posix())
+    text = ""
+    try:
+        with progress(f"reading {visible(str(path))}") as watch:
+            recording = read_recording(path, watch)
+            run = listed(recording, link)
+            if not _is_fresh(page, recording):
+                text = html(report_of(recording))
+    except RecordingError as error:
+        say(str(error))
+        return unreadable(path, str(error))
+    if text:
+        _write(page, text)
+    return run
+
+
+def _is_fresh(page: Path, recording: Recording) -> bool:
+    """Whether this version of the program made the page of this very recording."""
+    head = begins(page, _HEAD).decode(errors="replace")
+    made_by = f'content="pirate-sm {__version__}"' in head
+    return made_by and f'<meta name="recording" content="{recording.sha256}">' in head
+
+
+def _refuse_foreign(*places: Path) -> None:
+    """Check that no file is written over that is not a page of ours.
+
+    Raises:
+        UsageError: Something does; all of it is told.
+    """
+    problems = []
+    for place in places:
+        if is_recording(place):
+            problems.append(f"'{place}' is a recording: no page is written over it")
+        elif (head := begins(place, _HEAD)) and _GENERATOR not in head:
+            problems.append(
+                f"'{place}' is no page that this program made, so it stays: "
+                "move it away, or name another file with --output"
+            )
+    if problems:
+        raise UsageError("\n".join(problems))
+
+
+def _write(place: Path, text: str) -> None:
+    write_file(place, text)
+    print(visible(str(place)))

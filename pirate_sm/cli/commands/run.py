@@ -1,0 +1,241 @@
+"""`pirate run`: prepare a mission, run it, show it, and say how it ended."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, ExitStack
+from math import inf
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+from pirate_sm.cli.errors import say, say_bug, show_traceback, silence_stdout
+from pirate_sm.cli.keyboard import Operator, SharedKeys, TerminalKeys, can_type
+from pirate_sm.cli.options.running import RunOptions
+from pirate_sm.cli.options.values import read_speed
+from pirate_sm.cli.order import order_of
+from pirate_sm.cli.output.closed_pipe import watch_pipe
+from pirate_sm.cli.output.encoding import shows_signs
+from pirate_sm.cli.output.event_lines import Lines, SaysWhyItWaits
+from pirate_sm.cli.output.json_lines import JsonLines
+from pirate_sm.cli.output.observed_run import ObservedRun
+from pirate_sm.cli.output.terminal import agree, is_terminal
+from pirate_sm.cli.run_recording import Kept, RecordingOptions, recorded
+from pirate_sm.errors import UsageError
+from pirate_sm.runtime.companions import Companion, Firing, FirstChoice, LoopWatch, TriggerScript
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.runtime.observing import Observer, Watcher
+from pirate_sm.runtime.outcome import BUG, Result
+from pirate_sm.runtime.stopping import OUTPUT_LOST, CaughtSignals, StopRequests
+from pirate_sm.visible import visible
+from pirate_sm.wiring import Prepared, answers, prepare
+
+if TYPE_CHECKING:
+    from pirate_sm.detectors.keys import WordKeys
+
+ON_A_TERMINAL = 4.0
+"""Mission seconds per second where a person is thought to watch."""
+
+
+class Output(Observer, Protocol):
+    """One of the ways to show a run."""
+
+    def begin(self) -> None:
+        """Say what is about to run."""
+        ...
+
+
+class _Manner(NamedTuple):
+    """How a run is shown.
+
+    Attributes:
+        on_terminal: Whether a person sees what happens on standard output.
+        live: Whether it is drawn in place there.
+        factor: Mission seconds per second of the wall.
+    """
+
+    on_terminal: bool
+    live: bool
+    factor: float
+
+
+class _People(NamedTuple):
+    """What a person at the keyboard does: answer, and say the detector's words."""
+
+    operator: Operator | None = None
+    words: WordKeys | None = None
+
+
+def run_mission(options: RunOptions) -> int:
+    """Run the mission that is asked for; return the exit code.
+
+    Raises:
+        LoadError: Everything that is wrong with the files; nothing has moved.
+        UsageError: An argument does not fit; nothing has moved.
+    """
+    if options.json and options.quiet:
+        raise UsageError("--json and --quiet exclude each other")
+    on_terminal = is_terminal(sys.stdout) and not (options.json or options.quiet)
+    factor = read_speed(options.speed, ON_A_TERMINAL if is_terminal(sys.stdout) else inf)
+    prepared = prepare(order_of(options), say=say)
+    if prepared.confirmation and not options.yes:
+        what = prepared.confirmation
+        agree(f"{what}. Is it free to?", nobody=f"{what}: agree to it with --yes")
+    live = on_terminal and not options.plain and shows_signs(sys.stdout)
+    requests = StopRequests()
+    with CaughtSignals(requests, ends_process=True):
+        result = _shown(prepared, options, _Manner(on_terminal, live, factor), requests)
+        if result is None:
+            return OUTPUT_LOST
+        _say_unused(prepared)
+        if parting := prepared.parting():
+            say(parting)
+        return _conclude(result, options)
+
+
+def _shown(
+    prepared: Prepared, options: RunOptions, manner: _Manner, requests: StopRequests
+) -> Result | None:
+    """Run the mission and show it; return how it ended, None where nothing could be written."""
+    recording = RecordingOptions(options.record, options.no_record, options.live)
+    with ExitStack() as stack:
+        kept = stack.enter_context(
+            recorded(prepared, recording, manner.factor, quiet=options.quiet)
+        )
+        observed = ObservedRun(kept.prepared)
+        for companion in prepared.companions:
+            if isinstance(companion, AbstractContextManager):
+                stack.enter_context(companion)
+        people = _people(prepared, options, manner, stack)
+        output = _output(observed, options, manner, people)
+        companions = _companions(prepared, kept, people, yes=options.yes)
+        run = _mission_run(prepared, kept, output, companions, manner, requests)
+        observed.run = run
+        prepared.follow(run)
+        kept.follow(run)
+        if not _begun(output):
+            return None
+        if isinstance(output, AbstractContextManager):
+            stack.enter_context(output)
+        return run.execute()
+
+
+def _mission_run(
+    prepared: Prepared,
+    kept: Kept,
+    output: Output,
+    companions: list[Companion],
+    manner: _Manner,
+    requests: StopRequests,
+) -> MissionRun:
+    link, pipe = prepared.link, watch_pipe(sys.stdout)
+    why = SaysWhyItWaits(link, requests) if link is not None and not manner.live else None
+    return MissionRun(
+        prepared.engine,
+        prepared.backend,
+        observers=[output, *([why] if why else [])],
+        watchers=[each for each in (output, pipe, why) if isinstance(each, Watcher)],
+        companions=companions,
+        tap=kept.tap,
+        requests=requests,
+        factor=manner.factor,
+    )
+
+
+def _companions(prepared: Prepared, kept: Kept, people: _People, *, yes: bool) -> list[Companion]:
+    """Return who is beside the mission, among them somebody who answers its questions."""
+    operator, words = people
+    companions: list[Companion] = [*prepared.companions, *kept.companions]
+    if operator and answers(prepared.loaded):  # a person may decide otherwise the next time
+        companions = [each for each in companions if not isinstance(each, LoopWatch)]
+    if not prepared.attended:
+        nobody = FirstChoice("--yes") if yes else FirstChoice("no terminal", "warning")
+        companions.append(operator or nobody)
+    return companions + ([words] if words else [])
+
+
+def _begun(output: Output) -> bool:
+    """Whether the beginning of the output could be written; where not, that has been said."""
+    try:
+        output.begin()
+    except OSError as error:
+        silence_stdout()
+        say(f"nothing has moved: the output cannot be written: {error.strerror}")
+        return False
+    return True
+
+
+def _say_unused(prepared: Prepared) -> None:
+    """Say which triggers that were asked for have never fired, and why."""
+    for companion in prepared.companions:
+        if isinstance(companion, TriggerScript):
+            _say_never_fired(companion.unused, "no wait came that had it")
+            _say_never_fired(companion.forestalled, "something else ended its wait first")
+
+
+def _say_never_fired(firings: Sequence[Firing], why: str) -> None:
+    if firings:
+        names = ", ".join(f"'{firing.trigger}'" for firing in firings)
+        say(f"warning: never fired, because {why}: {names}")
+
+
+def _people(prepared: Prepared, options: RunOptions, manner: _Manner, stack: ExitStack) -> _People:
+    """Return the person at the keyboard, where one sees what is asked and what happens.
+
+    Raises:
+        UsageError: The detector shall be a person, and there is none.
+    """
+    shown = sys.stdout if manner.on_terminal else sys.stderr
+    present = shown is not None and shown.isatty() and can_type()
+    detects = prepared.detector == "operator"
+    if detects and not (present and manner.on_terminal):
+        raise UsageError("--detector operator needs a terminal: nobody could see it and type")
+    if not present or prepared.attended or (options.yes and not detects):
+        return _People()
+    from pirate_sm.detectors.keys import LETTERS, WordKeys
+
+    keys = SharedKeys(stack.enter_context(TerminalKeys()), LETTERS if detects else "")
+
+    def show(text: str) -> None:
+        if not manner.live:
+            print(visible(text), file=shown, flush=True)
+
+    operator = None if options.yes else Operator(keys.answers, answers(prepared.loaded), show)
+    if not detects:
+        return _People(operator)
+    valid_for_s = prepared.loaded.loaded_robot.profile.detector.valid_for
+    words = WordKeys(keys.words, prepared.loaded.robot.detector_words, valid_for_s)
+    return _People(operator, words)
+
+
+def _output(observed: ObservedRun, options: RunOptions, manner: _Manner, people: _People) -> Output:
+    out = sys.stdout
+    if options.json:
+        out.reconfigure(encoding="utf-8")  # type: ignore[union-attr]
+        return JsonLines(out, observed)
+    if manner.live:
+        from rich.console import Console
+
+        from pirate_sm.cli.output.live_view import View
+
+        speed = "max" if manner.factor == inf else f"{manner.factor:g} ×"
+        if observed.prepared.backend.real_time:
+            speed = "real time"
+        console = Console(file=out, highlight=False)
+        return View(console, observed, speed, people.operator, people.words)
+    return Lines(out, observed, quiet=options.quiet)
+
+
+def _conclude(result: Result, options: RunOptions) -> int:
+    """Say on standard error what the output has not said; return the exit code."""
+    if result.error is not None and result.exit_code == BUG:
+        say_bug(result.error, options.debug)
+    elif result.error is not None and options.debug:
+        show_traceback(result.error)
+    elif result.exit_code == OUTPUT_LOST:
+        silence_stdout()
+        ended = result.ended
+        if ended.outcome == "interrupted":  # its message is about the output
+            say(f"{ended.message}; the mission was stopped safely")
+        else:
+            say(f"the output cannot be written; the mission {ended.outcome}: {ended.message}")
+    return result.exit_code

@@ -1,0 +1,183 @@
+"""The operator at the keyboard of a terminal: one key answers, Enter gives the first choice."""
+
+from __future__ import annotations
+
+import os
+import select
+import sys
+import termios
+import tty
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from math import inf
+from typing import TYPE_CHECKING, Any, Protocol, Self
+
+from pirate_sm.model.effects import Ask, Effect, Ended, Log, TriggerFired, WaitArmed
+from pirate_sm.model.events import Answer, Event
+from pirate_sm.runtime.companions import Answered
+
+if TYPE_CHECKING:
+    from pirate_sm.engine.state import EngineState
+
+_LOOK_EVERY_S = 0.05
+
+
+def can_type() -> bool:
+    """Whether standard input is a terminal whose keys reach this process."""
+    try:
+        fd = sys.stdin.fileno()
+        # In the background, touching the terminal would halt us in the middle of a run.
+        return os.isatty(fd) and os.tcgetpgrp(fd) == os.getpgrp()
+    except (AttributeError, OSError, ValueError):  # closed, or no terminal of ours
+        return False
+
+
+class Keys(Protocol):
+    """Gives the keys pressed since it was last asked."""
+
+    def pressed(self) -> str:
+        """Return the keys, oldest first; empty when there were none."""
+        ...
+
+
+class TerminalKeys:
+    """Keys as they are pressed, without echo, while it is entered; Ctrl-C still interrupts."""
+
+    def __init__(self) -> None:
+        self._fd = sys.stdin.fileno()
+        self._before: list[Any] | None = None
+
+    def __enter__(self) -> Self:
+        """Let keys arrive one by one, without echo."""
+        self._before = termios.tcgetattr(self._fd)
+        tty.setcbreak(self._fd)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Leave the terminal as it was."""
+        if self._before is not None:
+            with suppress(termios.error):  # the terminal may have gone
+                termios.tcsetattr(self._fd, termios.TCSADRAIN, self._before)
+
+    def pressed(self) -> str:
+        """Return the keys pressed since it was last asked."""
+        ready, _, _ = select.select([self._fd], [], [], 0)
+        if not ready:
+            return ""
+        try:
+            return os.read(self._fd, 64).decode(errors="replace")
+        except OSError:
+            return ""  # the terminal has gone; a signal will tell
+
+
+class _Share:
+    """The keys of one of those who share a keyboard."""
+
+    def __init__(self, look: Callable[[], None]) -> None:
+        self._look = look
+        self.waiting = ""
+
+    def pressed(self) -> str:
+        """Return the keys for this one since it was last asked."""
+        self._look()
+        keys, self.waiting = self.waiting, ""
+        return keys
+
+
+class SharedKeys:
+    """One keyboard for two: some keys say the detector's words, all others answer.
+
+    Attributes:
+        words: The keys that say words.
+        answers: All others.
+    """
+
+    def __init__(self, keys: Keys, for_words: str) -> None:
+        self._keys = keys
+        self._for_words = for_words
+        self.words = _Share(self._look)
+        self.answers = _Share(self._look)
+
+    def _look(self) -> None:
+        for key in self._keys.pressed():
+            share = self.words if key.lower() in self._for_words else self.answers
+            share.waiting += key
+
+
+class Operator:
+    """Puts questions and the operator's triggers to a person; a companion.
+
+    Attributes:
+        question: What is asked now, empty when nothing is.
+        choices: The answers on offer, numbered from 1.
+    """
+
+    def __init__(
+        self,
+        keys: Keys,
+        heard: Mapping[str, Sequence[str]],
+        tell: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        """Begin with no question.
+
+        Args:
+            keys: Where answers come from.
+            heard: The words that the wait of each phase listens to.
+            tell: Shows a question, where no view does.
+        """
+        self._keys = keys
+        self._heard = heard
+        self._tell = tell
+        self.question = ""
+        self.choices: tuple[str, ...] = ()
+        self._expects = False
+        self._answer: str | None = None
+        self.due_s = inf
+
+    @property
+    def listening(self) -> bool:
+        """Whether somebody may answer."""
+        return bool(self.choices)
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Put a new question, forget an old one."""
+        for effect in effects:
+            if isinstance(effect, Ask):
+                self._put(effect.question, effect.choices, now_s, expects=True)
+            elif isinstance(effect, WaitArmed):
+                words = tuple(self._heard.get(effect.phase, ()))
+                self._put("Operator:" if words else "", words, now_s, expects=False)
+            elif isinstance(effect, TriggerFired | Ended):
+                self._put("", (), now_s, expects=False)
+
+    def look(self, state: EngineState | None, now_s: float) -> Sequence[Log]:
+        """Return a log line if a key has answered; the answer is spoken next."""
+        self.due_s = now_s + _LOOK_EVERY_S
+        for key in self._keys.pressed():
+            choice = self._choice(key)
+            if choice is not None:
+                self._put("", (), now_s, expects=False)
+                self._answer = choice
+                return (Answered("info", f"answered '{choice}' (operator)"),)
+        return ()
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return the answer that was just seen."""
+        answer, self._answer = self._answer, None
+        return () if answer is None else (Answer(answer),)
+
+    def _put(self, question: str, choices: tuple[str, ...], now_s: float, expects: bool) -> None:
+        self.question, self.choices = question, choices
+        self._expects = expects
+        self.due_s = now_s if choices else inf
+        if choices:
+            self._keys.pressed()  # what was typed before does not answer
+            offered = "  ".join(f"[{n}] {choice}" for n, choice in enumerate(choices, 1))
+            self._tell(f"{question}  {offered}")
+
+    def _choice(self, key: str) -> str | None:
+        if key in "\r\n" and self._expects:
+            return self.choices[0]
+        if key.isdecimal() and 1 <= int(key) <= len(self.choices):
+            return self.choices[int(key) - 1]
+        return None

@@ -1,0 +1,91 @@
+"""Options of `pirate check`, `pirate explain` and `pirate diff`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import typer
+
+from pirate_sm.cli.options import common
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckOptions:
+    """Find what is wrong with robots, missions and pipes before anything moves.
+
+    `pirate explain CODE` tells more about a finding. On its line a finding is allowed by a
+    comment with a reason: `# pirate: allow CODE: reason`.
+
+    Exit codes: 0 clean, 1 findings of the severity of --fail-on or worse, 2 usage, or there was
+    nothing to check.
+    """
+
+    paths: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[PATH]...",
+            help="Files and folders; robots, missions and pipes are known by their content. "
+            "Without any: the folders sequences and hardware_profiles and the files beside them; "
+            "where there is no folder sequences, all that the working directory holds.",
+        ),
+    ] = None
+    format: Annotated[
+        Literal["text", "json", "sarif", "junit", "github"],
+        typer.Option("--format", help="What is written to standard output."),
+    ] = "text"
+    fail_on: Annotated[
+        Literal["error", "warning"],
+        typer.Option("--fail-on", help="Exit with 1 from this severity on."),
+    ] = "error"
+    robot: common.RobotOfMissions = None
+    pipe: common.PipeOfMissions = None
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="NAME=VALUE", help="A parameter's value, where there is one of it."
+        ),
+    ] = None
+    counterexamples: Annotated[
+        str | None,
+        typer.Option(metavar="DIR", help="Write how a finding comes about, as files to run."),
+    ] = None
+    rehearse: Annotated[
+        bool, typer.Option("--rehearse", help="Run each mission in the simulator.")
+    ] = False
+    seeds: Annotated[int, typer.Option(min=1, help="How often each is rehearsed.")] = 1
+    outside: Annotated[
+        bool, typer.Option("--outside", help="Follow `call` and `pipe` out of the project.")
+    ] = False
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExplainOptions:
+    """Say what a finding's code means, why it matters and how it is mended."""
+
+    code: Annotated[
+        str | None, typer.Argument(metavar="[CODE]", help="All of them when none is named.")
+    ] = None
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiffOptions:
+    """Compare what two versions of a mission can do, not their text.
+
+    Exit codes: 0 both can do the same, 1 they differ, 2 one of them cannot be used.
+    """
+
+    old: Annotated[str, typer.Argument(metavar="OLD", help="A mission: its name or its file.")]
+    new: Annotated[str, typer.Argument(metavar="NEW", help="The mission to hold against it.")]
+    format: Annotated[
+        Literal["text", "json"],
+        typer.Option("--format", help="What is written to standard output."),
+    ] = "text"
+    robot: common.RobotOfMissions = None
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="A parameter's value, for both."),
+    ] = None
+    debug: common.Debug = False

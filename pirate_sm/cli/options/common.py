@@ -1,0 +1,126 @@
+"""Options that several commands share, each written once.
+
+An option is an annotated type: the type of its value, its name where that differs from the field's,
+and its help text.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pirate_sm import __version__
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"pirate-sm {__version__}")
+        raise typer.Exit
+
+
+Version = Annotated[
+    bool,
+    typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version."),
+]
+Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
+
+BACKENDS = ("serial", "sim", "trace")
+"""Those that are part of this package; other packages may add some."""
+
+
+def backend_name(name: str) -> str:
+    """Return the name of a backend, if there is one of that name."""
+    if name not in BACKENDS:
+        from importlib.metadata import entry_points
+
+        known = {*BACKENDS, *entry_points(group="pirate_sm.backends").names}
+        if name not in known:
+            raise ValueError(f"{name!r} is not one of {', '.join(map(repr, sorted(known)))}.")
+    return name
+
+
+Backend = Annotated[
+    str,
+    typer.Option(
+        metavar=f"<{'|'.join(BACKENDS)}>",
+        parser=backend_name,
+        autocompletion=lambda: list(BACKENDS),
+        help="sim: the kinematic simulator; trace: nothing moves; serial: the real robot.",
+    ),
+]
+RobotOfMission = Annotated[
+    str | None, typer.Option("--robot", metavar="NAME", help="In place of the mission's own.")
+]
+PipeOfMission = Annotated[
+    str | None, typer.Option("--pipe", metavar="NAME", help="In place of the mission's own.")
+]
+RobotOfMissions = Annotated[
+    str | None, typer.Option("--robot", metavar="NAME", help="In place of the missions' own.")
+]
+PipeOfMissions = Annotated[
+    str | None, typer.Option("--pipe", metavar="NAME", help="In place of the missions' own.")
+]
+OneRobot = Annotated[
+    str | None,
+    typer.Option("--robot", metavar="NAME", help="Which robot; the first one shipped."),
+]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="A parameter's value. Repeatable."),
+]
+States = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--state",
+        metavar="REGION=STATE",
+        help="The robot is in this state, in place of starts_in.",
+    ),
+]
+Seed = Annotated[int, typer.Option(min=0, help="Of everything random.")]
+Defects = Annotated[
+    list[str] | None,
+    typer.Option("--defect", metavar="NAME", help="Switch on a known defect. Repeatable."),
+]
+
+Port = Annotated[str, typer.Option(metavar="PORT", help="/dev/ttyACM0, or a pyserial URL.")]
+PortOfRobot = Annotated[
+    str | None,
+    typer.Option(
+        "--port", metavar="PORT", help="Of the real robot: /dev/ttyACM0, or a pyserial URL."
+    ),
+]
+Baud = Annotated[int | None, typer.Option(min=1, help="In place of the robot's own rate.")]
+GuardFor = Annotated[
+    str | None,
+    typer.Option(
+        metavar="DURATION",
+        help="How long the port is guarded if the robot does not confirm that it has stopped; "
+        "10 min.",
+    ),
+]
+Detector = Annotated[
+    str | None,
+    typer.Option(
+        metavar="sim|odometry|operator|socket:ADDRESS",
+        help="Who says where the robot is. For sim: sim, for serial: odometry.",
+    ),
+]
+StartAt = Annotated[
+    str | None,
+    typer.Option(metavar="LENGTH", help="Where odometry takes the first wheel to begin."),
+]
+Calibration = Annotated[
+    bool,
+    typer.Option("--calibration/--no-calibration", help="Whether its joint zeros are used."),
+]
+Check = Annotated[
+    bool, typer.Option("--check/--no-check", help="Whether a faulty mission is refused.")
+]
+NoRecord = Annotated[bool, typer.Option("--no-record", help="Nothing is kept.")]
+
+Recording = Annotated[str, typer.Argument(metavar="RUN.mcap", help="A recording.")]
+Output = Annotated[
+    Path | None, typer.Option("--output", "-o", metavar="OUT", help="Write to this file.")
+]

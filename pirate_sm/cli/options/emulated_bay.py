@@ -1,0 +1,88 @@
+"""Options of `pirate bay`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pirate_sm.cli.options import common
+
+
+@dataclass(frozen=True, kw_only=True)
+class BayOptions:
+    """Emulate the bay of a robot: print the name of a serial port and serve it until Ctrl-C."""
+
+    mission: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Robot, pipe and start are those of this mission."),
+    ] = None
+    robot: common.OneRobot = None
+    pipe: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Where it is; the first pipe shipped.")
+    ] = None
+    seed: common.Seed = 0
+    link: Annotated[
+        Path | None, typer.Option(metavar="PATH", help="Make a symbolic link to the port here.")
+    ] = None
+    log: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="JSON Lines of arrays and restarts.")
+    ] = None
+    loss: Annotated[
+        str | None, typer.Option(metavar="SHARE", help="Frames lost each way, such as 20%.")
+    ] = None
+    loss_in: Annotated[
+        str | None, typer.Option(metavar="SHARE", help="In place of --loss: towards the bay.")
+    ] = None
+    loss_out: Annotated[
+        str | None, typer.Option(metavar="SHARE", help="In place of --loss: from the bay.")
+    ] = None
+    never_two: Annotated[
+        bool, typer.Option("--never-two", help="Never two frames of a topic lost in a row.")
+    ] = False
+    corruption: Annotated[
+        str | None, typer.Option(metavar="SHARE", help="Bytes changed on their way.")
+    ] = None
+    delay: Annotated[float, typer.Option(help="Further seconds for every frame.")] = 0.0
+    jitter: Annotated[float, typer.Option(help="Up to so many seconds more.")] = 0.0
+    reset_at: Annotated[
+        list[float] | None, typer.Option(help="Restart after so many seconds. Repeatable.")
+    ] = None
+    reset_every: Annotated[float, typer.Option(help="Mean seconds between restarts.")] = 0.0
+    hang_at: Annotated[float | None, typer.Option(help="Stand still after these seconds.")] = None
+    hang_for: Annotated[float | None, typer.Option(help="... for so many seconds.")] = None
+    boot: Annotated[float | None, typer.Option(help="Seconds of boot loader and set-up.")] = None
+    overrun: Annotated[
+        bool, typer.Option("--overrun/--no-overrun", help="Whether a full ring loses bytes.")
+    ] = True
+    stale_every: Annotated[
+        float, typer.Option(help="Mean seconds between spells of repeated values.")
+    ] = 0.0
+    wrong_md5: Annotated[
+        list[str] | None,
+        typer.Option(metavar="state|echo|setpoints", help="Announce a wrong md5. Repeatable."),
+    ] = None
+    unconfigured_at: Annotated[
+        list[float] | None,
+        typer.Option(help="Obey without echo after so many seconds. Repeatable."),
+    ] = None
+    spontaneous_at: Annotated[
+        list[float] | None, typer.Option(help="A motor moves on its own. Repeatable.")
+    ] = None
+    motors_started: Annotated[
+        bool, typer.Option("--play/--no-play", help="Whether the actuators were started.")
+    ] = True
+    sensors_started: Annotated[
+        bool, typer.Option("--set/--no-set", help="Whether the sensors were started.")
+    ] = True
+    old_client: Annotated[
+        bool, typer.Option("--old-client", help="Lose the host after an overrun (2014-2017).")
+    ] = False
+    dead_man: Annotated[
+        bool,
+        typer.Option("--dead-man/--no-dead-man", help="Whether a silent host stops the motors."),
+    ] = True
+    defects: common.Defects = None
+    debug: common.Debug = False

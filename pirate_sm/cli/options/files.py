@@ -1,0 +1,137 @@
+"""Options of the commands about files: `list`, `schema`, `graph`, `plan`, `robot` and `new`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from pirate_sm.cli.options import common
+
+
+@dataclass(frozen=True, kw_only=True)
+class ListOptions:
+    """Show robots, commands, signals, defects, missions and pipes."""
+
+    what: Annotated[
+        Literal["robots", "commands", "signals", "defects", "missions", "pipes"] | None,
+        typer.Argument(help="All of them when nothing is named."),
+    ] = None
+    robot: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Whose commands, signals and defects.")
+    ] = None
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class SchemaOptions:
+    """Print the JSON Schema with which an editor completes and explains files."""
+
+    files: Annotated[
+        Literal["mission", "pipe", "profile", "chart"], typer.Argument(help="Of which files.")
+    ]
+    robot: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Missions for this robot: its commands, its states."),
+    ] = None
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class GraphOptions:
+    """Draw a mission or a robot's chart.
+
+    Exit codes: 0 drawn, 2 invalid files or arguments.
+    """
+
+    file: Annotated[
+        str, typer.Argument(metavar="FILE", help="A mission, a robot or a chart: name or path.")
+    ]
+    format: Annotated[
+        Literal["mermaid", "dot", "svg"] | None,
+        typer.Option("--format", help="As the name of the output ends, else mermaid."),
+    ] = None
+    output: common.Output = None
+    path: Annotated[
+        str | None,
+        typer.Option("--highlight", metavar="A,B,C", help="Phases or states to mark, in order."),
+    ] = None
+    counterexample: Annotated[
+        Path | None,
+        typer.Option(metavar="SCRIPT", help="Mark the way that this course of events takes."),
+    ] = None
+    calls: Annotated[
+        bool, typer.Option("--calls", help="Draw the missions that it calls, too.")
+    ] = False
+    settings: common.Settings = None
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanOptions:
+    """Print the fewest commands that lead from one configuration of a robot to another.
+
+    No command is proposed that lets go of a clamp while no other part holds.
+
+    Exit codes: 0 there are commands, or none are needed, 1 there are none, 2 invalid files or
+    arguments.
+    """
+
+    robot: Annotated[str, typer.Argument(metavar="ROBOT", help="A shipped robot, or its folder.")]
+    to: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--to", metavar="REGION=STATE,…", help="Where to; regions not named do not matter."
+        ),
+    ] = None
+    to_phase: Annotated[
+        str | None,
+        typer.Option(metavar="MISSION:PHASE", help="To where a mission can begin this phase."),
+    ] = None
+    begin: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--from", metavar="REGION=STATE,…", help="From where, in place of its initial states."
+        ),
+    ] = None
+    json: Annotated[bool, typer.Option("--json", help="One JSON object, for programs.")] = False
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotOptions:
+    """Write a robot's page: what each command means, what it needs, where it leads.
+
+    Exit codes: 0 written, 2 invalid files or arguments.
+    """
+
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="ROBOT", help="A shipped robot, or its folder; the first shipped."),
+    ] = None
+    html: Annotated[bool, typer.Option("--html", help="One HTML file in place of Markdown.")] = (
+        False
+    )
+    output: common.Output = None
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewMissionOptions:
+    """Write a mission that runs."""
+
+    name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
+    robot: Annotated[
+        str | None, typer.Option(metavar="NAME", help="For which robot; the first one shipped.")
+    ] = None
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewRobotOptions:
+    """Write a small robot with a pipe and a mission that runs."""
+
+    name: Annotated[str, typer.Argument(help="Its name; the folder is NAME.")]
+    debug: common.Debug = False

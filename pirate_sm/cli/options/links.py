@@ -1,0 +1,62 @@
+"""Options of the commands that connect to a robot, `pirate doctor` and `pirate calibrate`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import typer
+
+from pirate_sm.cli.options import common
+
+
+@dataclass(frozen=True, kw_only=True)
+class DoctorOptions:
+    """Look at a connected robot: what it says, what is missing, go or no-go.
+
+    Without --move nothing is sent to its motors. Opening the port restarts most controllers.
+
+    Exit codes: 0 go, 1 no-go, 2 invalid files or arguments, 3 it cannot be connected to.
+    """
+
+    port: common.Port
+    robot: common.OneRobot = None
+    baud: common.Baud = None
+    seconds: Annotated[float, typer.Option(min=1.0, help="How long to listen.")] = 5.0
+    move: Annotated[
+        bool, typer.Option("--move", help="Send setpoints too: each wheel turns for a moment.")
+    ] = False
+    yes: Annotated[
+        bool, typer.Option("--yes", "-y", help="With --move: the wheels are free to turn.")
+    ] = False
+    guard_for: common.GuardFor = None
+    calibration: common.Calibration = True
+    plain: Annotated[bool, typer.Option("--plain", help="Lines instead of live tables.")] = False
+    json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class CalibrateOptions:
+    """Straighten the robot, and keep what its joints then show as their zeros.
+
+    Exit codes: 0 kept, 1 not straight or not still, 2 invalid files or arguments, 3 it cannot be
+    connected to.
+    """
+
+    port: common.Port
+    robot: common.OneRobot = None
+    baud: common.Baud = None
+    seconds: Annotated[float, typer.Option(min=1.0, help="How long to measure.")] = 3.0
+    limit: Annotated[
+        str | None,
+        typer.Option(metavar="ANGLE", help="Refuse a zero beyond this, such as '10 deg'."),
+    ] = None
+    skip: Annotated[
+        list[str] | None,
+        typer.Option(metavar="JOINT", help="Leave this joint out. Repeatable."),
+    ] = None
+    yes: Annotated[
+        bool, typer.Option("--yes", "-y", help="The robot lies straight already; ask nothing.")
+    ] = False
+    debug: common.Debug = False

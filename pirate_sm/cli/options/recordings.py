@@ -1,0 +1,111 @@
+"""Options of the commands about recordings: `replay`, `compare`, `export`, `report`, `repair`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pirate_sm.cli.options import common
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReplayOptions:
+    """Execute a recording again and tell whether the same comes out.
+
+    Exit codes: 0 the same, 1 something else, 2 it cannot be read or holds nothing to execute.
+    """
+
+    recording: common.Recording
+    mission: Annotated[
+        str | None,
+        typer.Option(metavar="MISSION", help="In place of the one in the recording."),
+    ] = None
+    robot: Annotated[
+        str | None, typer.Option(metavar="NAME", help="With --mission: the robot.")
+    ] = None
+    pipe: Annotated[str | None, typer.Option(metavar="NAME", help="With --mission: the pipe.")] = (
+        None
+    )
+    begin: Annotated[
+        str | None,
+        typer.Option("--from", metavar="TIME", help="Begin at the checkpoint before this time."),
+    ] = None
+    until: Annotated[str | None, typer.Option(metavar="TIME", help="End at this time.")] = None
+    jobs: Annotated[
+        int | None,
+        typer.Option("--jobs", "-j", min=1, help="Processes; all processors where it is long."),
+    ] = None
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareOptions:
+    """Lay two runs side by side by what the mission has come to.
+
+    Exit codes: 0 both took one course, 1 they part, 2 one cannot be read.
+    """
+
+    first: Annotated[str, typer.Argument(metavar="A.mcap", help="A recording.")]
+    second: Annotated[str, typer.Argument(metavar="B.mcap", help="Another one.")]
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportOptions:
+    """Write a recording for other programs."""
+
+    recording: common.Recording
+    csv: Annotated[
+        str | None, typer.Option(metavar="DIR", help="One table for each topic, SI units.")
+    ] = None
+    urdf: Annotated[
+        str | None, typer.Option(metavar="FILE", help="The robot, from its profile.")
+    ] = None
+    lichtblick: Annotated[
+        str | None,
+        typer.Option(metavar="FILE", help="A layout for Lichtblick and Foxglove, for this robot."),
+    ] = None
+    plotjuggler: Annotated[
+        str | None, typer.Option(metavar="FILE", help="A layout for PlotJuggler, for this robot.")
+    ] = None
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportOptions:
+    """Tell a recorded run on one page that opens anywhere, offline; list many runs.
+
+    Of several recordings, or of a folder, each has its page beside it, and index.html lists them.
+    Pages of a folder that is read-only stand beside the list: name that with --output.
+    Pages that are newer than their recording are kept.
+
+    Exit codes: 0 written, 2 no recording can be read or a page not be written.
+    """
+
+    recordings: Annotated[
+        list[str],
+        typer.Argument(metavar="RUN.mcap", help="A recording, several, or a folder of them."),
+    ]
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="OUT.html", help="RUN.html; of many, index.html."),
+    ] = None
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class RepairOptions:
+    """Give a recording that was cut short its end and its index, in a new file.
+
+    Exit codes: 0 written, or it is whole already; 2 it cannot be read or the file not be written.
+    """
+
+    recording: common.Recording
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="OUT.mcap", help="RUN.repaired.mcap otherwise."),
+    ] = None
+    debug: common.Debug = False

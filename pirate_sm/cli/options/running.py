@@ -1,0 +1,115 @@
+"""Options of the commands that run missions, `pirate run` and `pirate console`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import typer
+
+from pirate_sm.cli.options import common
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """Run a mission.
+
+    Exit codes: 0 succeeded, 1 mission failed, 2 invalid files or arguments (nothing moved),
+    3 backend or link fault, 4 a fault in this program, 129/130/141/143 stopped from outside; the
+    robot is brought to its safe state on every way out.
+    """
+
+    mission: Annotated[
+        str, typer.Argument(metavar="MISSION", help="A shipped mission's name, or a file.")
+    ]
+    backend: common.Backend = "sim"
+    robot: common.RobotOfMission = None
+    pipe: common.PipeOfMission = None
+    settings: common.Settings = None
+    start_phase: Annotated[
+        str | None, typer.Option("--from", metavar="PHASE", help="Begin with this phase.")
+    ] = None
+    states: common.States = None
+    seed: common.Seed = 0
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            metavar="max|realtime|FACTOR",
+            help="Mission time over wall time. On a terminal 4, else max.",
+        ),
+    ] = None
+    defects: common.Defects = None
+    fire: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="TRIGGER[=SECONDS]",
+            help="In a trace: the trigger that a wait takes. Repeatable, in order.",
+        ),
+    ] = None
+    script: Annotated[
+        str | None,
+        typer.Option(metavar="FILE", help="In a trace: a YAML list of {phase, trigger, after}."),
+    ] = None
+    port: common.PortOfRobot = None
+    baud: common.Baud = None
+    guard_for: common.GuardFor = None
+    detector: common.Detector = None
+    start_at: common.StartAt = None
+    calibration: common.Calibration = True
+    check: common.Check = True
+    record: Annotated[
+        str | None,
+        typer.Option(metavar="FILE.mcap", help="Where the run is kept, in place of runs/."),
+    ] = None
+    no_record: common.NoRecord = False
+    live: Annotated[
+        bool, typer.Option("--live", help="Let Foxglove or Lichtblick look on, on this machine.")
+    ] = False
+    yes: Annotated[
+        bool, typer.Option("--yes", "-y", help="Take the first answer to every question.")
+    ] = False
+    plain: Annotated[bool, typer.Option("--plain", help="Lines instead of the live view.")] = False
+    json: Annotated[bool, typer.Option("--json", help="JSON Lines on standard output.")] = False
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only how it ended.")] = False
+    debug: common.Debug = False
+    version: common.Version = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConsoleOptions:
+    """See the robot and steer it: by hand, or with a mission that one can take over.
+
+    A mission begins paused. Space brings the robot to its safe state at any time, and so does
+    every way out of the console.
+    """
+
+    mission: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[MISSION|RUN.mcap]",
+            help="A shipped mission's name, or a file; a recording to look through.",
+        ),
+    ] = None
+    backend: common.Backend = "sim"
+    robot: common.RobotOfMission = None
+    pipe: common.PipeOfMission = None
+    settings: common.Settings = None
+    states: common.States = None
+    seed: common.Seed = 0
+    speed: Annotated[
+        str,
+        typer.Option(metavar="max|realtime|FACTOR", help="Mission time over wall time."),
+    ] = "realtime"
+    defects: common.Defects = None
+    port: common.PortOfRobot = None
+    baud: common.Baud = None
+    guard_for: common.GuardFor = None
+    detector: common.Detector = None
+    start_at: common.StartAt = None
+    calibration: common.Calibration = True
+    check: common.Check = True
+    no_record: common.NoRecord = False
+    live: Annotated[
+        bool, typer.Option("--live", help="Serve Foxglove and Lichtblick on this machine.")
+    ] = False
+    debug: common.Debug = False

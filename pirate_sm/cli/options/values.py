@@ -1,0 +1,85 @@
+"""The values of options that are given as text: pairs, lengths, durations, speeds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import inf, isfinite
+
+from pirate_sm.errors import UsageError
+from pirate_sm.units import LENGTH, TIME, Dimension, QuantityError, read_quantity
+
+
+def read_settings(texts: Iterable[str] | None) -> dict[str, str]:
+    """Return the values of parameters that ``--set NAME=VALUE`` gives, as text, by name.
+
+    Raises:
+        UsageError: One of them has another form, or a name comes twice.
+    """
+    return read_pairs("--set", texts or (), "NAME=VALUE")
+
+
+def read_pairs(option: str, texts: Iterable[str], form: str) -> dict[str, str]:
+    """Return what a repeatable option of the form NAME=VALUE gives.
+
+    Raises:
+        UsageError: One of them has another form, or a name comes twice.
+    """
+    pairs: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise UsageError(f"{option} {text}: expected {form}")
+        if name in pairs:
+            raise UsageError(f"{option} gives '{name}' twice")
+        pairs[name] = value
+    return pairs
+
+
+def read_length(option: str, text: str | None) -> float | None:
+    """Return the length that an option gives, m.
+
+    Raises:
+        UsageError: It is none.
+    """
+    return _read(option, text, LENGTH)
+
+
+def read_duration(option: str, text: str | None) -> float | None:
+    """Return the duration that an option gives, s.
+
+    Raises:
+        UsageError: It gives none, or none above zero.
+    """
+    duration_s = _read(option, text, TIME)
+    if duration_s is not None and duration_s <= 0.0:
+        raise UsageError(f"{option} {text}: expected a duration above zero, such as '10 min'")
+    return duration_s
+
+
+def _read(option: str, text: str | None, dimension: Dimension) -> float | None:
+    if text is None:
+        return None
+    try:
+        return read_quantity(text, dimension)
+    except QuantityError as error:
+        raise UsageError(f"{option} {text}: {error}") from None
+
+
+def read_speed(text: str | None, default: float) -> float:
+    """Return mission seconds per second of the wall; infinite for ``max``.
+
+    Raises:
+        UsageError: The text is none of these.
+    """
+    if text is None:
+        return default
+    named = {"max": inf, "realtime": 1.0}
+    if text in named:
+        return named[text]
+    try:
+        factor = float(text)
+    except ValueError:
+        factor = 0.0
+    if not (isfinite(factor) and factor > 0):
+        raise UsageError(f"--speed {text}: expected max, realtime, or a factor such as 4")
+    return factor

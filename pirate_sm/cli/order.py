@@ -1,0 +1,83 @@
+"""The order that the options of `pirate run` or `pirate console` give."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from math import isfinite
+from pathlib import Path
+
+from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
+from pirate_sm.cli.options.values import read_duration, read_length, read_pairs, read_settings
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import script as loading
+from pirate_sm.loading.source import read_document
+from pirate_sm.model.course import Happening
+from pirate_sm.runtime.companions import Firing
+from pirate_sm.wiring import Order
+
+
+def order_of(options: RunOptions | ConsoleOptions) -> Order:
+    """Return the order that the command line gives; without a mission its name is empty.
+
+    Raises:
+        LoadError: The script cannot be used.
+        UsageError: An option reads otherwise than it should.
+    """
+    order = Order(
+        mission=options.mission or "",
+        backend=options.backend,
+        robot=options.robot,
+        pipe=options.pipe,
+        settings=read_settings(options.settings),
+        states=read_pairs("--state", options.states or (), "REGION=STATE") or None,
+        seed=options.seed,
+        defects=tuple(dict.fromkeys(options.defects or ())),
+        port=options.port,
+        baud=options.baud,
+        guard_for_s=read_duration("--guard-for", options.guard_for),
+        calibration=options.calibration,
+        check=options.check,
+        detector=options.detector,
+        start_at_m=read_length("--start-at", options.start_at),
+    )
+    if isinstance(options, ConsoleOptions):
+        return order
+    firings, course = read_fire(options.fire or ()), tuple[Happening, ...]()
+    if options.script is not None:
+        listed, course = read_script(Path(options.script))
+        firings += listed
+    return replace(order, start_phase=options.start_phase, firings=tuple(firings), course=course)
+
+
+def read_fire(texts: Iterable[str]) -> list[Firing]:
+    """Return the firings that ``--fire TRIGGER[=SECONDS]`` asks for.
+
+    Raises:
+        UsageError: One of them reads otherwise.
+    """
+    firings = []
+    for text in texts:
+        trigger, given, after = text.partition("=")
+        firings.append(Firing(trigger, _seconds(after, text) if given else None))
+    return firings
+
+
+def _seconds(text: str, whole: str) -> float:
+    try:
+        after_s = float(text.strip().removesuffix("s"))
+    except ValueError:
+        after_s = -1.0
+    if not (isfinite(after_s) and after_s >= 0):
+        raise UsageError(f"--fire {whole}: expected TRIGGER or TRIGGER=SECONDS, such as past=2.5")
+    return after_s
+
+
+def read_script(path: Path) -> tuple[list[Firing], tuple[Happening, ...]]:
+    """Return the firings that a file lists, or the whole course of events that it lays down.
+
+    Raises:
+        LoadError: Everything that is wrong with the file.
+    """
+    script = loading.read_script(read_document(path))
+    return [Firing(each.trigger, each.after, each.phase) for each in script.entries], script.course

@@ -1,0 +1,1 @@
+"""What commands print: lines, tables, live views, JSON Lines, progress, files."""

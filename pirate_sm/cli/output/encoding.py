@@ -1,0 +1,46 @@
+"""Output on a terminal whose encoding lacks some of the signs that are used here."""
+
+from __future__ import annotations
+
+import codecs
+import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from typing import TextIO
+
+_ALIKE = {
+    "→": "->", "←": "<-", "×": "x", "°": " deg", "−": "-", "–": "-", "—": "-", "…": "...",
+    "✓": "v", "✕": "x", "●": "*", "○": "o", "◐": "o", "◆": "*", "■": "#", "▶": ">", "▷": ">",
+    "‖": "||", "⚠": "!", "⌀": "diameter", "─": "-", "━": "=", "│": "|", "├": "|", "└": "`",
+}  # fmt: skip
+"""What is written in place of a sign that the encoding lacks; a question mark for any other."""
+
+
+def shows_signs(stream: TextIO | None) -> bool:
+    """Return whether the stream's encoding has every sign that the pictures are made of."""
+    try:
+        "→●⣿━".encode(getattr(stream, "encoding", None) or "ascii")
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def degrade(stream: TextIO | None) -> None:
+    """Let the stream write signs that its encoding lacks as something alike."""
+    if stream is not None and not shows_signs(stream) and hasattr(stream, "reconfigure"):
+        codecs.register_error("alike", _alike)
+        stream.reconfigure(errors="alike")
+
+
+def writable(text: str) -> str:
+    """Return the text with the signs written out that the encoding of standard output lacks."""
+    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
+    return text.encode(encoding, "backslashreplace").decode(encoding)
+
+
+def _alike(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    lacking = error.object[error.start : error.end]
+    return "".join(_ALIKE.get(each, "?") for each in lacking), error.end

@@ -1,0 +1,93 @@
+"""One readable line per event."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, TextIO
+
+from pirate_sm.cli.errors import say
+from pirate_sm.cli.output.observed_run import ObservedRun
+from pirate_sm.model.effects import Effect, Ended
+from pirate_sm.runtime.companions import Answered
+from pirate_sm.runtime.stopping import StopRequests
+from pirate_sm.showing.telling import UNCONFIRMED, Teller, away, summary
+from pirate_sm.visible import visible
+from pirate_sm.wiring import Order
+
+if TYPE_CHECKING:
+    from pirate_sm.backends.pico.health import LinkHealth
+
+
+class Lines:
+    """Writes lines as things happen; quiet, only how it ended."""
+
+    def __init__(self, out: TextIO, observed: ObservedRun, *, quiet: bool = False) -> None:
+        self._out = out
+        self._observed = observed
+        self._quiet = quiet
+        nominal = observed.prepared.engine.nominal
+        self._teller = Teller(observed.robot, with_setpoints=nominal, nominal=nominal)
+
+    def begin(self) -> None:
+        """Write what is about to run."""
+        if not self._quiet:
+            for notice in headline(self._observed), *self._observed.prepared.notices:
+                self._write(0.0, "run", notice)
+            self._out.flush()
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Write what has just happened, and flush it."""
+        for effect in effects:
+            if isinstance(effect, Ended):
+                there = self._observed
+                text = summary(effect, now_s, there.distance_m(), there.odometry_m())
+                if self._quiet:
+                    self._out.write(f"{there.prepared.loaded.mission.mission}: {visible(text)}\n")
+                else:
+                    self._write(now_s, "end", text)
+            elif self._quiet:
+                if isinstance(effect, Answered) and effect.level == "warning":
+                    say(f"warning: {effect.message}")
+            else:
+                for topic, text in self._teller.lines(effect):
+                    self._write(now_s, topic, text)
+        self._out.flush()
+
+    def _write(self, now_s: float, topic: str, text: str) -> None:
+        self._out.write(f"{now_s:9.3f}  {topic:<9}  {visible(text)}\n")
+
+
+class SaysWhyItWaits:
+    """Says on standard error for what a stop waits; looks at a run that has no view."""
+
+    def __init__(self, link: Callable[[], LinkHealth], requests: StopRequests) -> None:
+        self._link = link
+        self._requests = requests
+        self._said = False
+
+    def pulse(self, now_s: float) -> None:
+        """Say once if a stop waits for the link."""
+        stop = self._requests.stop
+        if stop is not None and not self._said and (why := away(self._link(), stopping=True)):
+            self._said = True
+            say(f"{stop.reason}: {why}; a second signal ends at once")
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Say if the port stays open because the robot has not confirmed its stop."""
+        if any(isinstance(each, Ended) for each in effects) and not self._link().stopped:
+            say(f"{UNCONFIRMED}: waiting for it before the port is closed")
+
+
+def headline(observed: ObservedRun) -> str:
+    """Return mission, robot, pipe and backend in one line."""
+    order, loaded = observed.prepared.order, observed.prepared.loaded
+    pipe = f" in {loaded.pipe_name}" if loaded.pipe_name else ""
+    return f"{loaded.mission.mission} on {loaded.robot.name}{pipe}, {how_it_runs(order)}"
+
+
+def how_it_runs(order: Order) -> str:
+    """Return the backend and what is particular about it."""
+    ways = {"sim": f"seed {order.seed}", "serial": str(order.port)}
+    how = ways.get(order.backend, "ideal")
+    defects = f", defects: {', '.join(order.defects)}" if order.defects else ""
+    return f"{order.backend} ({how}{defects})"

@@ -1,0 +1,49 @@
+"""A run as seen from outside while it goes on; every kind of output looks at it through this."""
+
+from __future__ import annotations
+
+from math import isnan
+from typing import TYPE_CHECKING
+
+from pirate_sm.model.truth import Truth
+from pirate_sm.wiring import Prepared
+
+if TYPE_CHECKING:
+    from pirate_sm.engine.state import EngineState
+    from pirate_sm.runtime.loop import MissionRun
+
+
+class ObservedRun:
+    """Where a run stands; ``run`` is given once it exists."""
+
+    def __init__(self, prepared: Prepared) -> None:
+        self.prepared = prepared
+        self.robot = prepared.loaded.robot
+        self.run: MissionRun | None = None
+
+    @property
+    def now_s(self) -> float:
+        """Mission time, s."""
+        return self.run.now_s if self.run else 0.0
+
+    @property
+    def state(self) -> EngineState | None:
+        """The engine's state, None before it began."""
+        return self.run.state if self.run else None
+
+    def truth(self) -> Truth | None:
+        """Return where the robot really is, where that is known."""
+        return self.prepared.truth() if self.prepared.truth else None
+
+    def odometry_m(self) -> float | None:
+        """Return what the wheels have rolled, m, where that is measured."""
+        state = self.state
+        if state is None or self.robot.odometry < 0 or self.prepared.engine.nominal:
+            return None
+        value = state.sensing.numbers[self.robot.odometry]
+        return None if isnan(value) else value
+
+    def distance_m(self) -> float | None:
+        """Return how far the robot has really come, m, where that is known."""
+        truth = self.truth()
+        return truth.distance_m if truth else None

@@ -1,0 +1,83 @@
+"""Shows on a terminal how far something has come that takes a while."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from time import monotonic
+from typing import TextIO
+
+_FIRST_S = 0.5
+"""Nothing is shown for what takes less."""
+
+_EVERY_S = 0.1
+_CLEARED = "\r\x1b[K"
+
+
+@contextmanager
+def progress(
+    what: str, out: TextIO | None = None, clock: Callable[[], float] = monotonic
+) -> Iterator[Callable[[float], None]]:
+    """Yield a function that takes the share that is done, 0 to 1, and shows it on a terminal.
+
+    The line is gone when the block ends. A share that is smaller than the last one begins anew.
+
+    Args:
+        what: What is being done.
+        out: Where to; None: standard error.
+        clock: Seconds of the wall's clock.
+    """
+    out = sys.stderr if out is None else out
+    if out is None or not out.isatty() or os.environ.get("TERM") == "dumb":
+        yield lambda share: None
+        return
+    line = _Line(what, out, clock)
+    try:
+        yield line.show
+    finally:
+        line.clear()
+
+
+class _Line:
+    """The line on the terminal."""
+
+    def __init__(self, what: str, out: TextIO, clock: Callable[[], float]) -> None:
+        self._what, self._out, self._clock = what, out, clock
+        self._began_s = clock()
+        self._due_s = self._began_s + _FIRST_S
+        self._last = 0.0
+        self._there = self._over = False
+
+    def show(self, share: float) -> None:
+        if self._over:  # something else has the terminal now
+            return
+        now_s = self._clock()
+        if share < self._last:
+            self._began_s = now_s
+        self._last = share
+        if now_s < self._due_s:
+            return
+        self._due_s = now_s + _EVERY_S
+        self._there = True
+        self._write(f"{_CLEARED}{self._what}: {share:.0%}{self._left(share, now_s)}")
+
+    def clear(self) -> None:
+        self._over = True
+        if self._there:
+            self._write(_CLEARED)
+
+    def _left(self, share: float, now_s: float) -> str:
+        """Return about how long it still takes; empty where that is a guess or soon over."""
+        taken_s = now_s - self._began_s
+        left_s = taken_s * (1 / share - 1) if share > 0 else 0.0
+        if taken_s < 1.0 or left_s < 1.0:
+            return ""
+        minutes, seconds = divmod(round(left_s), 60)
+        return f", {minutes}:{seconds:02d} min left" if minutes else f", {seconds} s left"
+
+    def _write(self, text: str) -> None:
+        with suppress(OSError, ValueError):
+            self._out.write(text)
+            self._out.flush()

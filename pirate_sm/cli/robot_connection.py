@@ -1,0 +1,68 @@
+"""What `pirate doctor` and `pirate calibrate` share: a robot, a port, and a way to stop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from pirate_sm.backends.pico.assembly import STAY_S, guarded_port, read_plan
+from pirate_sm.diagnosis.facts import Subject
+from pirate_sm.diagnosis.listening import Listening
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.loading import library
+from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.runtime.stopping import Stop, StopRequests
+
+
+class StoppedError(Exception):
+    """Is raised in the middle of listening when somebody wants it to end."""
+
+    def __init__(self, stop: Stop) -> None:
+        super().__init__(stop.reason)
+        self.exit_code = stop.exit_code
+
+
+def find_loaded(name: str | None) -> LoadedRobot:
+    """Return the robot of this name or path; without one the first that is shipped.
+
+    Raises:
+        LoadError: Its files cannot be used.
+        UsageError: There is none.
+    """
+    folder = library.find_robot(name, Path.cwd()) if name else library.robots()[0]
+    return load_robot(folder)
+
+
+def subject_of(loaded: LoadedRobot, robot: RobotSpec) -> Subject:
+    """Return the robot with its plan of the serial link.
+
+    Raises:
+        UsageError: It has no serial link, its texts do not fit, or a library is missing.
+    """
+    return Subject(loaded.profile, robot, read_plan(loaded.folder, loaded.profile, robot))
+
+
+def connection(
+    subject: Subject,
+    url: str,
+    baud: int | None,
+    requests: StopRequests,
+    stay_s: float | None = None,
+) -> Listening:
+    """Return a connection to the robot, not open yet; a guardian will own the port."""
+    rate = baud or subject.plan.serial.baud
+    port = guarded_port(subject.plan, url, baud, STAY_S if stay_s is None else stay_s)
+    return Listening(subject, port, rate, stopper(requests))
+
+
+def stopper(requests: StopRequests) -> Callable[[], None]:
+    """Return a check that raises once when a stop is asked for, so the way out is undisturbed."""
+    told = False
+
+    def check() -> None:
+        nonlocal told
+        if requests.stop is not None and not told:
+            told = True
+            raise StoppedError(requests.stop)
+
+    return check

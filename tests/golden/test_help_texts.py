@@ -1,0 +1,36 @@
+"""The stored help texts are what the options say. `make golden` writes them anew."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.cli import stored_help
+from pirate_sm.cli.entry import COMMANDS, commands, only_run
+from pirate_sm.cli.stored_help import help_name
+
+FOLDER = Path(stored_help.FOLDER)
+LINES = ["pirate-run", "pirate", "pirate new", *(f"pirate {command}" for command in COMMANDS)]
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_the_stored_text_is_as_the_options_are(
+    line: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program, *words = line.split()
+    monkeypatch.setenv("COLUMNS", str(stored_help.WIDEST))
+    app = only_run if program == "pirate-run" else commands
+    app([*words, "--help"], prog_name=program, standalone_mode=False)
+    told = capsys.readouterr().out
+    stored = FOLDER / help_name([program, *words])
+    if os.environ.get("GOLDEN") == "write":
+        stored.write_text(told, encoding="utf-8")
+
+    assert stored.exists(), "there is no text yet: make golden"
+    assert told == stored.read_text("utf-8")
+
+
+def test_there_is_no_text_of_a_command_that_is_not() -> None:
+    assert {file.name for file in FOLDER.iterdir()} == {help_name(line.split()) for line in LINES}

@@ -1,0 +1,47 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ..conftest import NEWT
+
+
+@pytest.fixture
+def run(pirate_run: Any, tmp_path: Path) -> Any:
+    def make(name: str, *arguments: str) -> Path:
+        path = tmp_path / f"{name}.mcap"
+        pirate_run(NEWT / "patrol.yaml", *arguments, "--quiet", "--record", path)
+        return path
+
+    return make
+
+
+def test_seeds_and_options_that_differ_are_named_before_anything_else(
+    pirate: Any, run: Any
+) -> None:
+    one, other = run("one", "--seed", "1"), run("other", "--seed", "2", "--set", "look=3 s")
+
+    lines = pirate("compare", one, other).stdout.splitlines()
+
+    assert lines[3].split() == ["what", "differed", "A", "B"]
+    assert lines[4].split() == ["seed", "1", "2"]
+    assert lines[5].split() == ["parameter", "look", "2", "s", "3", "s"]
+    assert lines[6] == ""
+
+
+def test_runs_that_were_made_alike_say_so(pirate: Any, run: Any) -> None:
+    one, other = run("one"), run("other")
+
+    assert "the same seed, parameters and files" in pirate("compare", one, other).stdout
+
+
+def test_of_equal_runs_one_sentence_says_that_their_signals_are_the_same(
+    pirate: Any, run: Any
+) -> None:
+    result = pirate("compare", run("one"), run("other"))
+
+    assert result.exit_code == 0
+    assert result.stdout.rstrip().endswith("\n\nevery signal is the same in A and B")
+    assert "farthest apart" not in result.stdout

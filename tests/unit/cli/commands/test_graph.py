@@ -1,0 +1,161 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from ..conftest import NEWT, ROOT
+
+CHART = ROOT / "hardware_profiles" / "pirate_ii" / "chart.yaml"
+
+
+@pytest.mark.parametrize(
+    "what", ["mitre_bend", "pirate_ii", NEWT, NEWT / "profile.yaml", NEWT / "patrol.yaml", CHART]
+)
+@pytest.mark.parametrize(
+    ("kind", "begins"), [("mermaid", "---"), ("dot", "digraph"), ("svg", "<svg")]
+)
+def test_missions_robots_and_charts_are_drawn(
+    pirate: Any, what: Any, kind: str, begins: str
+) -> None:
+    result = pirate("graph", what, "--format", kind)
+
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert result.stdout.startswith(begins)
+
+
+@pytest.mark.parametrize(
+    ("name", "begins"), [("a.svg", "<svg"), ("a.gv", "digraph"), ("a.mmd", "---"), ("a", "---")]
+)
+def test_the_output_names_the_format(pirate: Any, name: str, begins: str, tmp_path: Path) -> None:
+    assert pirate("graph", "climb", "-o", tmp_path / name).exit_code == 0
+    assert (tmp_path / name).read_text("utf-8").startswith(begins)
+
+
+@pytest.mark.parametrize("what", ["newt", "./newt", "newt/", "newt/profile.yaml"])
+def test_a_robots_folder_here_is_drawn(
+    pirate: Any, what: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(NEWT.parent)
+
+    result = pirate("graph", what)
+
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert 'title: "newt"' in result.stdout
+
+
+def test_a_path_is_marked(pirate: Any) -> None:
+    result = pirate("graph", "climb", "--format", "svg", "--highlight", "up, holding,slipped,")
+
+    classes = [each.get("class") for each in ElementTree.fromstring(result.stdout).iter()]
+    assert classes.count("phase visited") == 2
+    assert classes.count("fail visited") == 1
+
+
+def test_called_missions_are_drawn_when_asked_for(pirate: Any) -> None:
+    assert "subgraph" not in pirate("graph", "mitre_bend").stdout
+    assert pirate("graph", "mitre_bend", "--calls").stdout.count("subgraph") == 2
+
+
+def test_what_is_wrong_with_a_mission_is_told_with_its_place(pirate: Any, tmp_path: Path) -> None:
+    text = (ROOT / "sequences" / "climb.yaml").read_text("utf-8")
+    mission = tmp_path / "wrong.yaml"
+    mission.write_text(text.replace("go: holding", "go: holdin"), encoding="utf-8")
+    result = pirate("graph", mission)
+
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert "wrong.yaml:" in result.stderr
+    assert "did you mean 'holding'?" in result.stderr
+
+
+def test_what_is_wrong_with_a_chart_is_told_with_its_place(pirate: Any, tmp_path: Path) -> None:
+    chart = tmp_path / "chart.yaml"
+    chart.write_text("states: {robot: {}}\n", encoding="utf-8")
+    result = pirate("graph", chart)
+
+    assert result.exit_code == 2
+    assert "chart.yaml:1" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["mitre_bnd"], "did you mean 'mitre_bend'?"),
+        (["nothing/of/this/name.yaml"], "nothing/of/this/name.yaml"),
+        (["climb", "--highlight", "upp"], "did you mean 'up'?"),
+        (["climb", "--set", "height"], "expected NAME=VALUE"),
+        (["climb", "-o", "no/such/folder/a.svg"], "cannot be written"),
+        ([ROOT / "sequences" / "pipes" / "mitre_90.yaml"], "is a pipe"),
+        ([ROOT / "sequences"], "there is no robot"),
+    ],
+)
+def test_misuse_is_told_in_a_line(pirate: Any, arguments: list[Any], says: str) -> None:
+    result = pirate("graph", *arguments)
+
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert says in result.stderr
+
+
+BAD = """\
+format: 1
+mission: bad
+robot: pirate_ii
+start: grip
+phases:
+  grip: {do: [ClampFront, ClampRear], wait: [{when: detector == close, go: on}], within: {time: 5 s, go: lost}}
+  on: {do: [ClampFront], go: good}
+  lost: {do: [{command: Brake, unneeded: skip}], go: bad}
+on_failure: lost
+ends:
+  good: {succeed: There}
+  bad: {fail: "Not there: {cause}"}
+"""  # noqa: E501
+
+
+@pytest.fixture
+def counterexample(pirate: Any, tmp_path: Path) -> tuple[Path, Path]:
+    """A mission whose second phase is refused, and the script that leads there."""
+    mission = tmp_path / "bad.yaml"
+    mission.write_text(BAD, encoding="utf-8")
+    assert pirate("check", mission, "--counterexamples", tmp_path / "out").exit_code == 1
+    (script,) = (tmp_path / "out").glob("*.script.yaml")
+    return mission, script
+
+
+def test_the_way_of_a_counterexample_is_marked(
+    pirate: Any, counterexample: tuple[Path, Path]
+) -> None:
+    mission, script = counterexample
+    result = pirate("graph", mission, "--counterexample", script)
+
+    assert (result.exit_code, result.stderr) == (0, "")
+    for phase in ("(1) grip", "(2) on", "(3) lost", "(4) ✗ bad"):
+        assert f"<b>{phase}</b>" in result.stdout
+    assert "<b>✓ good</b>" in result.stdout
+    assert "n_start ==> n_grip" in result.stdout
+    assert 'n_grip ==>|"detector == close"| n_on' in result.stdout
+    assert 'n_grip -->|"not within 5 s"| n_lost' in result.stdout
+    assert 'n_any_phase ==>|"a step fails"| n_lost' in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["climb", "--counterexample", "nowhere.yaml"], "nowhere.yaml"),
+        (["climb", "--counterexample", "SCRIPT", "--highlight", "up"], "exclude each other"),
+        (["pirate_ii", "--counterexample", "SCRIPT"], "is no mission"),
+        (["climb", "--counterexample", "LIST"], "lays down no course of events"),
+    ],
+)
+def test_what_cannot_be_marked_is_said(
+    pirate: Any, counterexample: tuple[Path, Path], tmp_path: Path, options: list[str], words: str
+) -> None:
+    (tmp_path / "list.yaml").write_text("- {trigger: halt}", encoding="utf-8")
+    named = {"SCRIPT": counterexample[1], "LIST": tmp_path / "list.yaml"}
+    result = pirate("graph", *(named.get(each, each) for each in options))
+
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert words in result.stderr

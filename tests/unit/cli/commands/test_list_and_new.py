@@ -1,0 +1,132 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from pirate_sm.loading.source import read_document
+
+from ..conftest import NEWT
+
+
+def test_everything_is_listed(pirate: Any) -> None:
+    result = pirate("list")
+
+    assert result.exit_code == 0
+    for word in (
+        "robots:", "pirate_ii", "ClampFront", "also UnclampFront", "gamma_1", "an angle",
+        "detector", "close | in | past", "gamma_2_stiff", "mitre_bend", "mitre_90",
+    ):  # fmt: skip
+        assert word in result.stdout
+
+
+def test_one_thing_of_another_robot_is_listed(pirate: Any) -> None:
+    result = pirate("list", "commands", "--robot", NEWT)
+
+    assert "HoldNose" in result.stdout
+    assert "ClampFront" not in result.stdout
+    assert "missions:" not in result.stdout
+
+
+def test_unknown_things_and_robots_are_refused(pirate: Any) -> None:
+    assert pirate("list", "wheels").exit_code == 2
+    result = pirate("list", "--robot", "pirate_3")
+    assert result.exit_code == 2
+    assert "did you mean 'pirate_ii'" in result.stderr
+
+
+@pytest.mark.parametrize("backend", ["trace", "sim"])
+def test_a_new_mission_runs(
+    pirate: Any, pirate_run: Any, backend: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    assert pirate("new", "mission", "hello").exit_code == 0
+    result = pirate_run("hello.yaml", "--backend", backend, "--quiet")
+    assert (result.exit_code, result.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("backend", ["trace", "sim"])
+def test_a_new_robot_runs_its_mission_and_takes_a_new_one(
+    pirate: Any, pirate_run: Any, backend: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    assert pirate("new", "robot", "crawler").exit_code == 0
+    first = pirate_run("crawler/first_mission.yaml", "--backend", backend, "--quiet")
+    assert pirate("new", "mission", "mine", "--robot", "crawler").exit_code == 0
+    second = pirate_run("mine.yaml", "--backend", backend, "--quiet")
+    assert (first.exit_code, second.exit_code) == (0, 0), first.output + second.output
+    assert str(tmp_path) not in Path("mine.yaml").read_text("utf-8")
+
+
+def test_editors_find_the_schemas_of_what_is_new(
+    pirate: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    pirate("new", "robot", "crawler")
+    pirate("new", "mission", "mine", "--robot", "crawler")
+    pirate("new", "mission", "hello")
+    pirate("new", "mission", "again")
+
+    files = sorted(Path().rglob("*.yaml"))
+    assert len(files) == 6
+    for file in files:
+        schema = file.parent / _schema_named_in(file)
+        validator = jsonschema.Draft7Validator(json.loads(schema.read_text("utf-8")))
+        assert list(validator.iter_errors(read_document(file).data)) == []
+    assert _schema_named_in(Path("mine.yaml")) == "crawler/mission.schema.json"
+    assert _schema_named_in(Path("again.yaml")) == "pirate_ii.mission.schema.json"
+
+
+def _schema_named_in(file: Path) -> str:
+    first = file.read_text("utf-8").splitlines()[0]
+    assert first.startswith("# yaml-language-server: $schema=")
+    return first.partition("=")[2]
+
+
+def test_a_schema_is_printed(pirate: Any) -> None:
+    result = pirate("schema", "mission", "--robot", NEWT)
+
+    assert result.exit_code == 0
+    commands = json.loads(result.stdout)["definitions"]["CommandName"]["enum"]
+    assert "HoldNose" in commands
+    assert json.loads(pirate("schema", "chart").stdout)["properties"].keys() == {
+        "name", "description", "states",
+    }  # fmt: skip
+
+
+def test_only_missions_have_a_schema_for_each_robot(pirate: Any) -> None:
+    result = pirate("schema", "pipe", "--robot", NEWT)
+
+    assert result.exit_code == 2
+    assert "leave out --robot" in result.stderr
+
+
+def test_nothing_is_overwritten(
+    pirate: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("hello.yaml").write_text("mine", encoding="utf-8")
+    Path("crawler").mkdir()
+
+    for kind, name in (("mission", "hello"), ("robot", "crawler")):
+        result = pirate("new", kind, name)
+        assert result.exit_code == 2
+        assert "is there already" in result.stderr
+    assert Path("hello.yaml").read_text("utf-8") == "mine"
+    assert list(Path("crawler").iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["", "../up", "two words", "1st", "a" * 65])
+def test_a_name_must_be_a_name(
+    pirate: Any, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    for kind in ("mission", "robot"):
+        assert pirate("new", kind, name).exit_code == 2
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,228 @@
+"""`pirate replay` and `pirate repair`, as a person meets them."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcap.opcode import Opcode
+from mcap.writer import MCAP0_MAGIC
+from typer.testing import CliRunner
+
+from pirate_sm.cli.entry import only_run
+from pirate_sm.recording import recorder
+from pirate_sm.recording.reader import read_recording
+
+ROOT = Path(__file__).resolve().parents[4]
+PIPE = "sequences/pipes/mitre_90.yaml"
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """A run of half a minute with a checkpoint every two seconds, in several pieces."""
+    path = tmp_path_factory.mktemp("runs") / "run.mcap"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(recorder, "CHECKPOINT_S", 2.0)
+        patch.setattr(recorder, "_HELP_AT", 50)
+        patch.setattr(recorder, "_MOST_STEPS", 200)
+        CliRunner().invoke(only_run, ["mitre_bend", "--quiet", "--record", str(path)])
+    return path.read_bytes()
+
+
+@pytest.fixture
+def run(recorded: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    path = Path("run.mcap")
+    path.write_bytes(recorded)
+    return path
+
+
+def chunks_in(data: bytes) -> list[tuple[int, int]]:
+    """Where each piece begins and ends."""
+    at, found = len(MCAP0_MAGIC), []
+    while at < len(data) - len(MCAP0_MAGIC):
+        end = at + 9 + int.from_bytes(data[at + 1 : at + 9], "little")
+        if data[at] == Opcode.CHUNK:
+            found.append((at, end))
+        at = end
+    return found
+
+
+def test_the_whole_run_comes_out_the_same(pirate: Any, run: Path) -> None:
+    result = pirate("replay", run)
+
+    assert result.exit_code == 0
+    assert "the same came out again" in result.stdout
+
+
+def test_a_stretch_begins_at_the_checkpoint_before_it(pirate: Any, run: Path) -> None:
+    result = pirate("replay", run, "--from", "9 s", "--until", "0.2 min")
+
+    ((since, until),) = re.findall(r"from ([\d.]+) s up to ([\d.]+) s", result.stdout)
+    assert result.exit_code == 0
+    assert 7.0 < float(since) <= 9.0
+    assert 11.9 < float(until) <= 12.0
+
+
+def test_a_stretch_for_which_there_is_no_checkpoint_begins_at_the_start(
+    pirate: Any, run: Path
+) -> None:
+    result = pirate("replay", run, "--from", "1 s", "--until", "2 s")
+
+    assert result.exit_code == 0
+    assert "it begins at the start" in result.stdout
+    assert "inputs, up to 1.9" in result.stdout or "inputs, up to 2.0" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--from", "soon"), "--from: expected a duration"),
+        (("--until", "3 m"), "--until: expected a duration"),
+        (("--from", "5 s", "--until", "5 s"), "--until must be later than --from"),
+        (("--until", "0 s"), "--until must be later than the start of the run"),
+        (("--from", "-5 s"), "is not negative"),
+        (("--from", "5 s", "--mission", "mitre_bend"), "excludes another --mission"),
+    ],
+)
+def test_a_stretch_that_cannot_be_is_refused(
+    options: tuple[str, ...], said: str, pirate: Any, run: Path
+) -> None:
+    result = pirate("replay", run, *options)
+
+    assert result.exit_code == 2
+    assert said in result.stderr
+
+
+def test_where_nothing_was_executed_nothing_came_out_the_same(pirate: Any, run: Path) -> None:
+    data = run.read_bytes()
+    Path("empty.mcap").write_bytes(data[: chunks_in(data)[0][0]])
+    nothing = pirate("replay", "empty.mcap")
+    beyond = pirate("replay", run, "--from", "1 h")
+
+    assert (nothing.exit_code, beyond.exit_code) == (2, 2)
+    assert "before the engine was started" in nothing.stderr
+    assert "holds nothing after" in beyond.stderr
+    assert "the same" not in nothing.stdout + beyond.stdout
+
+
+def test_a_state_that_differs_without_an_effect_is_told(pirate: Any, tmp_path: Path) -> None:
+    right = recorder.state_to_text
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(recorder, "CHECKPOINT_S", 2.0)
+        patch.setattr(recorder, "state_to_text", lambda it: right(it._replace(wake_at_s=1e6)))
+        path = tmp_path / "other.mcap"
+        CliRunner().invoke(only_run, ["mitre_bend", "--quiet", "--record", str(path)])
+    result = pirate("replay", path)
+
+    assert result.exit_code == 1
+    assert "what the engine remembers then is not: wake_at_s" in result.stdout
+    assert "nothing" not in result.stdout
+
+
+def test_a_recording_that_was_cut_short_is_repaired(
+    pirate: Any, run: Path, recorded: bytes
+) -> None:
+    before = recorded[: chunks_in(recorded)[3][0] + 1_000]
+    torn = Path("cut.mcap")
+    torn.write_bytes(before)
+    result = pirate("repair", torn)
+    again = pirate("replay", "cut.repaired.mcap")
+
+    assert result.exit_code == 0
+    assert torn.read_bytes() == before
+    assert "cut.repaired.mcap holds" in result.stdout
+    assert "the last 1000 bytes of the file, which are not whole" in result.stdout
+    assert again.exit_code == 0
+    assert "the recording ends early" in again.stdout
+    assert "the recording ends there" in again.stdout
+
+
+def test_a_whole_recording_is_left_alone(pirate: Any, run: Path) -> None:
+    result = pirate("repair", run)
+
+    assert result.exit_code == 0
+    assert "there is nothing to repair" in result.stdout
+    assert [path.name for path in Path().iterdir()] == ["run.mcap"]
+
+
+def test_nothing_is_overwritten(pirate: Any, run: Path, recorded: bytes) -> None:
+    torn = Path("cut.mcap")
+    torn.write_bytes(recorded[:-5_000])
+    Path("mine.mcap").write_text("mine")
+    for output in (torn, "mine.mcap"):
+        result = pirate("repair", torn, "-o", output)
+        assert result.exit_code == 2
+        assert "exists already" in result.stderr
+    assert Path("mine.mcap").read_text() == "mine"
+
+
+def test_what_follows_damage_is_left_out_and_said(pirate: Any, run: Path, recorded: bytes) -> None:
+    data = bytearray(recorded)
+    begins, ends = chunks_in(recorded)[4]
+    data[(begins + ends) // 2] ^= 0xFF
+    Path("bad.mcap").write_bytes(data)
+    refused = pirate("replay", "bad.mcap")
+    result = pirate("repair", "bad.mcap")
+
+    assert refused.exit_code == 2
+    assert result.exit_code == 0
+    assert "lost: what came from there on" in result.stdout
+    assert pirate("replay", "bad.repaired.mcap").exit_code == 0
+
+
+def test_of_a_run_whose_end_is_there_nothing_is_said_that_nobody_knows(
+    pirate: Any, run: Path, recorded: bytes
+) -> None:
+    Path("cut.mcap").write_bytes(recorded[: chunks_in(recorded)[-1][1]])
+    said = [pirate(command, "cut.mcap").stdout for command in ("replay", "repair")]
+    said.append(pirate("replay", "cut.repaired.mcap").stdout)
+
+    assert all("the run had ended" in each for each in (said[0], said[2]))
+    assert not re.search("killed|full|cut short|written|early", "".join(said))
+
+
+@pytest.mark.parametrize("piece", [1, 4])
+def test_what_comes_before_a_gap_in_the_middle_is_saved(
+    piece: int, pirate: Any, run: Path, recorded: bytes
+) -> None:
+    begins, ends = chunks_in(recorded)[piece]
+    Path("gap.mcap").write_bytes(recorded[: begins + 100] + recorded[ends + 100 :])
+    refused = pirate("replay", "gap.mcap")
+    result = pirate("repair", "gap.mcap")
+    again = pirate("replay", "gap.repaired.mcap")
+    whole = read_recording(run)
+    saved = read_recording(Path("gap.repaired.mcap"))
+
+    assert refused.exit_code == 2
+    assert re.search(r"is damaged: at byte \d+; pirate repair saves what", refused.stderr)
+    assert result.exit_code == 0
+    assert re.search(r"lost: what came from there on: .* at byte \d+\n", result.stdout)
+    assert list(saved.steps()) == list(whole.steps())[: len(list(saved.steps()))]
+    assert saved.until_s == pytest.approx(whole.starts_s[piece], abs=0.2)
+    assert again.exit_code == 0
+
+
+def test_what_cannot_be_repaired_is_refused(pirate: Any, run: Path, recorded: bytes) -> None:
+    Path("none.mcap").write_bytes(recorded[:500])
+    Path("other.mcap").write_bytes(b"something else")
+
+    assert "cut off before anything" in pirate("repair", "none.mcap").stderr
+    assert "not an MCAP file" in pirate("repair", "other.mcap").stderr
+    assert sorted(path.name for path in Path().iterdir()) == ["none.mcap", "other.mcap", "run.mcap"]
+
+
+def test_another_mission_is_told_of_by_its_own_file_and_in_words(
+    pirate: Any, run: Path, tmp_path: Path
+) -> None:
+    text = (ROOT / "sequences" / "mitre_bend.yaml").read_text("utf-8")
+    (tmp_path / "other.yaml").write_text(text.replace("      - DriveForward\n", "", 1), "utf-8")
+    result = pirate("replay", run, "--mission", "other.yaml", "--pipe", ROOT / PIPE)
+
+    assert result.exit_code == 1
+    now = result.stdout.partition("  now, ")[2]
+    assert "mitre_bend.yaml" not in now
+    assert re.search(r"in the phase \w+ \(other\.yaml:\d+:\d+\)", result.stdout)
+    assert not re.search(r"\w+\(\w*=|\d\.\d{7,}|Tick", result.stdout)

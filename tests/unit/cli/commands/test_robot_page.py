@@ -1,0 +1,54 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ..conftest import NEWT
+
+
+def test_a_robot_s_page_is_printed(pirate: Any) -> None:
+    result = pirate("robot", NEWT)
+
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert result.stdout.startswith("# newt\n")
+    assert "### HoldNose" in result.stdout
+
+
+def test_without_a_name_it_is_that_of_the_first_shipped(pirate: Any) -> None:
+    assert pirate("robot").stdout.startswith("# pirate_ii\n")
+
+
+def test_it_is_written_as_html_to_a_file(pirate: Any, tmp_path: Path) -> None:
+    result = pirate("robot", NEWT, "--html", "-o", tmp_path / "newt.html")
+
+    assert (result.exit_code, result.stdout) == (0, "")
+    text = (tmp_path / "newt.html").read_text("utf-8")
+    assert text.startswith("<!DOCTYPE html>")
+    assert "<svg" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["pirate_3"], "did you mean 'pirate_ii'"),
+        ([NEWT, "-o", "no/such/folder/a.md"], "cannot be written"),
+    ],
+)
+def test_misuse_is_told_in_a_sentence(pirate: Any, arguments: list[Any], says: str) -> None:
+    result = pirate("robot", *arguments)
+
+    assert result.exit_code == 2
+    assert says in result.stderr
+
+
+def test_no_text_of_a_file_commands_the_terminal(pirate: Any, tmp_path: Path) -> None:
+    for name in ("chart.yaml", "profile.yaml"):
+        text = (NEWT / name).read_text("utf-8")
+        text = text.replace("description: Newt", 'description: "\\u202eNewt\\u200b" #')
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    result = pirate("robot", tmp_path)
+
+    assert "\\u202eNewt\\u200b" in result.stdout
+    assert "\u202e" not in result.stdout

@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+
+import pytest
+
+from pirate_sm.cli.keyboard import Operator
+from pirate_sm.model.effects import Ask, TriggerFired, WaitArmed
+from pirate_sm.model.events import Answer, Event
+
+
+class Keyboard:
+    def __init__(self) -> None:
+        self.keys = ""
+
+    def pressed(self) -> str:
+        keys, self.keys = self.keys, ""
+        return keys
+
+
+@pytest.fixture
+def keyboard() -> Keyboard:
+    return Keyboard()
+
+
+@pytest.fixture
+def told() -> list[str]:
+    return []
+
+
+@pytest.fixture
+def operator(keyboard: Keyboard, told: list[str]) -> Operator:
+    return Operator(keyboard, {"drive": ("stop", "turn")}, told.append)
+
+
+def heard(operator: Operator, now_s: float) -> Sequence[Event]:
+    """What it says when the loop asks it."""
+    operator.look(None, now_s)
+    return operator.speak(now_s)
+
+
+WAIT = WaitArmed("drive", ("halt", "back"), ("operator", "operator"), 60.0)
+OTHER = WaitArmed("rest", ("halt",), ("after",), 60.0)
+
+
+@pytest.mark.parametrize(
+    ("keys", "answer"), [("1", "yes"), ("2", "no"), ("\n", "yes"), ("x2", "no"), ("91", "yes")]
+)
+def test_a_key_answers_a_question(
+    operator: Operator, keyboard: Keyboard, told: list[str], keys: str, answer: str
+) -> None:
+    operator.react((Ask("Go on?", ("yes", "no")),), 3.0)
+    assert operator.listening
+    assert operator.due_s == 3.0
+    assert heard(operator, 3.0) == ()
+
+    keyboard.keys = keys
+    assert heard(operator, operator.due_s) == (Answer(answer),)
+    assert not operator.listening
+    assert operator.due_s == inf
+    assert told == ["Go on?  [1] yes  [2] no"]
+
+
+@pytest.mark.parametrize("keys", ["", "0", "3", "y", "²"])
+def test_other_keys_do_not(operator: Operator, keyboard: Keyboard, keys: str) -> None:
+    operator.react((Ask("Go on?", ("yes", "no")),), 0.0)
+    keyboard.keys = keys
+
+    assert heard(operator, 0.0) == ()
+    assert operator.listening
+
+
+def test_what_was_typed_before_a_question_does_not_answer_it(
+    operator: Operator, keyboard: Keyboard
+) -> None:
+    keyboard.keys = "1"
+    operator.react((Ask("Go on?", ("yes", "no")),), 0.0)
+
+    assert heard(operator, 0.0) == ()
+
+
+def test_a_withdrawn_question_is_forgotten(operator: Operator, keyboard: Keyboard) -> None:
+    operator.react((Ask("Go on?", ("yes",)), Ask("", ())), 0.0)
+
+    assert not operator.listening
+    assert operator.due_s == inf
+
+
+def test_the_operators_triggers_are_on_offer_while_their_wait_lasts(
+    operator: Operator, keyboard: Keyboard
+) -> None:
+    operator.react((WAIT,), 0.0)
+    keyboard.keys = "\n"
+    assert heard(operator, 0.0) == ()  # a trigger has no expected answer
+    keyboard.keys = "2"
+    assert heard(operator, 0.1) == (Answer("turn"),)
+
+    operator.react((WAIT,), 1.0)
+    operator.react((TriggerFired("drive", "halt", "next", ""), OTHER), 2.0)
+    assert not operator.listening
+
+
+def test_an_answer_is_kept_with_who_gave_it(operator: Operator, keyboard: Keyboard) -> None:
+    operator.react((Ask("Go on?", ("yes", "no")),), 0.0)
+    keyboard.keys = "2"
+
+    told = operator.look(None, 0.0)
+
+    assert [line.message for line in told] == ["answered 'no' (operator)"]

@@ -1,0 +1,102 @@
+"""Help texts come from files where these fit, and from the options where they do not."""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import subprocess
+import sys
+
+import pytest
+
+from pirate_sm.cli.stored_help import print_stored_help
+
+from .conftest import ROOT
+
+HEAVY = {"numpy", "pydantic", "rich", "statemachine", "yaml"}
+CODE = (
+    "import sys; bare = set(sys.modules); from pirate_sm.cli.start import {main}; "
+    "sys.argv[0] = '{program}'\n"
+    "try: {main}()\n"
+    "finally: print(*set(sys.modules) - bare, sep=chr(10), file=sys.stderr)"
+)
+
+
+class Full(io.StringIO):
+    """An output on a disk that is full."""
+
+    encoding = "utf-8"  # type: ignore[assignment]
+
+    def flush(self) -> None:
+        raise OSError(errno.ENOSPC, "")
+
+
+def imported(line: str, **environment: str) -> tuple[str, set[str]]:
+    """Return what a command line prints, and the modules that it imports."""
+    program, *arguments = line.split()
+    main = "run_main" if program == "pirate-run" else "main"
+    ran = subprocess.run(
+        [sys.executable, "-c", CODE.format(main=main, program=program), *arguments],
+        capture_output=True,
+        check=True,
+        text=True,
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8", **environment},
+    )
+    return ran.stdout, set(ran.stderr.split())
+
+
+@pytest.mark.parametrize(
+    "line", ["pirate --help", "pirate run --help", "pirate-run -h", "pirate new robot -h"]
+)
+def test_help_imports_hardly_anything(line: str) -> None:
+    told, modules = imported(line, COLUMNS="80")
+
+    assert told.startswith(f"Usage: {line.rpartition(' ')[0]} ")
+    assert len(modules) < 30
+    assert not modules & {*HEAVY, "typer", "pirate_sm.cli.entry"}
+
+
+@pytest.mark.parametrize("line", ["pirate --help", "pirate run --help", "pirate-run -h"])
+def test_help_for_a_narrow_terminal_is_laid_out_and_imports_no_models(line: str) -> None:
+    told, modules = imported(line, COLUMNS="60")
+
+    assert told.startswith(f"Usage: {line.rpartition(' ')[0]} ")
+    assert len(told.splitlines()) > len(imported(line, COLUMNS="80")[0].splitlines())
+    assert "typer" in modules
+    assert not modules & HEAVY - {"pydantic"}  # which typer itself imports
+
+
+def test_a_command_imports_no_other_commands_options() -> None:
+    _, modules = imported("pirate explain --help", COLUMNS="60")
+
+    assert "pirate_sm.cli.options.checks" in modules
+    assert "pirate_sm.cli.options.emulated_bay" not in modules
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["pirate"],
+        ["pirate", "run"],
+        ["pirate", "run", "m.yaml", "--help"],
+        ["pirate", "nonsense", "--help"],
+        ["pirate", "../../../etc/passwd", "--help"],
+        ["another", "--help"],
+        [],
+    ],
+)
+def test_what_is_not_stored_is_not_printed(
+    arguments: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert not print_stored_help(arguments)
+    assert capsys.readouterr().out == ""
+
+
+def test_an_output_that_cannot_be_written_is_left_to_the_slow_way(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setattr(sys, "stdout", Full())
+    assert not print_stored_help(["pirate", "--help"])
