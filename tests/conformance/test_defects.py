@@ -18,7 +18,7 @@ from pirate_sm.backends.pico.assembly import read_plan
 from pirate_sm.backends.pico.backend import SerialBackend
 from pirate_sm.backends.pico.virtual_port import VirtualPort
 from pirate_sm.backends.protocol import Backend
-from pirate_sm.backends.simulator.backend import SimulatorBackend
+from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay

@@ -1,13 +1,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from pirate_sm.backends.simulator.backend import SimulatorBackend
-from pirate_sm.backends.simulator.scene import Jitter
+from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.errors import BackendError, UsageError
+from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import (
     Event,
     FaultReport,
@@ -17,8 +18,20 @@ from pirate_sm.model.events import (
 from pirate_sm.model.pipe import Blockage, Mitre, Pipe, Start, Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
+from pirate_sm.simulation.surroundings import Jitter
 
+ROOT = Path(__file__).resolve().parents[3]
 CYCLE_S = 0.016
+
+
+@pytest.fixture(scope="session")
+def profile() -> Profile:
+    return load_robot(ROOT / "hardware_profiles" / "pirate_ii").profile
+
+
+@pytest.fixture(scope="session")
+def small_profile() -> Profile:
+    return load_robot(ROOT / "tests" / "robots" / "newt").profile
 
 
 def pipe(**more: Any) -> Pipe:
@@ -183,6 +196,22 @@ def test_a_lost_array_is_unknown_in_the_end(profile: Profile) -> None:
                     if event.status == "unknown":
                         return
     pytest.fail("nothing was lost")
+
+
+def test_a_controller_that_starts_again_is_silent_and_then_writes_zeros(profile: Profile) -> None:
+    broken = with_defect(profile, kind="controller_reset", after=2.0, lasting=1.0)
+    backend = SimulatorBackend(broken, pipe(), defects=["it"])
+    backend.open()
+    backend.submit(1, values(profile, drive=0.5))
+    found = pass_time(backend, 4.0)
+    silent = [at for at, event in found if isinstance(event, SensorFrame) and 2.0 <= at < 3.0]
+    (reset,) = [(at, event) for at, event in found if isinstance(event, FaultReport)]
+    assert len(silent) <= 1  # the frame of the cycle in which it happens
+    assert reset[0] == pytest.approx(3.0, abs=CYCLE_S)
+    assert reset[1].code == "firmware.reset"
+    driven_m = backend.truth.distance_m
+    pass_time(backend, 6.0)
+    assert backend.truth.distance_m == pytest.approx(driven_m, abs=2e-3)
 
 
 def test_a_silent_robot_does_not_hang_an_endless_wait(profile: Profile) -> None:
