@@ -314,7 +314,7 @@ def _begin(
     """Angles and gradients are those of the positions, motors have turned for one substep.
 
     A bend motor turns at rate * (duty - torque / stall torque) and is never driven back.
-    """  # fmt: skip
+    """
     dt = world[DT]
     before = 0.0
     for i in range(n):
@@ -643,7 +643,7 @@ def _feel(
 
     "Up" is the normal of the plane of the part ahead of the roll joint, which points up when the
     pipe lies flat and the part has roll 0. In free fall the specific force is zero.
-    """  # fmt: skip
+    """
     k = OUT_PER_WHEEL * n
     m = min(max(int(world[ROLL_LINK]), 0), n - 2)
     leg = legs[int(out[(OUT_PER_WHEEL + 1) * n + OUT_SINGLE + m])]
