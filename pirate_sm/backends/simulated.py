@@ -196,18 +196,18 @@ class SimulatorBackend:
         turn = self._turns[self._cycles % len(self._turns)]
         events: list[Event] = []
         for incident in robot.step(self._now, turn):
-            events += self._suffer(incident)
+            events += self._react_to(incident)
         if self._now >= self._set_up_s:
             events += self._set_up()
         board = turn.board
         if turn.last == board.last:  # values that come one by one are reported when all have come
             events += self._frame(board)
-        fault = robot.meet()
+        fault = robot.meet_obstacles()
         if fault is not None:
             events.append(fault)
         return events
 
-    def _suffer(self, incident: Incident) -> Sequence[Event]:
+    def _react_to(self, incident: Incident) -> Sequence[Event]:
         """Return what is known at once of something that has happened to the boards."""
         if incident.what == "boards_restarted":
             return (FaultReport("firmware.reset", "the boards have started again"),)

@@ -169,9 +169,9 @@ class VirtualBay:
         self._world_s = (self._cycles + 1) * self._cycle_s
         turn = self._turns[self._firmware.turn if self._firmware is not None else 0]
         incidents = self._robot.step(now_s, turn)
-        self._robot.meet()
+        self._robot.meet_obstacles()
         if incidents:
-            self._suffer(now_s, incidents)
+            self._react_to(now_s, incidents)
 
     def _go_wrong(self, now_s: float) -> None:
         """Let happen what is due between two cycles."""
@@ -180,9 +180,9 @@ class VirtualBay:
             if self._firmware is not None:
                 self._firmware.forget()
             self._tell(Record(now_s, "unconfigured", detail="forgotten"))
-        self._suffer(now_s, self._robot.strike(now_s))
+        self._react_to(now_s, self._robot.strike(now_s))
 
-    def _suffer(self, now_s: float, incidents: Sequence[Incident]) -> None:
+    def _react_to(self, now_s: float, incidents: Sequence[Incident]) -> None:
         """Let the controller take part in what has happened to the robot."""
         for incident in incidents:
             if incident.what == "boards_restarted":

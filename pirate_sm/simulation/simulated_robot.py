@@ -6,6 +6,7 @@ backend and the emulated bay both stand on it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -154,10 +155,10 @@ class Robot:
 
     @property
     def due_s(self) -> float:
-        """When the next defect strikes of a sudden; infinite where none will."""
-        return min((effect.due_s for effect in self._effects), default=float("inf"))
+        """When the next defect acts all at once; infinite where none will."""
+        return min((effect.due_s for effect in self._effects), default=math.inf)
 
-    def meet(self) -> FaultReport | None:
+    def meet_obstacles(self) -> FaultReport | None:
         """Let the robot meet what stands in its way after a cycle; return an impassable bend."""
         fault = self._obstacles.step(self._time_s, self._cycle_s)
         if self._cycles % _GONE_EVERY == 0 and not self.gone:

@@ -33,7 +33,7 @@ def driven(seconds: float, *, defect: Defect | None = None, **pipe: object) -> R
     turns = itertools.cycle(robot.turns(one_value=False))
     for cycle in range(round(seconds / profile.link.cycle)):
         robot.step(profile.link.cycle * (cycle + 1), next(turns))
-        robot.meet()
+        robot.meet_obstacles()
     return robot
 
 

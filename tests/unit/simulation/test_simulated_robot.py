@@ -28,7 +28,7 @@ def run(robot: Robot, seconds: float, begin_s: float = 0.0) -> None:
     turns = itertools.cycle(robot.turns(one_value=False))
     for cycle in range(round(seconds / CYCLE_S)):
         robot.step(begin_s + CYCLE_S * (cycle + 1), next(turns))
-        robot.meet()
+        robot.meet_obstacles()
 
 
 def test_an_unclamped_robot_falls_out_and_comes_to_rest(profile: Profile) -> None:
