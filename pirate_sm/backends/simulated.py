@@ -106,7 +106,6 @@ class SimulatorBackend:
         self._wire = _Wire()
         self._now = 0.0
         self._cycles = 0
-        self._set_up_s = math.inf
         self._closed = False
 
     @property
@@ -197,8 +196,6 @@ class SimulatorBackend:
         events: list[Event] = []
         for incident in robot.step(self._now, turn):
             events += self._react_to(incident)
-        if self._now >= self._set_up_s:
-            events += self._set_up()
         board = turn.board
         if turn.last == board.last:  # values that come one by one are reported when all have come
             events += self._frame(board)
@@ -212,14 +209,19 @@ class SimulatorBackend:
         if incident.what == "boards_restarted":
             return (FaultReport("firmware.reset", "the boards have started again"),)
         if incident.what == "controller_restarted":
-            self._set_up_s = incident.until_s
+            return (self._start_again(incident.until_s),)
         return ()
 
-    def _set_up(self) -> Sequence[Event]:
-        """Let the controller that has started again write its first setpoints, all zero."""
-        self._set_up_s = math.inf
+    def _start_again(self, until_s: float) -> FaultReport:
+        """Let the motors go on until the controller is set up and writes its setpoints, all zero.
+
+        Mission time stands still meanwhile, as it does where the link is silent.
+        """
+        for _ in range(round((until_s - self._now) / self._cycle_s)):
+            self._robot.step(self._now, self._turns[0])
+            self._robot.meet_obstacles()
         self._robot.electronics.rest()
-        return (FaultReport("firmware.reset", "the controller has started again"),)
+        return FaultReport("firmware.reset", "the controller has started again")
 
     def _frame(self, board: BoardChannels) -> Sequence[Event]:
         counts = self._robot.frame(self._now, board)

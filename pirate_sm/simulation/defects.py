@@ -248,7 +248,15 @@ class FirmwareReset(Sudden):
         return Incident("boards_restarted")
 
 
-class ControllerStop(Sudden):
+class ControllerReset(Sudden):
+    """The controller of the link starts again by itself; once it is set up, setpoints are zero."""
+
+    def strike(self, now: float) -> Incident:
+        """Say that it does, and that it takes `lasting`."""
+        return Incident("controller_restarted", now + self.defect.lasting)
+
+
+class ControllerHang(Sudden):
     """For a while the controller of the link neither hears nor says anything; motors go on."""
 
     _until = -math.inf
@@ -265,15 +273,6 @@ class ControllerStop(Sudden):
     def delivery(self, now: float) -> tuple[bool, bool]:
         """Let nothing arrive."""
         return now >= self._until, now >= self._until
-
-
-class ControllerReset(ControllerStop):
-    """The controller starts again by itself; once it is set up, all setpoints are zero."""
-
-    def strike(self, now: float) -> Incident:
-        """Begin the silence while it is set up, for `lasting`."""
-        self._until = now + self.defect.lasting
-        return Incident("controller_restarted", self._until)
 
 
 class StrayMotion(Sudden):
@@ -297,7 +296,7 @@ KINDS: Mapping[str, Callable[[Defect, Electronics, np.random.Generator], Effect]
     "stale_repeats": StaleRepeats,
     "firmware_reset": FirmwareReset,
     "controller_reset": ControllerReset,
-    "controller_hang": ControllerStop,
+    "controller_hang": ControllerHang,
     "stray_motion": StrayMotion,
 }
 

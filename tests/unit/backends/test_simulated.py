@@ -198,20 +198,24 @@ def test_a_lost_array_is_unknown_in_the_end(profile: Profile) -> None:
     pytest.fail("nothing was lost")
 
 
-def test_a_controller_that_starts_again_is_silent_and_then_writes_zeros(profile: Profile) -> None:
-    broken = with_defect(profile, kind="controller_reset", after=2.0, lasting=1.0)
-    backend = SimulatorBackend(broken, pipe(), defects=["it"])
-    backend.open()
-    backend.submit(1, values(profile, drive=0.5))
-    found = pass_time(backend, 4.0)
-    silent = [at for at, event in found if isinstance(event, SensorFrame) and 2.0 <= at < 3.0]
-    (reset,) = [(at, event) for at, event in found if isinstance(event, FaultReport)]
-    assert len(silent) <= 1  # the frame of the cycle in which it happens
-    assert reset[0] == pytest.approx(3.0, abs=CYCLE_S)
-    assert reset[1].code == "firmware.reset"
-    driven_m = backend.truth.distance_m
-    pass_time(backend, 6.0)
-    assert backend.truth.distance_m == pytest.approx(driven_m, abs=2e-3)
+def test_while_a_controller_starts_again_motors_go_on_and_then_stop(profile: Profile) -> None:
+    def driven_m(**defect: Any) -> tuple[float, list[FaultReport]]:
+        broken = with_defect(profile, kind="controller_reset", **defect)
+        clamped = values(profile, clamp=0.6)
+        straight = pipe(segments=(Straight(straight=3.0),))
+        backend = SimulatorBackend(broken, straight, defects=["it"], start_values=clamped)
+        backend.open()
+        backend.submit(1, values(profile, clamp=0.6, drive=0.5))
+        faults = of(FaultReport, pass_time(backend, 4.0))
+        return backend.truth.distance_m, faults
+
+    at_once, faults = driven_m(after=2.0)
+    assert [fault.code for fault in faults] == ["firmware.reset"]
+    whole, _ = driven_m(after=60.0)
+    assert at_once == pytest.approx(whole / 2, rel=0.05)
+    # Mission time stands still while it is set up, but the robot does not.
+    late, _ = driven_m(after=2.0, lasting=1.0)
+    assert late == pytest.approx(whole * 0.75, rel=0.05)
 
 
 def test_a_silent_robot_does_not_hang_an_endless_wait(profile: Profile) -> None:
