@@ -207,9 +207,9 @@ def _simulator(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
     if order.firings or order.course:
         raise UsageError("triggers can be fired in a trace only: use --backend trace")
     try:
-        from pirate_sm.backends.simulator import kernel
-        from pirate_sm.backends.simulator.backend import SimulatorBackend
-        from pirate_sm.backends.simulator.scene import Jitter
+        from pirate_sm.backends.simulated import SimulatorBackend
+        from pirate_sm.simulation.surroundings import Jitter
+        from pirate_sm.simulation.xpbd.world import is_compiled
     except ModuleNotFoundError as error:
         if error.name not in _COMPILED:
             raise
@@ -217,7 +217,7 @@ def _simulator(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
             f"the simulator needs {error.name}, which is not installed: "
             "pip install 'pirate-sm[sim]' (or use --backend trace)"
         ) from None
-    if not kernel.is_compiled():
+    if not is_compiled():
         say(COMPILING)
     detector = _detecting(order, loaded, usual="sim")
     jitter = Jitter(order.start_jitter_m, order.friction_jitter, order.diameter_jitter_m)

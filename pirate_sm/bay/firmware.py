@@ -14,9 +14,9 @@ from typing import NamedTuple
 from pirate_sm.bay.conversation import Conversation, Message, log_message
 from pirate_sm.bay.frames import Frame, Reception
 from pirate_sm.bay.line import Line
-from pirate_sm.bay.robot import Robot
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.wire import Array, Wire
+from pirate_sm.simulation.simulated_robot import Robot
 
 READY = "bay ready"
 _CASES = 4

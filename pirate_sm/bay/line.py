@@ -6,8 +6,9 @@ import numpy as np
 
 from pirate_sm.bay.conversation import Message
 from pirate_sm.bay.frames import encode
-from pirate_sm.bay.switches import Corruption, Loss, Switches
+from pirate_sm.bay.switches import Corruption, Switches
 from pirate_sm.bay.uart import Inlet, Outlet
+from pirate_sm.simulation.loss import Loss
 
 _SEND_RING = 64
 _BITS_PER_BYTE = 10

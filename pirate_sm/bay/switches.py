@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
 
 from pirate_sm.errors import UsageError
+from pirate_sm.model.simulation import Defect, Kind
+from pirate_sm.simulation.defects import AtWork
 
 Topic = Literal["state", "echo", "setpoints"]
 TOPICS: tuple[Topic, ...] = ("state", "echo", "setpoints")
@@ -88,6 +90,32 @@ class Switches:
         mute = board in self.silent_boards and now_s >= self.silent_boards_at_s
         return self.sensors_started and not mute
 
+    def more_defects(self, seed: int, chances: Sequence[np.random.Generator]) -> list[AtWork]:
+        """Return what is switched on here of the defects that a profile may name as well.
+
+        Args:
+            seed: Of the spells of repeated values.
+            chances: Three sources of chance: of motions, of restarts, of the times of motions.
+        """
+        motions, restarts, moments = chances
+        spells = np.random.default_rng((seed, len(self.defects)))
+        found = [
+            *(_at_work("controller_reset", restarts, after=at_s) for at_s in self.reset_at_s),
+            *(_at_work("stray_motion", motions, after=at_s) for at_s in self.spontaneous_at_s),
+        ]
+        if self.stale_every_s:
+            every_s, for_s = self.stale_every_s, self.stale_for_s
+            found.append(_at_work("stale_repeats", spells, every=every_s, lasting=for_s))
+        if self.reset_every_s:
+            found.append(_at_work("controller_reset", restarts, every=self.reset_every_s))
+        if self.spontaneous_every_s:
+            found.append(_at_work("stray_motion", moments, every=self.spontaneous_every_s))
+        if self.hang_at_s < math.inf and self.hang_for_s:
+            # A defect that lasts for good has no duration.
+            for_s = self.hang_for_s if self.hang_for_s < math.inf else 0.0
+            found.append(_at_work("controller_hang", moments, after=self.hang_at_s, lasting=for_s))
+        return found
+
     def __post_init__(self) -> None:
         most = 0.5 if self.never_two else 1.0
         for name, limit in (("loss_in", most), ("loss_out", most), ("corruption", 1.0)):
@@ -105,34 +133,15 @@ class Switches:
             raise UsageError("poll_s must be more than 0")
 
 
-class Loss:
-    """Decides which frames arrive.
-
-    Args:
-        share: Of frames lost.
-        never_two: Whether of two consecutive frames of one kind one always arrives.
-        rng: Source of chance.
-    """
-
-    def __init__(self, share: float, never_two: bool, rng: np.random.Generator) -> None:
-        # After a loss one always arrives, so of the others more must be lost.
-        self._share = share / (1.0 - share) if never_two else share
-        self._never_two = never_two
-        self._rng = rng
-        self._just_lost: set[int] = set()
-
-    def arrives(self, topic: int) -> bool:
-        """Whether the next frame of this topic does."""
-        if self._share == 0.0:
-            return True
-        if topic in self._just_lost:
-            self._just_lost.discard(topic)
-            return True
-        if self._rng.random() >= self._share:
-            return True
-        if self._never_two:
-            self._just_lost.add(topic)
-        return False
+def _at_work(
+    kind: Kind,
+    rng: np.random.Generator,
+    after: float = 0.0,
+    every: float = 0.0,
+    lasting: float = 0.0,
+) -> AtWork:
+    text = "a switch of the bay"
+    return Defect(kind=kind, description=text, after=after, every=every, lasting=lasting), rng
 
 
 class Corruption:
@@ -162,35 +171,3 @@ class Corruption:
             self._spared += 1 + self._gap()
         self._spared -= len(changed)
         return bytes(changed)
-
-
-class Occasions:
-    """Moments at which something happens: given ones, and random ones.
-
-    Args:
-        at_s: The given ones.
-        every_s: Mean time between random ones, 0 for none.
-        rng: Source of chance.
-
-    Attributes:
-        due_s: When the next one is; infinite when none is to come.
-    """
-
-    def __init__(self, at_s: Sequence[float], every_s: float, rng: np.random.Generator) -> None:
-        self._given = sorted(at_s)
-        self._pause: Callable[[], float] = (
-            (lambda: float(rng.exponential(every_s))) if every_s > 0.0 else (lambda: math.inf)
-        )
-        self._random_s = self._pause()
-        self.due_s = self._next_s()
-
-    def pass_one(self) -> None:
-        """The next one has been."""
-        if self._given and self._given[0] <= self._random_s:
-            self._given.pop(0)
-        else:
-            self._random_s += self._pause()
-        self.due_s = self._next_s()
-
-    def _next_s(self) -> float:
-        return min(self._given[0] if self._given else math.inf, self._random_s)

@@ -9,12 +9,14 @@ import numpy as np
 
 from pirate_sm.bay.firmware import Firmware, Record
 from pirate_sm.bay.line import Line
-from pirate_sm.bay.robot import Robot, Truth
-from pirate_sm.bay.switches import Occasions, Switches
+from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.wire import Array, Wire, serial_of
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.model.simulation import Defect
+from pirate_sm.simulation.defects import Incident
+from pirate_sm.simulation.physics import MakePhysics
+from pirate_sm.simulation.simulated_robot import FullTruth, Robot
+from pirate_sm.simulation.xpbd.world import World
 
 _SHORTEST_BOOT = 0.75
 """Share of the profile's boot time that a quick start takes: 1.5 to 2 s for an Arduino Mega."""
@@ -33,6 +35,7 @@ class VirtualBay:
         seed: Of everything random.
         start_values: Setpoints of the configuration that the robot starts in, one per slot, for
             a start with clamped parts; None for a straight robot.
+        physics: Makes what moves the robot.
 
     Attributes:
         records: What has happened, oldest first; a reader may clear it.
@@ -51,15 +54,21 @@ class VirtualBay:
         switches: Switches | None = None,
         seed: int = 0,
         start_values: Sequence[float] | None = None,
+        physics: MakePhysics = World,
     ) -> None:
         self._switches = switches = switches or Switches()
         serial = serial_of(profile)
         chances = np.random.default_rng((seed, 1)).spawn(5)
         self._wire = Wire(profile, texts, switches.wrong_md5)
         self._robot = Robot(
-            profile, pipe, seed=seed, defects=switches.defects, extra=_stale(switches),
+            profile,
+            pipe,
+            physics,
+            seed=seed,
             start_values=start_values,
-        )  # fmt: skip
+            defects=switches.defects,
+            more_defects=switches.more_defects(seed, chances[2:]),
+        )
         self._turns = self._robot.turns(self._wire.one_value)
         self._line = Line(serial.baud, switches, chances[0])
         self._boot = (serial.boot * _SHORTEST_BOOT, serial.boot, chances[1])
@@ -67,13 +76,7 @@ class VirtualBay:
         self._echo_delay_s = profile.link.echo_delay
         stop_after_s = serial.stop_after if switches.dead_man else None
         self._stop_after_s = math.inf if stop_after_s is None else stop_after_s
-        self._twitches = chances[2]
-        self._resets = Occasions(switches.reset_at_s, switches.reset_every_s, chances[3])
-        self._motions = Occasions(
-            switches.spontaneous_at_s, switches.spontaneous_every_s, chances[4]
-        )
-        self._lapses = Occasions(switches.unconfigured_at_s, 0.0, chances[4])
-        self._hang_s = switches.hang_at_s
+        self._lapses_s = [math.inf, *sorted(switches.unconfigured_at_s, reverse=True)]
         self._cycles = 0
         self._world_s = self._cycle_s
         self._expect_trouble()
@@ -84,14 +87,14 @@ class VirtualBay:
         self._firmware: Firmware | None = self._set_up(0.0)
 
     @property
-    def truth(self) -> Truth:
+    def truth(self) -> FullTruth:
         """Where the robot really is."""
         return self._robot.truth
 
     @property
     def duties(self) -> tuple[float, ...]:
         """Duties in force, of the joints at each wheel, then of the wheels."""
-        return tuple(self._robot.world.command.tolist())
+        return self._robot.duties
 
     @property
     def configured(self) -> bool:
@@ -141,9 +144,8 @@ class VirtualBay:
         return min(firmware, self._trouble_s, self._world_s)
 
     def _expect_trouble(self) -> None:
-        """It is clear when something goes wrong next."""
-        occasions = self._resets, self._motions, self._lapses
-        self._trouble_s = min(self._hang_s, *(each.due_s for each in occasions))
+        """Note when something goes wrong next."""
+        self._trouble_s = min(self._lapses_s[-1], self._robot.due_s)
 
     def _run(self, now_s: float) -> None:
         while True:
@@ -162,32 +164,37 @@ class VirtualBay:
                 self._start(due)
 
     def _move(self, now_s: float) -> None:
-        """The robot has moved for a cycle."""
+        """Let the robot move for a cycle."""
         self._cycles += 1
         self._world_s = (self._cycles + 1) * self._cycle_s
         turn = self._turns[self._firmware.turn if self._firmware is not None else 0]
-        if self._robot.step(now_s, turn):
-            self._reset(now_s, "a defect of the firmware")
+        incidents = self._robot.step(now_s, turn)
+        self._robot.meet_obstacles()
+        if incidents:
+            self._react_to(now_s, incidents)
 
     def _go_wrong(self, now_s: float) -> None:
-        if now_s == self._resets.due_s:
-            self._resets.pass_one()
-            self._reset(now_s, "the firmware started again by itself")
-        elif now_s == self._motions.due_s:
-            self._motions.pass_one()
-            self._robot.twitch(self._twitches)
-            self._tell(Record(now_s, "spontaneous"))
-        elif now_s == self._lapses.due_s:
-            self._lapses.pass_one()
+        """Let happen what is due between two cycles."""
+        if now_s == self._lapses_s[-1]:
+            self._lapses_s.pop()
             if self._firmware is not None:
                 self._firmware.forget()
             self._tell(Record(now_s, "unconfigured", detail="forgotten"))
-        else:
-            self._hang_s = math.inf
-            until = now_s + self._switches.hang_for_s
-            if self._firmware is not None:
-                self._firmware.stall(until)
-            self._tell(Record(now_s, "hung", detail=f"until {until:g} s"))
+        self._react_to(now_s, self._robot.strike(now_s))
+
+    def _react_to(self, now_s: float, incidents: Sequence[Incident]) -> None:
+        """Let the controller take part in what has happened to the robot."""
+        for incident in incidents:
+            if incident.what == "boards_restarted":
+                self._reset(now_s, "a defect of the firmware")
+            elif incident.what == "controller_restarted":
+                self._reset(now_s, "the firmware started again by itself")
+            elif incident.what == "motor_moves":
+                self._tell(Record(now_s, "spontaneous"))
+            else:
+                if self._firmware is not None:
+                    self._firmware.stall(incident.until_s)
+                self._tell(Record(now_s, "hung", detail=f"until {incident.until_s:g} s"))
         self._expect_trouble()
 
     def _reset(self, now_s: float, why: str) -> None:
@@ -203,7 +210,7 @@ class VirtualBay:
         """The set-up is done: initial setpoints are written, the loop begins."""
         self._booted_s = math.inf
         self._line.ignore(now_s)
-        self._robot.rest()
+        self._robot.electronics.rest()
         self._firmware = self._set_up(now_s)
         self._tell(Record(now_s, "booted"))
 
@@ -222,16 +229,3 @@ class VirtualBay:
             self.last_array = Array(record.setpoint_id, record.counts)
         elif record.event in {"applied", "tripped"}:
             self.last_applied = Array(record.setpoint_id, record.counts)
-
-
-def _stale(switches: Switches) -> tuple[Defect, ...]:
-    if switches.stale_every_s == 0.0:
-        return ()
-    return (
-        Defect(
-            kind="stale_repeats",
-            description="boards repeat their values",
-            every=switches.stale_every_s,
-            lasting=switches.stale_for_s,
-        ),
-    )

@@ -54,6 +54,24 @@ class Noise(Frozen):
     detector: Annotated[Length, Field(ge=0)] = 0.0
 
 
+Kind = Literal[
+    "dead_wheel",
+    "stiff_joint",
+    "sensor_stuck",
+    "sensor_drop",
+    "sensor_spike",
+    "zero_jump",
+    "silent_bay",
+    "lost_messages",
+    "stale_repeats",
+    "firmware_reset",
+    "controller_reset",
+    "controller_hang",
+    "stray_motion",
+]
+"""What can be wrong with a robot; `simulation/defects.py` does it."""
+
+
 class Defect(Frozen):
     """A known defect that can be switched on by its name.
 
@@ -72,18 +90,7 @@ class Defect(Frozen):
         share: Share of messages lost.
     """
 
-    kind: Literal[
-        "dead_wheel",
-        "stiff_joint",
-        "sensor_stuck",
-        "sensor_drop",
-        "sensor_spike",
-        "zero_jump",
-        "silent_bay",
-        "lost_messages",
-        "stale_repeats",
-        "firmware_reset",
-    ]
+    kind: Kind
     description: str
     wheels: tuple[Name, ...] = ()
     joint: Name | None = None

@@ -11,7 +11,7 @@ from pirate_sm.backends.pico.assembly import read_plan
 from pirate_sm.backends.pico.backend import SerialBackend
 from pirate_sm.backends.pico.virtual_port import VirtualPort
 from pirate_sm.backends.protocol import Backend
-from pirate_sm.backends.simulator.backend import SimulatorBackend
+from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.backends.trace import TraceBackend
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
@@ -19,6 +19,10 @@ from pirate_sm.errors import BackendError
 from pirate_sm.loading.pipe import load_pipe
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import Event, SubmitResult
+from pirate_sm.simulation.physics import MakePhysics
+from pirate_sm.simulation.xpbd.world import World
+
+from .obedient import ObedientPhysics
 
 NEWT = Path(__file__).resolve().parents[1] / "robots" / "newt"
 
@@ -72,22 +76,35 @@ class LateBackend:
         self._closed = True
 
 
-def _simulator(seed: int) -> Backend:
+def _simulator(seed: int, physics: MakePhysics = World) -> Backend:
     pipe, _ = load_pipe(NEWT / "elbow.yaml")
-    return SimulatorBackend(load_robot(NEWT).profile, pipe, seed=seed)
+    return SimulatorBackend(load_robot(NEWT).profile, pipe, seed=seed, physics=physics)
 
 
-def _serial(seed: int) -> Backend:
+def _serial(seed: int, physics: MakePhysics = World) -> Backend:
     pipe, _ = load_pipe(NEWT / "elbow.yaml")
     robot = load_robot(NEWT)
-    bay = VirtualBay(robot.profile, pipe, message_texts(NEWT, robot.profile), seed=seed)
+    texts = message_texts(NEWT, robot.profile)
+    bay = VirtualBay(robot.profile, pipe, texts, seed=seed, physics=physics)
     plan = read_plan(NEWT, robot.profile, robot.normal)
     return SerialBackend(plan, VirtualPort(bay, plan.serial.heartbeat_within))
 
 
+def _simulated_places(backend: Any) -> Sequence[tuple[float, float]]:
+    return backend.truth.wheels  # type: ignore[no-any-return]
+
+
+def _places_behind_the_port(backend: Any) -> Sequence[tuple[float, float]]:
+    return backend.port.device.truth.wheels  # type: ignore[no-any-return]
+
+
 CANDIDATES = {
     "trace": Candidate(lambda seed: TraceBackend()),
-    "sim": Candidate(_simulator, lambda backend: backend.truth.wheels),
-    "serial": Candidate(_serial, lambda backend: backend.port.device.truth.wheels),
+    "sim": Candidate(_simulator, _simulated_places),
+    "sim, obedient": Candidate(lambda seed: _simulator(seed, ObedientPhysics), _simulated_places),
+    "serial": Candidate(_serial, _places_behind_the_port),
+    "serial, obedient": Candidate(
+        lambda seed: _serial(seed, ObedientPhysics), _places_behind_the_port
+    ),
     "late": Candidate(lambda seed: LateBackend()),
 }

@@ -8,6 +8,7 @@ defect that comes and goes at random is tried with its own seeds only.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -18,7 +19,7 @@ from pirate_sm.backends.pico.assembly import read_plan
 from pirate_sm.backends.pico.backend import SerialBackend
 from pirate_sm.backends.pico.virtual_port import VirtualPort
 from pirate_sm.backends.protocol import Backend
-from pirate_sm.backends.simulator.backend import SimulatorBackend
+from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
@@ -26,6 +27,7 @@ from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.effects import Effect, Fault
+from pirate_sm.model.simulation import Defect
 from pirate_sm.runtime.loop import MissionRun
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -51,6 +53,15 @@ ends:
   back: {succeed: Back}
   late: {fail: Too late}
 """
+
+
+# Of the controller of the link, which the profile's own defects leave alone.
+OF_THE_CONTROLLER = {
+    "restarts": Defect(kind="controller_reset", description="", after=12.0, lasting=2.0),
+    "hangs_briefly": Defect(kind="controller_hang", description="", after=12.0, lasting=0.1),
+    "hangs_for_good": Defect(kind="controller_hang", description="", after=12.0),
+    "moves_a_motor": Defect(kind="stray_motion", description="", after=12.0),
+}
 
 
 class Course(NamedTuple):
@@ -94,7 +105,12 @@ def behind_the_bay(loaded: LoadedMission, defect: str, seed: int) -> Backend:
 def loaded_in(folder: Path) -> LoadedMission:
     file = folder / "there_and_back.yaml"
     file.write_text(MISSION, encoding="utf-8")
-    return load_mission(file)
+    loaded = load_mission(file)
+    robot = loaded.loaded_robot
+    defects = {**robot.profile.simulation.defects, **OF_THE_CONTROLLER}
+    simulation = robot.profile.simulation.model_copy(update={"defects": defects})
+    profile = robot.profile.model_copy(update={"simulation": simulation})
+    return replace(loaded, loaded_robot=replace(robot, profile=profile))
 
 
 def course(loaded: LoadedMission, backend: Backend) -> Course:
@@ -110,7 +126,9 @@ def loaded(tmp_path_factory: pytest.TempPathFactory) -> LoadedMission:
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-@pytest.mark.parametrize("defect", load_robot(SIX_WHEELED).profile.simulation.defects)
+@pytest.mark.parametrize(
+    "defect", [*load_robot(SIX_WHEELED).profile.simulation.defects, *OF_THE_CONTROLLER]
+)
 def test_a_defect_has_the_same_consequences_in_the_simulator_and_behind_the_bay(
     loaded: LoadedMission, defect: str, seed: int
 ) -> None:

@@ -1,42 +1,16 @@
 from __future__ import annotations
 
-import itertools
 from typing import Any
 
 import numpy as np
 import pytest
 
-from pirate_sm.bay.switches import Corruption, Loss, Occasions, Switches
+from pirate_sm.bay.switches import Corruption, Switches
 from pirate_sm.errors import UsageError
 
 
 def rng(seed: int = 5) -> np.random.Generator:
     return np.random.default_rng(seed)
-
-
-@pytest.mark.parametrize("never_two", [False, True])
-def test_the_share_of_frames_lost_is_the_one_asked_for(never_two: bool) -> None:
-    loss = Loss(0.2, never_two, rng())
-    lost = [not loss.arrives(1) for _ in range(20_000)]
-
-    assert sum(lost) / len(lost) == pytest.approx(0.2, abs=0.01)
-
-
-def test_independent_losses_come_in_a_row() -> None:
-    loss = Loss(0.2, False, rng())
-    lost = [not loss.arrives(1) for _ in range(5000)]
-
-    assert any(a and b for a, b in itertools.pairwise(lost))
-
-
-def test_of_two_consecutive_frames_of_a_topic_one_always_arrives() -> None:
-    loss = Loss(0.2, True, rng())
-    lost: dict[int, list[bool]] = {1: [], 2: []}
-    for _ in range(20_000):
-        for topic, series in lost.items():
-            series.append(not loss.arrives(topic))
-
-    assert not any(a and b for series in lost.values() for a, b in itertools.pairwise(series))
 
 
 def test_the_share_of_bytes_changed_is_the_one_asked_for() -> None:
@@ -49,18 +23,25 @@ def test_the_share_of_bytes_changed_is_the_one_asked_for() -> None:
     assert changed / 140_000 == pytest.approx(0.01, abs=0.001)
 
 
-def test_occasions_come_when_given_and_at_random() -> None:
-    given = Occasions((5.0, 2.0), 0.0, rng())
-    assert given.due_s == 2.0
-    given.pass_one()
-    assert given.due_s == 5.0
-    given.pass_one()
-    assert given.due_s == float("inf")
+@pytest.mark.parametrize(
+    ("switch", "kind"),
+    [
+        ({"reset_at_s": (5.0,)}, "controller_reset"),
+        ({"reset_every_s": 5.0}, "controller_reset"),
+        ({"spontaneous_at_s": (5.0,)}, "stray_motion"),
+        ({"spontaneous_every_s": 5.0}, "stray_motion"),
+        ({"stale_every_s": 5.0}, "stale_repeats"),
+        ({"hang_at_s": 5.0}, "controller_hang"),
+    ],
+)
+def test_a_switch_is_short_for_a_kind_of_defect(switch: dict[str, Any], kind: str) -> None:
+    ((defect, _),) = Switches(**switch).more_defects(0, rng().spawn(3))
+    assert defect.kind == kind
+    assert 5.0 in (defect.after, defect.every)
 
-    random = Occasions((), 10.0, rng())
-    for _ in range(2000):
-        random.pass_one()
-    assert random.due_s / 2001 == pytest.approx(10.0, rel=0.1)
+
+def test_with_all_switches_off_there_is_no_defect() -> None:
+    assert Switches().more_defects(0, rng().spawn(3)) == []
 
 
 @pytest.mark.parametrize(

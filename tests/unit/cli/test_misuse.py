@@ -139,7 +139,7 @@ def test_a_script_that_does_not_fit(
 def test_a_missing_extra_is_named_with_how_to_install_it(
     pirate_run: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name in [name for name in sys.modules if name.startswith("pirate_sm.backends.simulator")]:
+    for name in [name for name in sys.modules if name.startswith("pirate_sm.simulation")]:
         monkeypatch.delitem(sys.modules, name)
     genuine = builtins.__import__
 

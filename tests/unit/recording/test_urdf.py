@@ -10,7 +10,7 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 import pytest
 
-from pirate_sm.backends.simulator.backend import SimulatorBackend
+from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import SensorFrame

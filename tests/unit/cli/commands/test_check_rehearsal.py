@@ -10,7 +10,7 @@ from typing import Any
 import jsonschema
 import pytest
 
-from pirate_sm.backends.simulator.backend import SimulatorBackend
+from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.wiring import COMPILING
 
 from ..conftest import NEWT, ROOT

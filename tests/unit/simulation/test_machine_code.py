@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 SOURCE = """
-from pirate_sm.backends.simulator.machine_code import compiled, is_kept
+from pirate_sm.simulation.machine_code import compiled, is_kept
 
 @compiled
 def inner(x: float) -> float:

@@ -1,8 +1,8 @@
 """The compiled part of the kinematic simulator: extended position-based dynamics in a plane.
 
-Everything numba compiles lives in this one module, because numba's cache does not notice edits in
-functions that are called from another file. `chain.py`, `geometry.py` and `channels.py` fill the
-arrays whose columns are named here.
+Everything that is compiled for it lives in this one module, because numba's cache does not notice
+edits in functions that are called from another file. `chain.py`, `world.py` and the pipe's
+`geometry.py` fill the arrays whose columns are named here.
 
 A substep is: motors, predict, iterate (joints, contacts, corners, links), velocity from
 displacement (XPBD, Macklin et al. 2016). Gradients are those of the substep's start: nothing turns
@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pirate_sm.backends.simulator.arrays import Floats, Ints, Words
-from pirate_sm.backends.simulator.machine_code import compiled, is_kept
+from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.machine_code import compiled
 
 # Columns of `body`, a row per wheel; joint columns are of the joint at that wheel, the link's
 # length is of the link from that wheel to the next one behind it.
@@ -40,19 +40,16 @@ BLOCK_NODE, BLOCK_X, BLOCK_Y, BLOCK_NX, BLOCK_NY = range(7, 12)
 ROLL_LINK, ROLL_TARGET, ROLL_RATE, MAG_X, MAG_Y, MAG_Z, ROLL_STALL = range(12, 19)
 WORLD_ENTRIES = 19
 
-# Columns of `channels`: count = gain * quantity + offset + noise.
-C_SOURCE, C_GAIN, C_OFFSET, C_SIGMA, C_ABS = range(5)
-CHANNEL_COLUMNS = 5
-
-# Blocks of `state`, each as long as there are wheels times the number given, and of `out`.
+# Blocks of `state`, each as long as there are wheels times the number given.
 S_POSITION, S_VELOCITY, S_MOTOR, S_WHEEL, S_BEND, S_ANCHOR, S_TURNED, S_READ, S_ROLL = (
     0, 2, 4, 5, 6, 7, 11, 12, 13,
 )  # fmt: skip
-PER_WHEEL = (
-    "bend", "bend_torque", "bend_current", "wheel", "turned", "drive", "press", "arc", "side",
-    "leg", "grip",
-)  # fmt: skip
-SINGLE = ("roll", "roll_current", "acc_x", "acc_y", "acc_z", "mag_x", "mag_y", "mag_z")
+# `out` has a block for each of `physics.PER_WHEEL`, the entries `physics.SINGLE`, and two blocks of
+# the kernel's own: each wheel's offset towards side A and the number of its leg. These are numbers
+# because numba's cache does not notice an edit in another file.
+OUT_PER_WHEEL = 9
+OUT_SINGLE = 8
+OUT_OWN = 2
 
 # Scratch columns per wheel.
 (
@@ -86,25 +83,6 @@ _SLIPPED, _STUCK = 0.999, 0.998
 _LYING_WEIGHTS = 2.0
 # Farther from its end stops than this, a joint cannot reach them in one substep.
 _STOP_RAD = 0.1
-
-
-def is_compiled() -> bool:
-    """Whether the simulator can start at once; otherwise its first call takes seconds."""
-    return is_kept(advance)
-
-
-@compiled
-def _gauss(rng: Words) -> float:
-    """One nearly normal number has been drawn (splitmix64, sum of four uniforms)."""
-    rng[0] += np.uint64(0x9E3779B97F4A7C15)
-    z = rng[0]
-    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    z = z ^ (z >> np.uint64(31))
-    mask = np.uint64(0xFFFF)
-    total = float(z & mask) + float((z >> np.uint64(16)) & mask)
-    total += float((z >> np.uint64(32)) & mask) + float(z >> np.uint64(48))
-    return (total - 131070.0) / 37837.0
 
 
 @compiled
@@ -336,7 +314,7 @@ def _begin(
     """Angles and gradients are those of the positions, motors have turned for one substep.
 
     A bend motor turns at rate * (duty - torque / stall torque) and is never driven back.
-    """  # fmt: skip
+    """
     dt = world[DT]
     before = 0.0
     for i in range(n):
@@ -523,8 +501,9 @@ def _turn_wheels(
 
 
 @compiled
-def _project(n: int, pos: Floats, legs: Floats, out: Floats, base: int) -> None:
-    """Arc length, offset towards side A and leg of each wheel are in three blocks of `out`."""
+def _project(n: int, pos: Floats, legs: Floats, out: Floats) -> None:
+    """Write arc length, offset towards side A and leg of each wheel to their blocks of `out`."""
+    side = OUT_PER_WHEEL * n + OUT_SINGLE
     for i in range(n):
         best = np.inf
         for k in range(legs.shape[0]):
@@ -542,9 +521,9 @@ def _project(n: int, pos: Floats, legs: Floats, out: Floats, base: int) -> None:
             away2 = ax * ax + ay * ay
             if away2 < best:
                 best = away2
-                out[base + i] = legs[k, L_S] + along
-                out[base + n + i] = across
-                out[base + 2 * n + i] = k
+                out[7 * n + i] = legs[k, L_S] + along
+                out[side + i] = across
+                out[side + n + i] = k
 
 
 @compiled
@@ -573,6 +552,7 @@ def _prepare(
     """What stays the same for a whole call is set: gravity, motor limits, compliances."""
     dt = world[DT]
     radius = world[RADIUS]
+    leg_of = (OUT_PER_WHEEL + 1) * n + OUT_SINGLE
     front, rear = roll[1], roll[2]
     if front != rear:
         front_lies = _lies(n, 1, body, legs, world, out)
@@ -583,7 +563,7 @@ def _prepare(
         elif rear_lies and not front_lies:
             rear = front
     for i in range(n):
-        leg = legs[int(out[9 * n + i])]
+        leg = legs[int(out[leg_of + i])]
         part = front if i <= world[ROLL_LINK] else rear
         across = leg[L_GN]
         if part != 0.0:
@@ -619,7 +599,7 @@ def _turn_roll(
 
     The current is the share of the stall torque that the motor gives: all of it while it stalls.
     """
-    k = len(PER_WHEEL) * n
+    k = OUT_PER_WHEEL * n
     out[k] = roll[0]
     out[k + 1] = 0.0
     wanted = world[ROLL_TARGET] - roll[0]
@@ -663,10 +643,10 @@ def _feel(
 
     "Up" is the normal of the plane of the part ahead of the roll joint, which points up when the
     pipe lies flat and the part has roll 0. In free fall the specific force is zero.
-    """  # fmt: skip
-    k = len(PER_WHEEL) * n
+    """
+    k = OUT_PER_WHEEL * n
     m = min(max(int(world[ROLL_LINK]), 0), n - 2)
-    leg = legs[int(out[9 * n + m])]
+    leg = legs[int(out[(OUT_PER_WHEEL + 1) * n + OUT_SINGLE + m])]
     hx = pos[m, 0] - pos[m + 1, 0]
     hy = pos[m, 1] - pos[m + 1, 1]
     length = np.sqrt(hx * hx + hy * hy)
@@ -687,20 +667,6 @@ def _feel(
 
 
 @compiled
-def read_channels(
-    channels: Floats, first: int, last: int, out: Floats, raw: Floats, rng: Words
-) -> None:
-    """Fresh counts of the channels from `first` to before `last` are in `raw`."""
-    for c in range(first, last):
-        value = out[int(channels[c, C_SOURCE])] * channels[c, C_GAIN] + channels[c, C_OFFSET]
-        if channels[c, C_SIGMA] > 0.0:
-            value += channels[c, C_SIGMA] * _gauss(rng)
-        if channels[c, C_ABS] != 0.0:
-            value = abs(value)
-        raw[c] = np.rint(value)
-
-
-@compiled
 def advance(
     state: Floats,
     command: Floats,
@@ -708,17 +674,12 @@ def advance(
     walls: Floats,
     legs: Floats,
     world: Floats,
-    channels: Floats,
     out: Floats,
-    raw: Floats,
-    rng: Words,
     steps: int,
-    first: int,
-    last: int,
 ) -> None:
-    """`steps` substeps have passed; `out` holds the quantities, `raw[first:last]` fresh counts.
+    """Let `steps` substeps pass and write the quantities to `out`.
 
-    Bitwise repeatable for equal inputs. SI units, `raw` in counts.
+    Bitwise repeatable for equal inputs. SI units.
 
     Args:
         state: See `chain.ChainState`; changed.
@@ -727,14 +688,10 @@ def advance(
         walls: `(2 * legs, WALL_COLUMNS)`, side A and side B of each leg in turn.
         legs: `(legs, LEG_COLUMNS)`.
         world: `(WORLD_ENTRIES,)`.
-        channels: `(channels, CHANNEL_COLUMNS)`.
-        out: Blocks `PER_WHEEL`, then `SINGLE`; its arc block must be that of the last call.
-        raw: `(channels,)`.
-        rng: `(1,)`, the generator's state.
+        out: `((OUT_PER_WHEEL + OUT_OWN) * wheels + OUT_SINGLE,)`; it must hold what the last call
+            has written.
         steps: Substeps to pass; at least 1.
-        first: First channel to read.
-        last: Channel after the last one to read.
-    """  # fmt: skip
+    """
     n = body.shape[0]
     pos = state[: 2 * n].reshape(n, 2)
     vel = state[2 * n : 4 * n].reshape(n, 2)
@@ -758,7 +715,7 @@ def advance(
     imu = min(max(int(world[ROLL_LINK]), 0), n - 2)
     vx = vel[imu, 0]
     vy = vel[imu, 1]
-    _project(n, pos, legs, out, 7 * n)
+    _project(n, pos, legs, out)
     _prepare(n, command, body, legs, world, roll, out, w)
     for _ in range(steps):
         _begin(n, pos, bend, motor, command, body, world, w, tally)
@@ -776,7 +733,7 @@ def advance(
             vel[i, 1] = (pos[i, 1] - w[i, Y0]) / dt
             tally[i, T_TORQUE] += body[i, JOINT_K] * (motor[i] - bend[i])
         _turn_wheels(n, count, pos, wheel, anchor, world, w, con, who, touch, tally)
-    _project(n, pos, legs, out, 7 * n)
+    _project(n, pos, legs, out)
     passed = dt * steps
     per_step = 1.0 / (dt * dt * steps)
     for i in range(n):
@@ -789,9 +746,8 @@ def advance(
         out[4 * n + i] = turned[i]
         out[5 * n + i] = tally[i, T_DRIVE] * per_step * world[RADIUS]
         out[6 * n + i] = tally[i, T_PRESS] * per_step
-        out[10 * n + i] = tally[i, T_GRIP] * per_step
+        out[8 * n + i] = tally[i, T_GRIP] * per_step
     _turn_roll(n, roll, body, legs, world, passed, out)
     accel_x = (vel[imu, 0] - vx) / passed
     accel_y = (vel[imu, 1] - vy) / passed
     _feel(n, pos, accel_x, accel_y, legs, world, roll, out, w)
-    read_channels(channels, first, last, out, raw, rng)

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.backends.simulator.geometry import GRAVITY_M_S2, Mitre, Pipe, PipeShape, Straight
 from pirate_sm.errors import UsageError
+from pirate_sm.simulation.geometry import GRAVITY_M_S2, Mitre, Pipe, PipeShape, Straight
 
 RADIUS = 0.06
 

@@ -11,52 +11,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import numpy as np
-
 from pirate_sm.backends.protocol import Completion
-from pirate_sm.backends.simulator.defects import make_effects
-from pirate_sm.backends.simulator.geometry import Pipe
-from pirate_sm.backends.simulator.machine import machine_of
-from pirate_sm.backends.simulator.obstacles import Obstacles
-from pirate_sm.backends.simulator.scene import Jitter, scene_of
-from pirate_sm.backends.simulator.world import World
 from pirate_sm.errors import BackendError
-from pirate_sm.model.events import Event, SensorFrame, SubmitResult
-from pirate_sm.model.pipe import Pipe as PipeFile
+from pirate_sm.model.events import Event, FaultReport, SensorFrame, SubmitResult
+from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
+from pirate_sm.simulation.defects import Incident
+from pirate_sm.simulation.physics import MakePhysics
+from pirate_sm.simulation.sensors import BoardChannels
+from pirate_sm.simulation.simulated_robot import FullTruth, Robot
+from pirate_sm.simulation.surroundings import NO_JITTER, Jitter
+from pirate_sm.simulation.xpbd.world import World
 
-# How often, in cycles, it is looked whether the robot has left the pipe.
-_GONE_EVERY = 16
 # With a silent robot `advance` still returns this often.
 _SILENCE_S = 1.0
-_TOUCHING_N = 0.05
-
-
-@dataclass(frozen=True)
-class Truth:
-    """What only a simulator knows, for a view and the end of a run.
-
-    Attributes:
-        wheels: Place of each wheel in the drawing of the pipe, m.
-        touching: Whether each wheel presses on a wall.
-        wheel_radius_m: Of the wheels.
-        walls: Corners of the walls on side A and on side B, m.
-        arcs_m: Place of each wheel along the pipe.
-        distance_m: How far the robot's middle has come along the pipe.
-        torques_nm: What the bend joint at each wheel bears; 0 where there is none.
-        rolls_rad: Angle of the roll joint, and roll of the part ahead and of the part behind.
-        gone: Whether the robot has left the pipe.
-    """
-
-    wheels: tuple[tuple[float, float], ...]
-    touching: tuple[bool, ...]
-    wheel_radius_m: float
-    walls: tuple[tuple[tuple[float, float], ...], tuple[tuple[float, float], ...]]
-    arcs_m: tuple[float, ...]
-    distance_m: float
-    torques_nm: tuple[float, ...]
-    rolls_rad: tuple[float, ...]
-    gone: bool
 
 
 class _Sent(NamedTuple):
@@ -97,6 +65,7 @@ class SimulatorBackend:
             with clamped parts; None for a straight robot.
         jitter: How far start, friction and diameter may differ from the files.
         defects: Names of the profile's defects to switch on.
+        physics: Makes what moves the robot.
 
     Raises:
         UsageError: It does not fit: the robot into the pipe, the pipe into itself, a defect's
@@ -110,97 +79,71 @@ class SimulatorBackend:
     def __init__(
         self,
         profile: Profile,
-        pipe: PipeFile,
+        pipe: Pipe,
         *,
         seed: int = 0,
         start_values: Sequence[float] | None = None,
-        jitter: Jitter | None = None,
+        jitter: Jitter = NO_JITTER,
         defects: Sequence[str] = (),
+        physics: MakePhysics = World,
     ) -> None:
         link = profile.link
-        machine = machine_of(profile)
-        rng = np.random.default_rng(seed)
-        scene = scene_of(
-            profile, machine, pipe,
-            start_values=start_values, jitter=jitter or Jitter(), rng=rng,
-        )  # fmt: skip
         self._cycle_s = link.cycle
         self._echo_s = link.echo_delay
         self._unknown_s = link.resend_after
-        self._world = World(
-            machine, Pipe(scene.shape), scene.friction, scene.pose,
-            cycle_s=link.cycle, seed=int(rng.integers(2**63)),
-        )  # fmt: skip
-        # A robot that starts clamped is held there by its motors.
-        for joint, duty in scene.pose.duties.items():
-            self._world.command[joint] = duty
-        self._obstacles = Obstacles(scene.obstacles)
-        self._effects = make_effects(defects, profile.simulation.defects, self._world, seed)
-        self._one_value = link.state_message == "value"
-        # What is read in each cycle in turn: (board, first row, last row, rows of the board).
-        self._turns = tuple(
-            (board.board, row, row + 1 if self._one_value else board.last, board)
-            for board in machine.boards
-            for row in (range(board.first, board.last) if self._one_value else (board.first,))
+        self._robot = Robot(
+            profile,
+            pipe,
+            physics,
+            seed=seed,
+            start_values=start_values,
+            jitter=jitter,
+            defects=defects,
         )
+        # A robot that starts clamped is held there by its motors.
+        self._robot.hold()
+        self._turns = self._robot.turns(link.state_message == "value")
         self._wire = _Wire()
         self._now = 0.0
         self._cycles = 0
         self._closed = False
-        self._start = self._middle()
 
     @property
-    def truth(self) -> Truth:
+    def truth(self) -> FullTruth:
         """Where the robot really is."""
-        world = self._world
-        places = [(float(x), float(y)) for x, y in world.state.position]
-        return Truth(
-            tuple(places),
-            tuple(press > _TOUCHING_N for press in world.values("press")),
-            world.machine.chain.wheel_radius_m,
-            (world.pipe.wall_a, world.pipe.wall_b),
-            tuple(world.arcs()),
-            self._middle() - self._start,
-            tuple(world.values("bend_torque")),
-            tuple(world.state.roll.tolist()),
-            world.gone,
-        )
+        return self._robot.truth
 
     @property
     def wheels(self) -> tuple[tuple[float, float], ...]:
         """Place of each wheel in the drawing of the pipe, m: of the truth what costs little."""
-        return tuple((x, y) for x, y in self._world.state.position.tolist())
+        return self._robot.wheels
 
     @property
     def arcs_m(self) -> list[float]:
         """Place of each wheel along the pipe: of the truth what a detector needs often."""
-        return self._world.arcs()
+        return self._robot.arcs_m
 
     @property
     def crossings_m(self) -> tuple[float, ...]:
         """Where the axes of the pipe cross, along the pipe."""
-        return self._world.pipe.crossings_m
-
-    def _middle(self) -> float:
-        arcs = self._world.arcs()
-        return sum(arcs) / len(arcs)
+        return self._robot.crossings_m
 
     def open(self) -> Sequence[Event]:
-        """Every board has reported once."""
+        """Return the first report of every board."""
         events: list[Event] = []
-        for board in self._world.machine.boards:
-            events += self._frame(board.board, board.first, board.last)
+        for board in self._robot.electronics.boards:
+            events += self._frame(board)
         return events
 
     def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
-        """The array is in force from the next cycle on, unless it is lost or refused.
+        """Put the array in force from the next cycle on, unless it is lost or refused.
 
         Raises:
             BackendError: The simulator has been closed.
         """
         if self._closed:
             raise BackendError("the simulator is closed")
-        refusal = self._world.refusal(values)
+        refusal = self._robot.electronics.refusal(values)
         if refusal:
             self._tell(self._now, SubmitResult(setpoint_id, "rejected", refusal))
             return
@@ -208,10 +151,7 @@ class SimulatorBackend:
         if older is not None:
             reason = f"array {setpoint_id} came before it was sent"
             self._supersede(older.setpoint_id, reason)
-        arrives = echoes = True
-        for effect in self._effects:
-            delivered, answered = effect.delivery(self._now)
-            arrives, echoes = arrives and delivered, echoes and answered
+        arrives, echoes = self._robot.delivery(self._now)
         self._wire.waiting = _Sent(setpoint_id, values, arrives)
         if arrives and echoes:
             self._tell(self._now + self._echo_s, SubmitResult(setpoint_id, "accepted"))
@@ -228,7 +168,7 @@ class SimulatorBackend:
         results[last] = (self._now, SubmitResult(setpoint_id, "superseded", reason))
 
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
-        """The world has run until `until_s` or the first moment with an event."""
+        """Let the robot run until `until_s` or the first moment with an event."""
         quiet_until = self._now + _SILENCE_S
         while True:
             cycle = (self._cycles + 1) * self._cycle_s
@@ -244,42 +184,53 @@ class SimulatorBackend:
                 return self._now, events
 
     def _cycle(self) -> list[Event]:
-        """One cycle of the bus has passed."""
-        world = self._world
+        """Let one cycle of the bus pass."""
+        robot = self._robot
         waiting = self._wire.waiting
         if waiting is not None:
             self._wire.waiting = None
             if waiting.arrives:
-                world.set_values(waiting.values)
+                robot.electronics.set_values(waiting.values)
         self._cycles += 1
         turn = self._turns[self._cycles % len(self._turns)]
-        world.advance(turn[1], turn[2])
         events: list[Event] = []
-        for effect in self._effects:
-            fault = effect.step(self._now)
-            if fault is not None:
-                events.append(fault)
-        if turn[2] == turn[3].last:  # values that come one by one are reported when all have come
-            events += self._frame(turn[0], turn[3].first, turn[3].last)
-        fault = self._obstacles.step(world, self._cycle_s)
+        for incident in robot.step(self._now, turn):
+            events += self._react_to(incident)
+        board = turn.board
+        if turn.last == board.last:  # values that come one by one are reported when all have come
+            events += self._frame(board)
+        fault = robot.meet_obstacles()
         if fault is not None:
             events.append(fault)
-        if self._cycles % _GONE_EVERY == 0:
-            world.check_gone()
         return events
 
-    def _frame(self, board: int, first: int, last: int) -> list[Event]:
-        counts: list[float] | None = self._world.raw[first:last].tolist()
-        for effect in self._effects:
-            if counts is None:
-                break
-            counts = effect.frame(self._now, board, first, counts)
-        return [SensorFrame(board, tuple(counts))] if counts is not None else []
+    def _react_to(self, incident: Incident) -> Sequence[Event]:
+        """Return what is known at once of something that has happened to the boards."""
+        if incident.what == "boards_restarted":
+            return (FaultReport("firmware.reset", "the boards have started again"),)
+        if incident.what == "controller_restarted":
+            return (self._start_again(incident.until_s),)
+        return ()
+
+    def _start_again(self, until_s: float) -> FaultReport:
+        """Let the motors go on until the controller is set up and writes its setpoints, all zero.
+
+        Mission time stands still meanwhile, as it does where the link is silent.
+        """
+        for _ in range(round((until_s - self._now) / self._cycle_s)):
+            self._robot.step(self._now, self._turns[0])
+            self._robot.meet_obstacles()
+        self._robot.electronics.rest()
+        return FaultReport("firmware.reset", "the controller has started again")
+
+    def _frame(self, board: BoardChannels) -> Sequence[Event]:
+        counts = self._robot.frame(self._now, board)
+        return (SensorFrame(board.board, tuple(counts)),) if counts is not None else ()
 
     def close(self) -> None:
-        """The last array submitted is in force; nothing more is taken."""
+        """Put the last array submitted in force; take nothing more."""
         waiting = self._wire.waiting
         self._wire.waiting = None
         self._closed = True
         if waiting is not None and waiting.arrives:
-            self._world.set_values(waiting.values)
+            self._robot.electronics.set_values(waiting.values)

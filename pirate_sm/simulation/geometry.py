@@ -12,9 +12,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from pirate_sm.backends.simulator import kernel
-from pirate_sm.backends.simulator.arrays import Floats
 from pirate_sm.errors import UsageError
+from pirate_sm.simulation.arrays import Floats
+from pirate_sm.simulation.xpbd import kernel
 
 GRAVITY_M_S2 = 9.81
 # 120 deg, and what rounding adds to it.

@@ -6,8 +6,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pirate_sm.backends.simulator.world import World
 from pirate_sm.model.events import FaultReport
+from pirate_sm.simulation.geometry import Pipe
+from pirate_sm.simulation.mechanics import ChainBody
+from pirate_sm.simulation.physics import Layout, Physics
 
 _PUSHED_WITHIN_M = 0.0005
 # A wheel is this wide; a part turned farther out of a bend's plane catches on the mitre.
@@ -30,66 +32,73 @@ class Obstacle:
 
 
 class Obstacles:
-    """Puts obstacles in the robot's way, one at a time, and takes them away again."""
+    """Puts obstacles in the robot's way, one at a time, and takes them away again.
 
-    def __init__(self, obstacles: Sequence[Obstacle]) -> None:
+    Args:
+        physics: Moves the robot.
+        chain: What it moves.
+        pipe: Where it moves.
+        obstacles: What is put there.
+    """
+
+    def __init__(
+        self, physics: Physics, chain: ChainBody, pipe: Pipe, obstacles: Sequence[Obstacle]
+    ) -> None:
+        self._physics, self._chain, self._pipe = physics, chain, pipe
+        self._arcs = physics.quantities[Layout(chain.nodes).block("arc")]
         self._waiting = sorted(obstacles, key=lambda obstacle: obstacle.from_s)
         self._standing: Obstacle | None = None
         self._pushed_s = 0.0
         self._reported: set[float] = set()
 
-    def step(self, world: World, cycle_s: float) -> FaultReport | None:
+    def step(self, now_s: float, cycle_s: float) -> FaultReport | None:
         """Move obstacles to where they should be now; return the fault of an impassable bend."""
-        rolls: list[float] = world.state.roll.tolist()
+        rolls = self._physics.rolls()
         in_plane = max(map(abs, rolls[1:])) < _OUT_OF_PLANE_RAD
         if in_plane and not self._waiting and self._standing is None:
             return None
-        arcs = world.arcs()
-        fault = self._out_of_plane(world, rolls, arcs)
+        arcs: list[float] = self._arcs.tolist()
+        fault = self._out_of_plane(rolls, arcs)
         if self._standing is None and self._waiting:
-            self._put(world, arcs)
+            self._put(now_s, arcs)
         if self._standing is not None:
-            self._hold(world, self._standing, arcs, cycle_s)
+            self._hold(self._standing, arcs, cycle_s)
         return fault
 
-    def _put(self, world: World, arcs: Sequence[float]) -> None:
-        radius = world.machine.chain.wheel_radius_m
+    def _put(self, now_s: float, arcs: Sequence[float]) -> None:
+        radius = self._chain.wheel_radius_m
         for obstacle in self._waiting:
             clear = min(arcs) - radius > obstacle.arc_m or max(arcs) + radius < obstacle.arc_m
-            if world.time_s >= obstacle.from_s and clear:
+            if now_s >= obstacle.from_s and clear:
                 self._standing = obstacle
                 self._waiting.remove(obstacle)
                 self._pushed_s = 0.0
                 return
 
-    def _hold(
-        self, world: World, obstacle: Obstacle, arcs: Sequence[float], cycle_s: float
-    ) -> None:
+    def _hold(self, obstacle: Obstacle, arcs: Sequence[float], cycle_s: float) -> None:
         ahead = max(arcs) < obstacle.arc_m
         wheel = arcs.index(max(arcs) if ahead else min(arcs))
-        world.block(wheel, obstacle.arc_m, ahead)
-        gap = abs(obstacle.arc_m - arcs[wheel]) - world.machine.chain.wheel_radius_m
+        self._physics.block(wheel, obstacle.arc_m, ahead)
+        gap = abs(obstacle.arc_m - arcs[wheel]) - self._chain.wheel_radius_m
         if gap < _PUSHED_WITHIN_M:
             self._pushed_s += cycle_s
         if self._pushed_s >= obstacle.lasting_s:
             self._standing = None
-            world.unblock()
+            self._physics.unblock()
 
-    def _out_of_plane(
-        self, world: World, rolls: Sequence[float], arcs: Sequence[float]
-    ) -> FaultReport | None:
-        """A part that is not in the plane of the bend it comes to is stopped there."""
-        split = world.machine.chain.roll_link
+    def _out_of_plane(self, rolls: Sequence[float], arcs: Sequence[float]) -> FaultReport | None:
+        """Stop a part that is not in the plane of the bend it comes to; return the fault."""
+        split = self._chain.roll_link
         for part in (1, 2):
             off = math.remainder(rolls[part], 2.0 * math.pi)
             if abs(off) < _OUT_OF_PLANE_RAD:
                 continue
-            wheels = [i for i in range(world.nodes) if (i <= split) == (part == 1)]
-            for number, crossing in enumerate(world.pipe.crossings_m, start=1):
-                bend = world.pipe.legs[number - 1].bend
+            wheels = [i for i in range(self._chain.nodes) if (i <= split) == (part == 1)]
+            for number, crossing in enumerate(self._pipe.crossings_m, start=1):
+                bend = self._pipe.legs[number - 1].bend
                 assert bend is not None  # a crossing is where a leg with a bend ends
-                reach = 0.5 * world.pipe.shape.diameter_m * math.tan(abs(bend.angle_rad) / 2.0)
-                reach += world.machine.chain.wheel_radius_m
+                reach = 0.5 * self._pipe.shape.diameter_m * math.tan(abs(bend.angle_rad) / 2.0)
+                reach += self._chain.wheel_radius_m
                 near = [i for i in wheels if abs(arcs[i] - crossing) < reach + 0.005]
                 if near and (crossing not in self._reported):
                     self._reported.add(crossing)

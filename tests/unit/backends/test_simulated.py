@@ -1,13 +1,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from pirate_sm.backends.simulator.backend import SimulatorBackend
-from pirate_sm.backends.simulator.scene import Jitter
+from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.errors import BackendError, UsageError
+from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import (
     Event,
     FaultReport,
@@ -17,8 +18,20 @@ from pirate_sm.model.events import (
 from pirate_sm.model.pipe import Blockage, Mitre, Pipe, Start, Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
+from pirate_sm.simulation.surroundings import Jitter
 
+ROOT = Path(__file__).resolve().parents[3]
 CYCLE_S = 0.016
+
+
+@pytest.fixture(scope="session")
+def profile() -> Profile:
+    return load_robot(ROOT / "hardware_profiles" / "pirate_ii").profile
+
+
+@pytest.fixture(scope="session")
+def small_profile() -> Profile:
+    return load_robot(ROOT / "tests" / "robots" / "newt").profile
 
 
 def pipe(**more: Any) -> Pipe:
@@ -183,6 +196,26 @@ def test_a_lost_array_is_unknown_in_the_end(profile: Profile) -> None:
                     if event.status == "unknown":
                         return
     pytest.fail("nothing was lost")
+
+
+def test_while_a_controller_starts_again_motors_go_on_and_then_stop(profile: Profile) -> None:
+    def driven_m(**defect: Any) -> tuple[float, list[FaultReport]]:
+        broken = with_defect(profile, kind="controller_reset", **defect)
+        clamped = values(profile, clamp=0.6)
+        straight = pipe(segments=(Straight(straight=3.0),))
+        backend = SimulatorBackend(broken, straight, defects=["it"], start_values=clamped)
+        backend.open()
+        backend.submit(1, values(profile, clamp=0.6, drive=0.5))
+        faults = of(FaultReport, pass_time(backend, 4.0))
+        return backend.truth.distance_m, faults
+
+    at_once, faults = driven_m(after=2.0)
+    assert [fault.code for fault in faults] == ["firmware.reset"]
+    whole, _ = driven_m(after=60.0)
+    assert at_once == pytest.approx(whole / 2, rel=0.05)
+    # Mission time stands still while it is set up, but the robot does not.
+    late, _ = driven_m(after=2.0, lasting=1.0)
+    assert late == pytest.approx(whole * 0.75, rel=0.05)
 
 
 def test_a_silent_robot_does_not_hang_an_endless_wait(profile: Profile) -> None:

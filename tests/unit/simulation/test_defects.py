@@ -7,12 +7,11 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.backends.simulator import kernel
-from pirate_sm.backends.simulator.defects import Effect, make_effects
 from pirate_sm.errors import UsageError
-from pirate_sm.model.events import FaultReport
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
+from pirate_sm.simulation.defects import Effect, named, put_to_work
+from pirate_sm.simulation.xpbd import kernel
 
 from .conftest import CYCLE_S, Driver, straight
 
@@ -21,25 +20,24 @@ Place = Callable[..., Driver]
 
 def effect(robot: Driver, kind: str, **numbers: Any) -> Effect:
     defect = Defect(kind=kind, description="", **numbers)  # type: ignore[arg-type]
-    (made,) = make_effects(["it"], {"it": defect}, robot.world, seed=3)
+    (made,) = put_to_work(named(["it"], {"it": defect}, seed=3), robot.electronics)
     return made
 
 
 def shown(robot: Driver, made: Effect, now: float, name: str) -> float | None:
     """The count that a signal's channel shows; None when no frame comes."""
-    world = robot.world
-    board = next(b for b in world.machine.boards if b.first <= world.machine.places[name] < b.last)
-    world.advance(0, len(world.raw))
-    counts = made.frame(now, board.board, board.first, world.raw[board.first : board.last].tolist())
-    return None if counts is None else counts[world.machine.places[name] - board.first]
+    row = robot.electronics.rows[name]
+    board = next(b for b in robot.electronics.boards if b.first <= row < b.last)
+    counts = made.frame(now, board.board, board.first, robot.read()[board.first : board.last])
+    return None if counts is None else counts[row - board.first]
 
 
 def test_a_dead_wheel_drags_as_the_profile_says_of_its_motor(place: Place) -> None:
     robot = place(straight())
-    effect(robot, "dead_wheel", wheels=("wheel_3",)).begin()
-    drag = robot.world.machine.chain.wheels[2].dead_drag_nm
+    effect(robot, "dead_wheel", wheels=("wheel_3",))
+    drag = robot.chain.wheels[2].dead_drag_nm
     assert drag == pytest.approx(0.05)
-    assert robot.world.body[2, kernel.WHEEL_HOLD] == drag
+    assert robot.physics.body[2, kernel.WHEEL_HOLD] == drag
 
 
 def test_a_dead_wheel_drags_and_shows_nothing(place: Place) -> None:
@@ -58,10 +56,10 @@ def test_a_stiff_joint_needs_more_torque(place: Place) -> None:
     robot, whole = (place(straight(), clamped=0.0) for _ in range(2))
     effect(robot, "stiff_joint", joint="gamma_2", friction=0.9)
     for each in (robot, whole):
-        each.world.command[2] = 0.7
+        each.physics.duties[2] = 0.7
         each.run(1.0)
-    assert whole.world.values("bend")[2] > 0.3
-    assert abs(robot.world.values("bend")[2]) < 0.05
+    assert whole.values("bend")[2] > 0.3
+    assert abs(robot.values("bend")[2]) < 0.05
 
 
 @pytest.mark.parametrize("kind", ["sensor_stuck", "sensor_drop", "sensor_spike"])
@@ -86,24 +84,22 @@ def test_spikes_come_again_at_random(place: Place) -> None:
 def test_a_sensor_may_stick_where_it_was(place: Place) -> None:
     robot = place(straight(), clamped=0.0)
     made = effect(robot, "sensor_stuck", signals=("gamma_1",), after=0.5)
-    robot.world.command[1] = -0.5
+    robot.physics.duties[1] = -0.5
     robot.run(0.5)
     first = shown(robot, made, 0.6, "gamma_1")
     robot.run(2.0)
     assert shown(robot, made, 3.0, "gamma_1") == first
-    assert robot.world.raw[robot.world.machine.places["gamma_1"]] != first
+    assert robot.electronics.counts[robot.electronics.rows["gamma_1"]] != first
 
 
 def test_a_zero_jumps_once(place: Place) -> None:
     robot = place(straight())
-    row = robot.world.machine.places["gamma_1"]
+    row = robot.electronics.rows["gamma_1"]
     made = effect(robot, "zero_jump", raw={"gamma_1": 500}, after=1.0)
-    robot.world.advance(0, len(robot.world.raw))
-    before = robot.world.raw[row]
+    before = robot.read()[row]
     for now in (0.5, 1.0, 1.5):
         made.step(now)
-    robot.world.advance(0, len(robot.world.raw))
-    assert robot.world.raw[row] - before == pytest.approx(500, abs=10)
+    assert robot.read()[row] - before == pytest.approx(500, abs=10)
 
 
 def test_a_silent_bay_says_nothing_takes_nothing_and_moves(place: Place) -> None:
@@ -115,7 +111,7 @@ def test_a_silent_bay_says_nothing_takes_nothing_and_moves(place: Place) -> None
     assert made.delivery(1.5) == (False, False)
     for i in range(20):
         made.step(1.5 + i)
-    assert any(robot.world.command)
+    assert any(robot.physics.duties)
 
 
 def test_a_fifth_of_the_messages_is_lost_but_never_two_in_a_row(place: Place) -> None:
@@ -128,7 +124,7 @@ def test_a_fifth_of_the_messages_is_lost_but_never_two_in_a_row(place: Place) ->
 
 def test_stale_boards_repeat_themselves(place: Place) -> None:
     robot = place(straight(), clamped=0.0)
-    robot.world.command[1] = -0.5
+    robot.physics.duties[1] = -0.5
     made = effect(robot, "stale_repeats", after=0.5, lasting=0.1)
     values = []
     for i in range(60):
@@ -146,23 +142,67 @@ def test_a_firmware_reset_zeroes_duties_and_counters(place: Place) -> None:
     robot.run(1.0)
     made = effect(robot, "firmware_reset", after=1.0)
     assert made.step(0.9) is None
-    fault = made.step(1.0)
-    assert isinstance(fault, FaultReport)
-    assert fault.code == "firmware.reset"
-    assert not robot.world.command.any()
+    incident = made.step(1.0)
+    assert incident is not None
+    assert incident.what == "boards_restarted"
+    assert not robot.physics.duties.any()
     assert shown(robot, made, 1.1, "theta_1") == pytest.approx(0.0, abs=5.0)
     assert abs(shown(robot, made, 1.1, "gamma_1") or 0.0) > 500
     assert made.step(2.0) is None
 
 
+def test_a_hanging_controller_neither_says_nor_hears_anything_for_a_while(place: Place) -> None:
+    robot = place(straight())
+    made = effect(robot, "controller_hang", after=1.0, lasting=0.5)
+    robot.drive(0.3)
+    assert made.step(0.9) is None
+    assert made.delivery(0.9) == (True, True)
+    incident = made.step(1.0)
+    assert incident is not None
+    assert (incident.what, incident.until_s) == ("controller_hangs", 1.5)
+    assert made.delivery(1.4) == (False, False)
+    assert shown(robot, made, 1.4, "gamma_1") is None
+    assert made.delivery(1.5) == (True, True)
+    assert shown(robot, made, 1.5, "gamma_1") is not None
+    assert max(robot.physics.duties) == 0.3
+
+
+def test_a_controller_that_hangs_without_an_end_hangs_for_good(place: Place) -> None:
+    made = effect(place(straight()), "controller_hang", after=1.0)
+    made.step(1.0)
+    assert made.delivery(1e6) == (False, False)
+
+
+def test_a_restarting_controller_leaves_the_motors_as_they_were(place: Place) -> None:
+    robot = place(straight())
+    robot.drive(0.3)
+    made = effect(robot, "controller_reset", after=1.0, lasting=2.0)
+    incident = made.step(1.0)
+    assert incident is not None
+    assert (incident.what, incident.until_s) == ("controller_restarted", 3.0)
+    assert max(robot.physics.duties) == 0.3
+
+
+def test_sudden_defects_come_again_at_random(place: Place) -> None:
+    robot = place(straight(), clamped=0.0)
+    made = effect(robot, "stray_motion", every=2.0)
+    struck = 0
+    for i in range(10_000):
+        robot.physics.duties[:] = 0.0
+        came = made.step(0.01 * i) is not None
+        assert any(robot.physics.duties) is came
+        struck += came
+    assert struck == pytest.approx(50, abs=20)
+
+
 def test_every_defect_of_the_profile_can_be_switched_on(profile: Profile, place: Place) -> None:
     defects = profile.simulation.defects
     robot = place(straight())
-    made = make_effects(list(defects), defects, robot.world, seed=1)
+    made = put_to_work(named(list(defects), defects, seed=1), robot.electronics)
     assert len(made) == len(defects)
 
 
-def test_an_unknown_defect_is_refused_with_a_suggestion(profile: Profile, place: Place) -> None:
+def test_an_unknown_defect_is_refused_with_a_suggestion(profile: Profile) -> None:
     name = next(iter(profile.simulation.defects))
     with pytest.raises(UsageError, match=f"did you mean '{name}'"):
-        make_effects([name + "x"], profile.simulation.defects, place(straight()).world, seed=1)
+        named([name + "x"], profile.simulation.defects, seed=1)

@@ -1,0 +1,1 @@
+"""A simulated robot: its electronics and surroundings, over any physics that moves its chain."""

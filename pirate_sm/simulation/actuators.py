@@ -1,0 +1,46 @@
+"""What the setpoints of a robot's slots do to its motors."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from pirate_sm.model.profile import Profile, Slot
+from pirate_sm.simulation.mechanics import ChainBody
+
+NOWHERE, ROLL = -2, -1
+
+
+class Route(NamedTuple):
+    """Where a setpoint goes.
+
+    Attributes:
+        motor: Index in the physics' duties, ``ROLL`` for the roll joint, ``NOWHERE`` for
+            nothing that moves.
+        low: Least value that is accepted, duty or rad.
+        high: Largest value.
+        step: Resolution of the wire.
+    """
+
+    motor: int
+    low: float
+    high: float
+    step: float
+
+
+def routes_of(profile: Profile, chain: ChainBody) -> tuple[Route, ...]:
+    """Return where the setpoint of each slot goes, in the order of the wire."""
+    return tuple(_route(profile, slot, chain) for slot in profile.slots)
+
+
+def _route(profile: Profile, slot: Slot, chain: ChainBody) -> Route:
+    link = profile.link
+    if slot.unit == "angle":
+        limit = slot.limit if slot.limit is not None else 7.0
+        to = ROLL if slot.roll is not None else NOWHERE
+        return Route(to, -limit, limit, link.angle_resolution)
+    to = NOWHERE
+    if slot.wheel is not None:
+        to = chain.nodes + chain.wheel_index[slot.wheel]
+    elif slot.joint is not None:
+        to = chain.joint_index[slot.joint]
+    return Route(to, -1.0, 1.0, link.duty_resolution)

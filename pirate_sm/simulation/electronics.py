@@ -1,0 +1,116 @@
+"""The boards of a simulated robot: setpoints reach motors, quantities become raw counts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from pirate_sm.simulation import digitizing
+from pirate_sm.simulation.actuators import ROLL, Route
+from pirate_sm.simulation.arrays import Floats, Words
+from pirate_sm.simulation.mechanics import ChainBody
+from pirate_sm.simulation.physics import Layout, Physics
+from pirate_sm.simulation.sensors import Sensors
+
+_SPONTANEOUS_DUTY = 0.3
+
+
+class Electronics:
+    """Boards between the wire and the motors and sensors of a chain.
+
+    Args:
+        chain: What moves.
+        routes: Where the setpoint of each slot goes.
+        sensors: The channels of the boards.
+        physics: Moves the chain.
+        seed: Of the noise.
+
+    Attributes:
+        boards: Boards that report, in the order in which they do.
+        rows: Row of the channel table by the name of the signal.
+        counts: Raw count of every channel when it was last read.
+    """
+
+    def __init__(
+        self,
+        chain: ChainBody,
+        routes: tuple[Route, ...],
+        sensors: Sensors,
+        physics: Physics,
+        seed: int,
+    ) -> None:
+        self.chain, self.physics = chain, physics
+        self.boards, self.rows = sensors.boards, sensors.rows
+        self.counts: Floats = np.zeros(len(sensors.channels))
+        self._routes = routes
+        self._channels = sensors.channels.copy()
+        self._quantities = physics.quantities
+        self._layout = Layout(chain.nodes)
+        self._rng: Words = np.array([seed], dtype=np.uint64)
+        self.read(0, len(self.counts))
+
+    def read(self, first: int, last: int) -> None:
+        """Read the channels from `first` to before `last`."""
+        digitizing.digitize(self._channels, first, last, self._quantities, self.counts, self._rng)
+
+    def refusal(self, values: Sequence[float]) -> str:
+        """Return why the setpoints cannot be taken; empty when they can."""
+        if len(values) != len(self._routes):
+            return f"{len(values)} values for {len(self._routes)} slots"
+        for index, (route, value) in enumerate(zip(self._routes, values, strict=True)):
+            slack = 0.5 * route.step
+            if not route.low - slack <= value <= route.high + slack:
+                return f"slot {index}: {value} is outside {route.low:g}..{route.high:g}"
+        return ""
+
+    def set_values(self, values: Iterable[float]) -> None:
+        """Put setpoints in force.
+
+        Args:
+            values: One per slot: duty cycles -1..1 and angles in rad, as the profile says.
+        """
+        for route, value in zip(self._routes, values, strict=True):
+            if route.motor >= 0:
+                self.physics.duties[route.motor] = value
+            elif route.motor == ROLL:
+                self.physics.turn_roll_to(value)
+
+    def cut(self, values: Iterable[float]) -> list[float]:
+        """Return the setpoints, each cut to what its slot can take."""
+        pairs = zip(self._routes, values, strict=True)
+        return [min(max(value, route.low), route.high) for route, value in pairs]
+
+    def rest(self) -> None:
+        """Give duty 0 to every motor without a controller of its own."""
+        self.physics.duties[:] = 0.0
+
+    def twitch(self, rng: np.random.Generator) -> None:
+        """Give one motor a duty that nobody asked for."""
+        driven = sorted({route.motor for route in self._routes if route.motor >= 0})
+        duty = rng.uniform(-_SPONTANEOUS_DUTY, _SPONTANEOUS_DUTY)
+        self.physics.duties[driven[int(rng.integers(len(driven)))]] = duty
+
+    def restart(self) -> None:
+        """Start the boards again: duties are zero, the roll joint stays, encoders begin at zero."""
+        self.rest()
+        self.physics.turn_roll_to(self.physics.rolls()[0])
+        for row in self._showing(("wheel", "roll"), range(self.chain.nodes)):
+            source = int(self._channels[row, digitizing.SOURCE])
+            counts = self._quantities[source] * self._channels[row, digitizing.GAIN]
+            self._channels[row, digitizing.OFFSET] = -counts
+
+    def mute_wheel(self, wheel: int) -> None:
+        """Let every channel about a wheel show zero."""
+        rows = self._showing(("wheel", "turned", "drive"), (wheel,))
+        self._channels[rows, digitizing.GAIN : digitizing.SIGMA + 1] = 0.0
+
+    def shift(self, signal: str, counts: float) -> None:
+        """Let the channel of a signal be off by so many counts more."""
+        self._channels[self.rows[signal], digitizing.OFFSET] += counts
+
+    def _showing(self, quantities: Sequence[str], wheels: Iterable[int]) -> list[int]:
+        """Return the rows of channels that show one of the quantities of one of the wheels."""
+        sources = {self._layout.at(name, wheel) for wheel in wheels for name in quantities}
+        column = self._channels[:, digitizing.SOURCE].tolist()
+        return [row for row, source in enumerate(column) if int(source) in sources]

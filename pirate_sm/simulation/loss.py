@@ -1,0 +1,37 @@
+"""Which messages are lost."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+
+import numpy as np
+
+
+class Loss:
+    """Decides which messages arrive.
+
+    Args:
+        share: Of messages lost.
+        never_two: Whether of two consecutive messages of one kind one always arrives.
+        rng: Source of chance.
+    """
+
+    def __init__(self, share: float, never_two: bool, rng: np.random.Generator) -> None:
+        # After a loss one always arrives, so of the others more must be lost.
+        self._share = share / (1.0 - share) if never_two else share
+        self._never_two = never_two
+        self._rng = rng
+        self._just_lost: set[Hashable] = set()
+
+    def arrives(self, kind: Hashable) -> bool:
+        """Return whether the next message of this kind does."""
+        if self._share == 0.0:
+            return True
+        if kind in self._just_lost:
+            self._just_lost.discard(kind)
+            return True
+        if self._rng.random() >= self._share:
+            return True
+        if self._never_two:
+            self._just_lost.add(kind)
+        return False

@@ -1,0 +1,74 @@
+"""Where the wheels of a robot stand and how its springs are wound up when a run begins."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from itertools import pairwise
+
+from pirate_sm.errors import UsageError
+from pirate_sm.simulation.geometry import Pipe
+from pirate_sm.simulation.mechanics import ChainBody
+from pirate_sm.simulation.physics import Point, StartPose
+
+
+def stand(
+    chain: ChainBody, pipe: Pipe, arc_m: float, duties: Mapping[int, float], roll_rad: float = 0.0
+) -> StartPose:
+    """Return how the robot stands in a straight part of the pipe.
+
+    Args:
+        chain: The robot.
+        pipe: Where it is.
+        arc_m: Place of the first wheel along the pipe.
+        duties: Duty that each bend joint was wound up with, by the wheel it sits at; empty for
+            a robot that is straight and unclamped.
+        roll_rad: Roll of the whole robot against the plane of the pipe.
+
+    Raises:
+        UsageError: It does not fit there; says why.
+    """
+    held = {wheel: duty for wheel, duty in sorted(duties.items()) if duty != 0.0}
+    height = pipe.shape.diameter_m - 2.0 * chain.wheel_radius_m if held else 0.0
+    if any(height >= link.length_m for link in chain.links):
+        raise UsageError("the robot cannot be clamped in so wide a pipe")
+    side = _first_side(held)
+    arc, leg = arc_m, pipe.leg_at(arc_m)
+    places: list[Point] = []
+    tilts: list[float] = []
+    for i in range(chain.nodes):
+        places.append((*pipe.point(arc, side * height / 2.0), 0.0))
+        if i == chain.nodes - 1:
+            break
+        length = chain.links[i].length_m
+        tilts.append(side * math.asin(height / length))
+        arc -= math.sqrt(length * length - height * height)
+        side = -side
+    if arc < 0.0 or arc_m > pipe.length_m or pipe.leg_at(arc) is not leg:
+        raise UsageError(
+            f"the robot, {arc_m - arc:.2f} m long there, does not fit between the bends and"
+            f" ends of the pipe with its first wheel at {arc_m:.2f} m"
+        )
+    # Headings are against the leg's direction: a link to side A ahead of one to side B.
+    inner = [behind - ahead for ahead, behind in pairwise(tilts)]
+    bends = (0.0, *inner, 0.0)
+    motors = tuple(bend + _winding(chain, i, duties.get(i, 0.0)) for i, bend in enumerate(bends))
+    return StartPose(tuple(places), bends, motors, roll_rad)
+
+
+def _first_side(held: Mapping[int, float]) -> float:
+    """Return 1 where the first wheel presses on side A, -1 where on side B.
+
+    Joints alternate: that of an odd wheel with a negative duty has its V open to side B. The
+    strongest duty is that of a clamp; a part that bends is pushed with less, to either side.
+    """
+    if not held:
+        return 1.0
+    strongest = max(held, key=lambda wheel: abs(held[wheel]))
+    return math.copysign(1.0, -held[strongest]) * (1.0 if strongest % 2 else -1.0)
+
+
+def _winding(chain: ChainBody, wheel: int, duty: float) -> float:
+    """Return how far a duty winds up the spring of the joint at a wheel, rad."""
+    joint = chain.joints.get(wheel)
+    return duty * joint.stall_nm / joint.stiffness_nm_rad if joint else 0.0

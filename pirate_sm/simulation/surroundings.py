@@ -1,0 +1,87 @@
+"""What a robot starts in: a pipe, its friction, obstacles, and the pose that it stands in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from pirate_sm.model import pipe as pipe_model
+from pirate_sm.model.profile import Profile
+from pirate_sm.model.simulation import Friction
+from pirate_sm.simulation.geometry import Mitre, Pipe, PipeShape, Straight
+from pirate_sm.simulation.mechanics import ChainBody
+from pirate_sm.simulation.obstacles import Obstacle
+from pirate_sm.simulation.physics import StartPose
+from pirate_sm.simulation.start_pose import stand
+
+
+@dataclass(frozen=True)
+class Jitter:
+    """How far a run may differ from its files; each is drawn evenly between minus and plus.
+
+    Attributes:
+        start_m: Place of the robot along the pipe.
+        friction: Share of both friction coefficients.
+        diameter_m: Inner diameter.
+    """
+
+    start_m: float = 0.0
+    friction: float = 0.0
+    diameter_m: float = 0.0
+
+
+NO_JITTER = Jitter()
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What a run starts with."""
+
+    pipe: Pipe
+    friction: Friction
+    pose: StartPose
+    obstacles: tuple[Obstacle, ...]
+
+
+def surroundings_of(
+    profile: Profile,
+    chain: ChainBody,
+    pipe: pipe_model.Pipe,
+    *,
+    duties: Mapping[int, float],
+    jitter: Jitter,
+    rng: np.random.Generator,
+) -> Surroundings:
+    """Draw a run's own numbers and return what it starts with.
+
+    Args:
+        profile: Of the robot.
+        chain: The same robot's moving parts.
+        pipe: Where it starts.
+        duties: Duty that each bend joint is wound up with, by the wheel it sits at; empty for a
+            robot that is straight and unclamped.
+        jitter: How far the numbers may differ from the files.
+        rng: Source of chance.
+
+    Raises:
+        UsageError: The robot does not fit into the pipe, or the pipe into itself.
+    """
+    start, friction, diameter = rng.uniform(-1.0, 1.0, 3).tolist()
+    parts = tuple(
+        Straight(part.straight) if isinstance(part, pipe_model.Straight) else Mitre(part.mitre)
+        for part in pipe.segments
+    )
+    diameter_m = pipe.diameter + diameter * jitter.diameter_m
+    made = Pipe(PipeShape(diameter_m, parts, pipe.tilt, pipe.uphill))
+    coefficients = pipe.friction if pipe.friction is not None else profile.simulation.friction
+    scale = 1.0 + friction * jitter.friction
+    scaled = {"static": coefficients.static * scale, "kinetic": coefficients.kinetic * scale}
+    arc_m = pipe.start_of(chain.length_m) + start * jitter.start_m
+    return Surroundings(
+        made,
+        coefficients.model_copy(update=scaled),
+        stand(chain, made, arc_m, duties, -pipe.roll),
+        tuple(Obstacle(each.at, each.from_s, each.lasting) for each in pipe.blockages),
+    )

@@ -1,0 +1,1 @@
+"""The kinematic physics: position-based dynamics of a chain of wheels and links in a plane."""

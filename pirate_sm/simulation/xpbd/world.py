@@ -1,0 +1,127 @@
+"""The physics of a chain in a planar pipe by extended position-based dynamics."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pirate_sm.model.simulation import Friction
+from pirate_sm.simulation import digitizing
+from pirate_sm.simulation.arrays import Floats
+from pirate_sm.simulation.geometry import Pipe
+from pirate_sm.simulation.machine_code import is_kept
+from pirate_sm.simulation.mechanics import ChainBody
+from pirate_sm.simulation.physics import Point, StartPose
+from pirate_sm.simulation.xpbd import kernel
+from pirate_sm.simulation.xpbd.chain import ChainState, body_array
+
+STEP_S = 0.002
+_ITERATIONS = 4
+_CONTACT_COMPLIANCE_M_N = 1e-5  # 1e5 N/m; with 1000 N/m a clamped V toggles through the wall
+_ANCHOR_M = 2e-4
+# A horizontal magnetic field along the first leg and downwards, uT (central Europe).
+_FIELD_UT = (20.0, 0.0, 44.0)
+
+
+def is_compiled() -> bool:
+    """Return whether a simulation can start at once; otherwise its first call takes seconds."""
+    return is_kept(kernel.advance) and is_kept(digitizing.digitize)
+
+
+class World:
+    """A chain in a planar pipe; a :class:`~pirate_sm.simulation.physics.Physics`.
+
+    Args:
+        chain: What moves.
+        pipe: Where it is.
+        friction: Between wheels and walls.
+        pose: How it stands.
+        cycle_s: How long a cycle lasts.
+
+    Attributes:
+        state: Everything that moves.
+        duties: Duties in force, of joints, then of wheels.
+        quantities: Quantities after the last cycle, then the kernel's own.
+    """
+
+    def __init__(
+        self, chain: ChainBody, pipe: Pipe, friction: Friction, pose: StartPose, cycle_s: float
+    ) -> None:
+        n = chain.nodes
+        self.body: Floats = body_array(chain, friction)
+        self.state = ChainState(n)
+        self.duties: Floats = np.zeros(2 * n)
+        self.quantities: Floats = np.zeros(
+            (kernel.OUT_PER_WHEEL + kernel.OUT_OWN) * n + kernel.OUT_SINGLE
+        )
+        self._pipe = pipe
+        self._steps = max(1, round(cycle_s / STEP_S))
+        self._world = _constants(chain, pipe, cycle_s / self._steps)
+        self._arrays = (
+            *(self.state.array, self.duties, self.body, pipe.wall_array, pipe.leg_array),
+            *(self._world, self.quantities),
+        )
+        self.state.position[:] = [place[:2] for place in pose.places]
+        self.state.bend[:] = pose.bends_rad
+        self.state.motor[:] = pose.motors_rad
+        self.state.roll[1:] = pose.roll_rad
+        # The quantities are those of the start pose; hardly any time has passed.
+        kernel.advance(*self._arrays, 1)
+
+    def turn_roll_to(self, angle_rad: float) -> None:
+        """Give the roll joint a new target."""
+        self._world[kernel.ROLL_TARGET] = angle_rad
+
+    def advance(self) -> None:
+        """Let one cycle pass."""
+        kernel.advance(*self._arrays, self._steps)
+
+    def places(self) -> Sequence[Point]:
+        """Return where the middle of each wheel is in the drawing of the pipe, m; z is 0."""
+        return [(x, y, 0.0) for x, y in self.state.position.tolist()]
+
+    def rolls(self) -> Sequence[float]:
+        """Return the angle of the roll joint, then the roll of the part ahead and behind, rad."""
+        found: list[float] = self.state.roll.tolist()
+        return found
+
+    def block(self, wheel: int, arc_m: float, ahead: bool) -> None:
+        """Put an obstacle in the way of one wheel; `ahead`: the wheel is before it."""
+        leg = self._pipe.leg_at(arc_m)
+        sign = -1.0 if ahead else 1.0
+        self._world[kernel.BLOCK_NODE] = wheel
+        self._world[kernel.BLOCK_X], self._world[kernel.BLOCK_Y] = self._pipe.point(arc_m)
+        self._world[kernel.BLOCK_NX] = sign * leg.direction[0]
+        self._world[kernel.BLOCK_NY] = sign * leg.direction[1]
+
+    def unblock(self) -> None:
+        """Take the obstacle away."""
+        self._world[kernel.BLOCK_NODE] = -1
+
+    def disable_wheel(self, wheel: int, drag_nm: float) -> None:
+        """Let a wheel turn by its motor no more, and drag with this torque."""
+        self.body[wheel, kernel.WHEEL_RATE] = 0.0
+        self.body[wheel, kernel.WHEEL_HOLD] = drag_nm
+        self.body[wheel, kernel.WHEEL_STALL] = drag_nm
+
+    def stiffen_joint(self, wheel: int, friction_nm: float) -> None:
+        """Give the joint at a wheel so much dry friction."""
+        self.body[wheel, kernel.JOINT_FRICTION] = friction_nm
+
+
+def _constants(chain: ChainBody, pipe: Pipe, dt: float) -> Floats:
+    world = np.zeros(kernel.WORLD_ENTRIES)
+    world[kernel.DT] = dt
+    world[kernel.ITERATIONS] = _ITERATIONS
+    world[kernel.RADIUS] = chain.wheel_radius_m
+    world[kernel.HALF_THICKNESS] = chain.half_thickness_m
+    world[kernel.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N
+    world[kernel.ANCHOR_MAX] = _ANCHOR_M
+    world[kernel.DEPTH] = pipe.shape.diameter_m / 2.0
+    world[kernel.BLOCK_NODE] = -1
+    world[kernel.ROLL_LINK] = chain.roll_link
+    world[kernel.ROLL_RATE] = chain.roll_rate_rad_s
+    world[kernel.ROLL_STALL] = chain.roll_stall_nm
+    world[kernel.MAG_X : kernel.MAG_Z + 1] = _FIELD_UT
+    return world

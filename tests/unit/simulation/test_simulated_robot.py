@@ -1,0 +1,78 @@
+"""A robot whose cycles pass without a wire: what its boards read, and what becomes of it."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pirate_sm.model.pipe import Pipe, Start, Straight
+from pirate_sm.model.profile import Profile
+from pirate_sm.model.simulation import Defect
+from pirate_sm.simulation.simulated_robot import Robot
+from pirate_sm.simulation.xpbd.world import World
+
+from .conftest import CYCLE_S
+
+
+def robot_in(profile: Profile, defect: Defect | None = None, **more: Any) -> Robot:
+    pipe = Pipe(**({"diameter": 0.12, "segments": (Straight(straight=2.0),)} | more))
+    defects = [] if defect is None else [(defect, np.random.default_rng(1))]
+    return Robot(profile, pipe, World, seed=1, more_defects=defects)
+
+
+def run(robot: Robot, seconds: float, begin_s: float = 0.0) -> None:
+    turns = itertools.cycle(robot.turns(one_value=False))
+    for cycle in range(round(seconds / CYCLE_S)):
+        robot.step(begin_s + CYCLE_S * (cycle + 1), next(turns))
+        robot.meet_obstacles()
+
+
+def test_an_unclamped_robot_falls_out_and_comes_to_rest(profile: Profile) -> None:
+    robot = robot_in(profile, tilt=math.pi / 2, uphill=0.0, start=Start(at=1.0))
+    run(robot, 0.2)
+    assert not robot.gone
+    run(robot, 5.0)
+    assert robot.truth.gone
+    assert max(robot.arcs_m) < 0.0
+    at_rest = robot.truth.wheels
+    run(robot, 1.0)
+    assert robot.truth.wheels == at_rest
+
+
+def test_a_robot_that_lies_outside_feels_its_weight(profile: Profile) -> None:
+    robot = robot_in(profile, tilt=math.pi / 2, uphill=0.0, start=Start(at=1.0))
+    run(robot, 5.0)
+    row = robot.electronics.rows["acc_z"]
+    assert robot.electronics.counts[row] == pytest.approx(16384, rel=0.03)
+
+
+def test_a_cycle_reads_the_channels_of_its_turn_only(profile: Profile) -> None:
+    robot = robot_in(profile)
+    turn = robot.turns(one_value=True)[0]
+    before = robot.electronics.counts.copy()
+    robot.electronics.physics.duties[:] = 0.5
+    for cycle in range(100):
+        robot.step(CYCLE_S * (cycle + 1), turn)
+    (changed,) = np.nonzero(robot.electronics.counts != before)
+    assert set(changed) == {turn.first}
+    assert robot.read(2.0, turn) == [robot.electronics.counts[turn.first]]
+
+
+def test_setpoints_beyond_what_a_slot_takes_are_cut(profile: Profile) -> None:
+    robot = robot_in(profile)
+    robot.set_values([30.0] * len(profile.slots))
+    assert max(robot.duties) == 1.0
+
+
+def test_a_defect_is_due_at_its_moment(profile: Profile) -> None:
+    motion = Defect(kind="stray_motion", description="", after=1.0)
+    robot = robot_in(profile, motion)
+    assert robot.due_s == 1.0
+    assert robot.strike(0.999) == []
+    assert [incident.what for incident in robot.strike(1.0)] == ["motor_moves"]
+    assert robot.due_s == math.inf
+    assert sum(duty != 0.0 for duty in robot.duties) == 1

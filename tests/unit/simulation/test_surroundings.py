@@ -1,0 +1,49 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pirate_sm.model.pipe import Blockage, Pipe, Start, Straight
+from pirate_sm.model.profile import Profile
+from pirate_sm.model.simulation import Friction
+from pirate_sm.simulation.mechanics import ChainBody
+from pirate_sm.simulation.surroundings import NO_JITTER, Jitter, Surroundings, surroundings_of
+
+PIPE = Pipe(diameter=0.12, segments=(Straight(straight=3.0),), start=Start(at=1.5))
+
+
+def drawn(profile: Profile, chain: ChainBody, jitter: Jitter, pipe: Pipe = PIPE) -> Surroundings:
+    rng = np.random.default_rng(3)
+    return surroundings_of(profile, chain, pipe, duties={}, jitter=jitter, rng=rng)
+
+
+def test_without_jitter_the_numbers_are_those_of_the_files(
+    profile: Profile, chain: ChainBody
+) -> None:
+    around = drawn(profile, chain, NO_JITTER)
+    assert around.pose.places[0] == pytest.approx((1.5, 0.0, 0.0))
+    assert around.friction == profile.simulation.friction
+    assert around.pipe.shape.diameter_m == 0.12
+
+
+def test_jitter_stays_within_its_bounds(profile: Profile, chain: ChainBody) -> None:
+    around = drawn(profile, chain, Jitter(0.02, 0.2, 0.002))
+    shares = (
+        (around.pose.places[0][0] - 1.5) / 0.02,
+        (around.friction.static / profile.simulation.friction.static - 1.0) / 0.2,
+        (around.pipe.shape.diameter_m - 0.12) / 0.002,
+    )
+    assert all(0.0 < abs(share) < 1.0 for share in shares)
+    assert len(set(shares)) == 3
+
+
+def test_the_friction_and_blockages_of_the_pipe_are_taken(
+    profile: Profile, chain: ChainBody
+) -> None:
+    own = Friction(static=0.3, kinetic=0.2)
+    blocked = (Blockage(at=2.0, lasting=5.0),)
+    around = drawn(
+        profile, chain, NO_JITTER, PIPE.model_copy(update={"friction": own, "blockages": blocked})
+    )
+    assert around.friction == own
+    assert [(each.arc_m, each.lasting_s) for each in around.obstacles] == [(2.0, 5.0)]
