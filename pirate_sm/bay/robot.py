@@ -92,7 +92,7 @@ class Robot:
             profile, machine, pipe, start_values=start_values, jitter=Jitter(), rng=rng
         )
         self.world = World(
-            machine, Pipe(scene.shape), scene.friction, scene.pose,
+            machine, Pipe(scene.network), scene.friction, scene.pose,
             cycle_s=profile.link.cycle, seed=int(rng.integers(2**63)),
         )  # fmt: skip
         known = {**profile.simulation.defects, **{f"{i}": each for i, each in enumerate(extra)}}

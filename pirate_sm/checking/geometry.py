@@ -12,8 +12,9 @@ from math import copysign, degrees, pi, remainder
 
 from pirate_sm.checking.course import Bends, Course, Situation, course_of
 from pirate_sm.checking.findings import Finding, Severity, at
-from pirate_sm.checking.fit import Fit, Leg, legs_of
+from pirate_sm.checking.fit import Fit
 from pirate_sm.engine.program import Do
+from pirate_sm.geometry.route import Piece
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
 from pirate_sm.loading.source import Document
@@ -32,7 +33,7 @@ def check_geometry(loaded: LoadedMission) -> tuple[Finding, ...]:
     if course is None:
         return ()
     fit = Fit(profile, loaded.robot, loaded.pipe)
-    check = _Geometry(loaded, loaded.pipe, course, fit, legs_of(loaded.pipe))
+    check = _Geometry(loaded, loaded.pipe, course, fit, fit.route.pieces)
     found = [*check.start(), *check.side(), *check.standing(), *check.holding()]
     return tuple(sorted(found, key=lambda each: each.order))
 
@@ -42,19 +43,19 @@ class _Geometry:
     """A mission in its pipe, under examination.
 
     Attributes:
-        legs: Of the pipe, in order.
+        pieces: Of the pipe, in order.
     """
 
     loaded: LoadedMission
     pipe: Pipe
     course: Course
     fit: Fit
-    legs: tuple[Leg, ...]
+    pieces: tuple[Piece, ...]
 
     # --- room ----------------------------------------------------------------------------------
 
     def start(self) -> Iterator[Finding]:
-        """The robot stands in one leg when it begins, clear of every bend."""
+        """The robot stands in one piece when it begins, clear of every bend."""
         if self.course.situations[0].bent:
             return  # it begins in the bend
         clamped = bool(self.fit.robot.held[self.course.situations[0].configuration])
@@ -62,11 +63,11 @@ class _Geometry:
         first = self.pipe.start_of(self.fit.stretched_m)
         last = first - length
         how = f"the robot, {_mm(length)} long there, with its first wheel at {_mm(first)}"
-        if last < 0 or first > self.legs[-1].ends_m:
+        if last < 0 or first > self.pieces[-1].ends_m:
             end = "beginning" if last < 0 else "end"
             yield self._of_pipe(self._start, "geometry.too_close", f"{how} juts out of the {end}")
             return
-        for before in self.legs[:-1]:
+        for before in self.pieces[:-1]:
             crossing = before.ends_m
             taken = before.taken_m[1]
             if last < crossing + taken and first > crossing - taken:
@@ -86,14 +87,14 @@ class _Geometry:
             if self.fit.robot.held[each.configuration] == everything
             and everything <= set(each.bent)
         ]
-        leg = self._behind(round_it[0].bent[0]) if round_it else None
-        if leg is None:
+        piece = self._behind(round_it[0].bent[0]) if round_it else None
+        if piece is None:
             return
-        low, high = leg.clear_m
+        low, high = piece.clear_m
         if high - low < self.fit.clamped_m:
             room, need = _mm(high - low), _mm(self.fit.clamped_m)
             yield self._of_pipe(
-                ("segments", leg.segment, "straight"), "geometry.too_short",
+                ("segments", piece.segment, "straight"), "geometry.too_short",
                 f"there are {room} of straight walls here, and the clamped robot, which the mission"
                 f" brings here, is {need} long",
             )  # fmt: skip
@@ -190,26 +191,26 @@ class _Geometry:
 
     def holding(self) -> Iterator[Finding]:
         """What is clamped bears the robot's weight by friction."""
-        worst: tuple[float, Situation, Leg] | None = None
+        worst: tuple[float, Situation, Piece] | None = None
         every = True
         for situation in self.course.situations:
-            for leg in self._legs(situation) if self._held(situation) else ():
-                pull = self.fit.pull_n(leg)[0]
+            for piece in self._pieces(situation) if self._held(situation) else ():
+                pull = self.fit.pull_n(piece)[0]
                 share = self._grip_n(situation) / pull if pull > 0 else 1.0
                 every = every and share < 1
                 if share < 1 and (worst is None or share < worst[0]):
-                    worst = share, situation, leg
+                    worst = share, situation, piece
         if worst is not None:
-            _, situation, leg = worst
-            yield self._weak(situation, leg, everywhere=every)
+            _, situation, piece = worst
+            yield self._weak(situation, piece, everywhere=every)
 
-    def _weak(self, situation: Situation, leg: Leg, *, everywhere: bool) -> Finding:
+    def _weak(self, situation: Situation, piece: Piece, *, everywhere: bool) -> Finding:
         fit, configuration = self.fit, situation.configuration
         held = sorted(self._held(situation))
         torques = [f"{fit.torque_nm(part, configuration):.3g} Nm" for part in held]
         names = " and ".join(f"'{fit.robot.parts[part]}'" for part in held)
         press = sum(fit.press_n(part, configuration) for part in held)
-        pull, rests = fit.pull_n(leg)
+        pull, rests = fit.pull_n(piece)
         message = (
             f"{names}, clamped with {' and '.join(torques)}, press the walls with {press:.3g} N:"
             f" with a friction of {fit.friction:g} that holds {self._grip_n(situation):.3g} N, and"
@@ -238,30 +239,30 @@ class _Geometry:
 
     # --- places --------------------------------------------------------------------------------
 
-    def _legs(self, situation: Situation) -> list[Leg]:
+    def _pieces(self, situation: Situation) -> list[Piece]:
         """Where the robot can be: where it began, and behind the bend once it has bent."""
         behind = self._behind(situation.bent[0]) if situation.bent else None
         return [self._first] if behind is None else [self._first, behind]
 
-    def _behind(self, leading: int) -> Leg | None:
-        """The leg behind the first bend of a robot whose leading part is this one."""
+    def _behind(self, leading: int) -> Piece | None:
+        """The piece behind the first bend of a robot whose leading part is this one."""
         wheels = self.fit.profile.body.wheels
-        number = self.legs.index(self._first)
+        number = self.pieces.index(self._first)
         part = self.fit.robot.parts[leading]
         number += 1 if part == wheels[0].part else -1 if part == wheels[-1].part else 0
-        if number == self.legs.index(self._first) or not 0 <= number < len(self.legs):
+        if number == self.pieces.index(self._first) or not 0 <= number < len(self.pieces):
             return None
-        return self.legs[number]
+        return self.pieces[number]
 
     @property
-    def _first(self) -> Leg:
-        """The leg that the robot begins in."""
+    def _first(self) -> Piece:
+        """The piece that the robot begins in."""
         middle = self.pipe.start_of(self.fit.stretched_m) - self.fit.stretched_m / 2
-        return next((leg for leg in self.legs if middle <= leg.ends_m), self.legs[-1])
+        return self.fit.route.piece_at(middle)
 
     @property
     def _start(self) -> Path:
-        """Where the pipe says where the robot begins, or the leg that it is put into."""
+        """Where the pipe says where the robot begins, or the piece that it is put into."""
         return ("start", "at") if self.pipe.start is not None else ("segments", 0)
 
     @property

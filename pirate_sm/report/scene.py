@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from pirate_sm.detectors.route import Place, Route
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
+from pirate_sm.geometry.plane import walls
+from pirate_sm.geometry.route import Route
+from pirate_sm.geometry.space import Place
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.recording.evenly import add_evenly
@@ -76,15 +78,15 @@ class Following:
 
 def walls_of(pipe: Pipe | None) -> tuple[tuple[Place, ...], ...]:
     """Corners of the wall on side A and on side B; none without a pipe."""
-    return tuple(Route(pipe).walls(pipe.diameter / 2)) if pipe is not None else ()
+    return walls(Route(pipe.network())) if pipe is not None else ()
 
 
 def travel_of(poses: Poses, pipe: Pipe | None) -> Travel | None:
     """How far the wheels and their middle came along the pipe; None without poses or a pipe."""
     if pipe is None or not poses.times_s:
         return None
-    route, times = Route(pipe), poses.times_s
-    places = [[route.place_of(point) for point in points] for points in poses.points]
+    route, times = Route(pipe.network()), poses.times_s
+    places = [[route.arc_of((x, y, 0.0)) for x, y in points] for points in poses.points]
     middles = [sum(each) / len(each) for each in places]
     distance = [middle - middles[0] for middle in middles]
     name = "really" if poses.true else "reckoned"

@@ -128,7 +128,7 @@ class SimulatorBackend:
         self._echo_s = link.echo_delay
         self._unknown_s = link.resend_after
         self._world = World(
-            machine, Pipe(scene.shape), scene.friction, scene.pose,
+            machine, Pipe(scene.network), scene.friction, scene.pose,
             cycle_s=link.cycle, seed=int(rng.integers(2**63)),
         )  # fmt: skip
         # A robot that starts clamped is held there by its motors.

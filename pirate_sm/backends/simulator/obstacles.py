@@ -86,9 +86,9 @@ class Obstacles:
                 continue
             wheels = [i for i in range(world.nodes) if (i <= split) == (part == 1)]
             for number, crossing in enumerate(world.pipe.crossings_m, start=1):
-                bend = world.pipe.legs[number - 1].bend
-                assert bend is not None  # a crossing is where a leg with a bend ends
-                reach = 0.5 * world.pipe.shape.diameter_m * math.tan(abs(bend.angle_rad) / 2.0)
+                bend = world.pipe.pieces[number - 1].bend
+                assert bend is not None  # a crossing is where a piece with a bend ends
+                reach = bend.taken_m(world.pipe.diameter_m)
                 reach += world.machine.chain.wheel_radius_m
                 near = [i for i in wheels if abs(arcs[i] - crossing) < reach + 0.005]
                 if near and (crossing not in self._reported):

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from pirate_sm.backends.simulator.chain import Friction
-from pirate_sm.backends.simulator.geometry import Mitre, PipeShape, Straight
 from pirate_sm.backends.simulator.machine import Machine
 from pirate_sm.backends.simulator.obstacles import Obstacle
 from pirate_sm.backends.simulator.world import StartPose
-from pirate_sm.model import pipe as pipe_model
+from pirate_sm.geometry.network import Network
+from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 
 
@@ -35,7 +35,7 @@ class Jitter:
 class Scene:
     """What a run starts with."""
 
-    shape: PipeShape
+    network: Network
     friction: Friction
     pose: StartPose
     obstacles: tuple[Obstacle, ...]
@@ -44,7 +44,7 @@ class Scene:
 def scene_of(
     profile: Profile,
     machine: Machine,
-    pipe: pipe_model.Pipe,
+    pipe: Pipe,
     *,
     start_values: Sequence[float] | None,
     jitter: Jitter,
@@ -62,11 +62,6 @@ def scene_of(
         rng: Source of chance.
     """
     start, friction, diameter = rng.uniform(-1.0, 1.0, 3).tolist()
-    parts = tuple(
-        Straight(part.straight) if isinstance(part, pipe_model.Straight) else Mitre(part.mitre)
-        for part in pipe.segments
-    )
-    shape = PipeShape(pipe.diameter + diameter * jitter.diameter_m, parts, pipe.tilt, pipe.uphill)
     coefficients = pipe.friction if pipe.friction is not None else profile.simulation.friction
     scale = 1.0 + friction * jitter.friction
     length = sum(link.length_m for link in machine.chain.links)
@@ -74,7 +69,7 @@ def scene_of(
         pipe.start_of(length) + start * jitter.start_m, _wound(machine, start_values), -pipe.roll
     )
     return Scene(
-        shape,
+        pipe.network(pipe.diameter + diameter * jitter.diameter_m),
         Friction(coefficients.static * scale, coefficients.kinetic * scale),
         pose,
         tuple(Obstacle(each.at, each.from_s, each.lasting) for each in pipe.blockages),

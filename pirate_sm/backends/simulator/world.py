@@ -11,9 +11,12 @@ import numpy as np
 from pirate_sm.backends.simulator import kernel
 from pirate_sm.backends.simulator.arrays import Floats, Words
 from pirate_sm.backends.simulator.chain import ChainState, Friction, Layout, body_array
-from pirate_sm.backends.simulator.geometry import GRAVITY_M_S2, Pipe
+from pirate_sm.backends.simulator.geometry import Pipe
 from pirate_sm.backends.simulator.machine import ROLL, Machine
 from pirate_sm.errors import UsageError
+from pirate_sm.geometry.clamping import span_m
+from pirate_sm.geometry.plane import flat
+from pirate_sm.geometry.space import GRAVITY_M_S2
 
 STEP_S = 0.002
 _ITERATIONS = 4
@@ -146,12 +149,12 @@ class World:
 
     def block(self, wheel: int, arc_m: float, ahead: bool) -> None:
         """An obstacle stands in the way of one wheel; `ahead` = the wheel is before it."""
-        leg = self.pipe.leg_at(arc_m)
         sign = -1.0 if ahead else 1.0
         self._world[kernel.BLOCK_NODE] = wheel
-        self._world[kernel.BLOCK_X], self._world[kernel.BLOCK_Y] = self.pipe.point(arc_m)
-        self._world[kernel.BLOCK_NX] = sign * leg.direction[0]
-        self._world[kernel.BLOCK_NY] = sign * leg.direction[1]
+        frame = self.pipe.frame_at(arc_m)
+        self._world[kernel.BLOCK_X], self._world[kernel.BLOCK_Y] = flat(frame.origin)
+        self._world[kernel.BLOCK_NX] = sign * frame.ahead[0]
+        self._world[kernel.BLOCK_NY] = sign * frame.ahead[1]
 
     def unblock(self) -> None:
         """No obstacle stands anywhere."""
@@ -218,7 +221,7 @@ def _constants(machine: Machine, pipe: Pipe, dt: float) -> Floats:
     world[kernel.HALF_THICKNESS] = chain.half_thickness_m
     world[kernel.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N
     world[kernel.ANCHOR_MAX] = _ANCHOR_M
-    world[kernel.DEPTH] = pipe.shape.diameter_m / 2.0
+    world[kernel.DEPTH] = pipe.diameter_m / 2.0
     world[kernel.BLOCK_NODE] = -1
     world[kernel.ROLL_LINK] = chain.roll_link
     world[kernel.ROLL_RATE] = chain.roll_rate_rad_s
@@ -235,7 +238,7 @@ def _place(state: ChainState, machine: Machine, pipe: Pipe, pose: StartPose) -> 
     """
     chain = machine.chain
     held = {wheel: duty for wheel, duty in sorted(pose.duties.items()) if duty != 0.0}
-    height = pipe.shape.diameter_m - 2.0 * chain.wheel_radius_m if held else 0.0
+    height = pipe.diameter_m - 2.0 * chain.wheel_radius_m if held else 0.0
     if any(height >= link.length_m for link in chain.links):
         raise UsageError("the robot cannot be clamped in so wide a pipe")
     # Joints alternate: that of an odd wheel with a negative duty has its V open to side B. The
@@ -245,7 +248,7 @@ def _place(state: ChainState, machine: Machine, pipe: Pipe, pose: StartPose) -> 
         strongest = max(held, key=lambda wheel: abs(held[wheel]))
         side = math.copysign(1.0, -held[strongest]) * (1.0 if strongest % 2 else -1.0)
     arc = pose.arc_m
-    leg = pipe.leg_at(arc)
+    leg = pipe.piece_at(arc)
     tilts = []
     for i in range(chain.nodes):
         state.position[i] = pipe.point(arc, side * height / 2.0)
@@ -253,9 +256,9 @@ def _place(state: ChainState, machine: Machine, pipe: Pipe, pose: StartPose) -> 
             break
         length = chain.links[i].length_m
         tilts.append(side * math.asin(height / length))
-        arc -= math.sqrt(length * length - height * height)
+        arc -= span_m(length, height)
         side = -side
-    last_leg = pipe.leg_at(arc)
+    last_leg = pipe.piece_at(arc)
     if arc < 0.0 or pose.arc_m > pipe.length_m or last_leg is not leg:
         raise UsageError(
             f"the robot, {pose.arc_m - arc:.2f} m long there, does not fit between the bends and"

@@ -10,9 +10,10 @@ from typing import Any
 import pytest
 
 from pirate_sm.backends.simulator.chain import Friction
-from pirate_sm.backends.simulator.geometry import Mitre, Pipe, PipeShape, Straight
+from pirate_sm.backends.simulator.geometry import Pipe
 from pirate_sm.backends.simulator.machine import Machine, machine_of
 from pirate_sm.backends.simulator.world import StartPose, World
+from pirate_sm.geometry.network import Mitre, Network, Straight, planar
 from pirate_sm.loading.source import read_document
 from pirate_sm.loading.validate import validate
 from pirate_sm.model.profile import Profile
@@ -43,17 +44,17 @@ def machine(profile: Profile) -> Machine:
     return machine_of(profile)
 
 
-def straight(length_m: float = 5.0, **more: Any) -> PipeShape:
-    return PipeShape(DIAMETER_M, (Straight(length_m),), **more)
+def straight(length_m: float = 5.0, diameter_m: float = DIAMETER_M, **more: Any) -> Network:
+    return planar(diameter_m, (Straight(length_m),), **more)
 
 
-def bend(angle_deg: float = 90.0, **more: Any) -> PipeShape:
-    return PipeShape(
+def bend(angle_deg: float = 90.0, **more: Any) -> Network:
+    return planar(
         DIAMETER_M, (Straight(1.0), Mitre(math.radians(angle_deg)), Straight(1.0)), **more
     )
 
 
-def vertical(length_m: float = 5.0) -> PipeShape:
+def vertical(length_m: float = 5.0) -> Network:
     """A pipe that goes straight up."""
     return straight(length_m, tilt_rad=math.pi / 2, uphill_rad=0.0)
 
@@ -88,7 +89,7 @@ def place(machine: Machine) -> Callable[..., Driver]:
     """Puts the robot into a pipe, by default clamped with half the stall torque."""
 
     def put(
-        shape: PipeShape,
+        network: Network,
         *,
         at: float = 1.0,
         clamped: float = 0.5,
@@ -101,7 +102,7 @@ def place(machine: Machine) -> Callable[..., Driver]:
         duties = {wheel: -clamped if wheel % 2 else clamped for wheel in joints}
         world = World(
             robot,
-            Pipe(shape),
+            Pipe(network),
             Friction(*friction),
             StartPose(at, duties, roll_rad),
             cycle_s=CYCLE_S,

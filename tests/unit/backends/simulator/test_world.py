@@ -321,9 +321,8 @@ def test_a_robot_that_does_not_fit_is_refused(place: Place) -> None:
 
 
 def test_a_pipe_too_wide_to_clamp_is_refused(place: Place) -> None:
-    wide = straight()
     with pytest.raises(UsageError, match="wide"):
-        place(type(wide)(0.2, wide.parts))
+        place(straight(diameter_m=0.2))
 
 
 def test_another_robot_needs_other_numbers_only(
@@ -331,8 +330,7 @@ def test_another_robot_needs_other_numbers_only(
 ) -> None:
     small = machine_of(small_profile)
     assert small.chain.nodes != machine.chain.nodes
-    narrow = straight()
-    robot = place(type(narrow)(0.09, narrow.parts), clamped=0.0, robot=small)
+    robot = place(straight(diameter_m=0.09), clamped=0.0, robot=small)
     robot.clamp(*small.chain.joints)
     robot.run(5.0)
     start = robot.middle
