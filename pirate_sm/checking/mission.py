@@ -14,8 +14,8 @@ from pirate_sm.checking.exploring.ledger import Ledger, ledger
 from pirate_sm.checking.exploring.ranges import ranges
 from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.flow import flow_findings
-from pirate_sm.checking.geometry import check_geometry
 from pirate_sm.checking.handlers import handler_findings
+from pirate_sm.checking.mission_in_pipe import check_geometry
 from pirate_sm.checking.parameters import check_limits, check_parameters
 from pirate_sm.checking.places import Places
 from pirate_sm.checking.reach import reach_findings, within_reach

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 from pirate_sm.errors import RecordingError
 from pirate_sm.geometry.plane import walls
-from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.truth import Truth
@@ -156,7 +155,7 @@ class _Places:
         names = [wheel.name for wheel in body.wheels]
         self._radius_m = body.wheel_radius
         pipe = loaded.pipe
-        self._walls = walls(Route(pipe.network())) if pipe is not None else ()
+        self._walls = walls(pipe.route()) if pipe is not None else ()
         self._names = names
         self._shown: Iterator[Shown] = iter(())
         self._recording = recording

@@ -14,7 +14,6 @@ from pirate_sm.engine.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import UsageError
 from pirate_sm.geometry.plane import walls
-from pirate_sm.geometry.route import Route
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import DetectorWord, Event
 from pirate_sm.model.pipe import Pipe
@@ -51,7 +50,7 @@ class Odometry:
     ) -> None:
         if robot.odometry < 0:
             raise UsageError(f"--detector odometry: {robot.name} has no signal of odometry_of")
-        self._route = route = Route(pipe.network())
+        self._route = route = pipe.route()
         self._radius_m = profile.body.wheel_radius
         self._aside_m = pipe.diameter / 2 - self._radius_m
         self._walls = walls(route)

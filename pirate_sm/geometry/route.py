@@ -43,6 +43,10 @@ class Piece(NamedTuple):
         """From where to where along the route it has walls all round."""
         return self.arc_m + self.taken_m[0], self.ends_m - self.taken_m[1]
 
+    def frame_at(self, arc_m: float) -> Frame:
+        """Return the frame of the centre line at a place along the route."""
+        return self.frame.moved(arc_m - self.arc_m)
+
     def point(self, arc_m: float, aside_m: float = 0.0) -> Vector:
         """Return the point at a place along the route, so far to side A of the centre line."""
         return self.frame.point(arc_m - self.arc_m, aside_m)
@@ -83,8 +87,7 @@ class Route:
 
     def frame_at(self, arc_m: float) -> Frame:
         """Return the frame of the centre line at a place."""
-        piece = self.piece_at(arc_m)
-        return piece.frame.moved(arc_m - piece.arc_m)
+        return self.piece_at(arc_m).frame_at(arc_m)
 
     def arc_of(self, point: Vector) -> float:
         """Return how far along the route the nearest point of the centre line is."""
@@ -95,9 +98,10 @@ class Route:
                 along = max(along, 0.0)
             if number < last:
                 along = min(along, piece.length_m)
-            away = dist(point, piece.frame.point(along))
+            arc = piece.arc_m + along
+            away = dist(point, piece.point(arc))
             if away < nearest:
-                nearest, found = away, piece.arc_m + along
+                nearest, found = away, arc
         return found
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, TypeAlias
 from pydantic import AfterValidator, Field, Tag
 
 from pirate_sm.geometry import network as space
+from pirate_sm.geometry.route import Route
 from pirate_sm.model.base import Format, Frozen, Name, by_key
 from pirate_sm.model.quantities import Angle, Duration, Length, range_fault
 from pirate_sm.model.simulation import Friction
@@ -123,6 +124,10 @@ class Pipe(Frozen):
             for each in self.segments
         )
         return space.planar(diameter_m or self.diameter, segments, self.tilt, self.uphill)
+
+    def route(self) -> Route:
+        """Return the way through the pipe."""
+        return Route(self.network())
 
     def start_of(self, robot_length_m: float) -> float:
         """Where the first wheel of a robot of this length begins, m along the axis."""

@@ -8,7 +8,6 @@ from pirate_sm.detectors.reckoning import Reckoned, Reckoner
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
-from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Place
 from pirate_sm.model.body import Body
 from pirate_sm.model.pipe import Pipe, Straight
@@ -37,7 +36,7 @@ class Placing:
         self._robot = robot
         self._joints = [joint for joint in robot.body.joints if joint >= 0]
         aside_m = pipe.diameter / 2 - profile.body.wheel_radius
-        self._reckoner = Reckoner(robot.body, Route(pipe.network()), aside_m, robot.odometry)
+        self._reckoner = Reckoner(robot.body, pipe.route(), aside_m, robot.odometry)
         length_m = sum(robot.body.lengths_m)
         self._first_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
         self._reckoned: Reckoned | None = None

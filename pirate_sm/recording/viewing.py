@@ -22,10 +22,10 @@ from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
 from pirate_sm.recording.alphabet import DIALECT
+from pirate_sm.recording.foxglove_scene import scene_message
 from pirate_sm.recording.frames import Transforms
 from pirate_sm.recording.naming import signal_names, slot_names
 from pirate_sm.recording.placing import Placing
-from pirate_sm.recording.scene import scene_message
 from pirate_sm.recording.told import LEVELS, told
 
 PLACES = "/places"

@@ -17,7 +17,7 @@ from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.detectors.choice import detecting
 from pirate_sm.engine.engine import Engine
-from pirate_sm.geometry.route import Piece, Route
+from pirate_sm.geometry.route import Piece
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect, Ended, Environment
 from pirate_sm.model.pipe import Pipe
@@ -56,12 +56,12 @@ class Beside:
 
     def segment(self, arcs: Sequence[float]) -> str:
         low, high = min(arcs) - JOINT_REACH_M, max(arcs) + JOINT_REACH_M
-        crossings = Route(self.pipe.network()).crossings_m
+        crossings = self.pipe.route().crossings_m
         return "Joint" if any(low <= each <= high for each in crossings) else "Straight"
 
     def attitudes(self, arcs: Sequence[float]) -> list[tuple[float, float]]:
         """Roll and pitch of every leg in which a wheel stands."""
-        route = Route(self.pipe.network())
+        route = self.pipe.route()
         return [self._attitude(piece) for piece in {route.piece_at(arc) for arc in arcs}]
 
     def _attitude(self, piece: Piece) -> tuple[float, float]:

@@ -7,7 +7,6 @@ import pytest
 
 from pirate_sm.detectors.reckoning import Reckoned, Reckoner
 from pirate_sm.engine.body_spec import BodySpec, Vee
-from pirate_sm.geometry.route import Route
 from pirate_sm.model.pipe import Mitre, Pipe, Straight
 
 LINK, ASIDE = 0.1, 0.035
@@ -33,7 +32,7 @@ ZIGZAG = (-2 * LEAN, 2 * LEAN, -2 * LEAN, 2 * LEAN)
 
 @pytest.fixture
 def reckoner() -> Reckoner:
-    return Reckoner(BODY, Route(PIPE.network()), ASIDE, ODOMETER)
+    return Reckoner(BODY, PIPE.route(), ASIDE, ODOMETER)
 
 
 def numbers(odometer: float = 0.0, angles: tuple[float, ...] = (0.0,) * 4) -> tuple[float, ...]:

@@ -9,7 +9,6 @@ from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
 from pirate_sm.geometry.plane import walls
-from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Place
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
@@ -78,14 +77,14 @@ class Following:
 
 def walls_of(pipe: Pipe | None) -> tuple[tuple[Place, ...], ...]:
     """Corners of the wall on side A and on side B; none without a pipe."""
-    return walls(Route(pipe.network())) if pipe is not None else ()
+    return walls(pipe.route()) if pipe is not None else ()
 
 
 def travel_of(poses: Poses, pipe: Pipe | None) -> Travel | None:
     """How far the wheels and their middle came along the pipe; None without poses or a pipe."""
     if pipe is None or not poses.times_s:
         return None
-    route, times = Route(pipe.network()), poses.times_s
+    route, times = pipe.route(), poses.times_s
     places = [[route.arc_of((x, y, 0.0)) for x, y in points] for points in poses.points]
     middles = [sum(each) / len(each) for each in places]
     distance = [middle - middles[0] for middle in middles]

@@ -29,7 +29,7 @@ class Fit:
     @cached_property
     def route(self) -> Route:
         """Through the pipe."""
-        return Route(self.pipe.network())
+        return self.pipe.route()
 
     @property
     def height_m(self) -> float:

@@ -8,7 +8,7 @@ from math import atan2, cos, hypot, sin
 from typing import Any
 
 from pirate_sm.geometry.plane import flat, walls
-from pirate_sm.geometry.route import Piece, Route
+from pirate_sm.geometry.route import Piece
 from pirate_sm.model.body import Body
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.recording.frames import PIPE
@@ -76,7 +76,7 @@ def _wheels(body: Body) -> list[dict[str, Any]]:
 
 
 def _pipe(pipe: Pipe) -> dict[str, Any]:
-    route = Route(pipe.network())
+    route = pipe.route()
     points = [
         _point(*corner) for wall in walls(route) for pair in pairwise(wall) for corner in pair
     ]

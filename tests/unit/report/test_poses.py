@@ -12,7 +12,7 @@ from pirate_sm.recording.replay import rerun
 from pirate_sm.report import scene
 from pirate_sm.report.gathering import About, gather
 from pirate_sm.report.model import Report
-from pirate_sm.report.scene import MOST_POSES, Poses
+from pirate_sm.report.poses import MOST_POSES, Poses
 
 
 def test_of_many_poses_some_stay_evenly_and_the_last_one():

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.fit import Fit
-from pirate_sm.checking.geometry import check_geometry
+from pirate_sm.checking.mission_in_pipe import check_geometry
+from pirate_sm.checking.robot_in_pipe import Fit
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
 

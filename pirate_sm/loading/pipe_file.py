@@ -8,7 +8,6 @@ from pathlib import Path
 
 from pirate_sm.geometry.clamping import height_m
 from pirate_sm.geometry.plane import crossing
-from pirate_sm.geometry.route import Route
 from pirate_sm.loading.folders import shown
 from pirate_sm.loading.problems import Path as At
 from pirate_sm.loading.problems import Problems
@@ -109,7 +108,7 @@ def _check_shape(pipe: Pipe, at: At, problems: Problems) -> None:
 
 def _check_crossing(pipe: Pipe, at: At, problems: Problems) -> None:
     """No piece of the pipe lies in the place of another one."""
-    found = crossing(Route(pipe.network()))
+    found = crossing(pipe.route())
     if found is not None:
         one, two = found
         path = (*at, "segments", min(two.segment, len(pipe.segments) - 1))
@@ -118,7 +117,7 @@ def _check_crossing(pipe: Pipe, at: At, problems: Problems) -> None:
 
 
 def _check_places(pipe: Pipe, at: At, problems: Problems) -> None:
-    length = Route(pipe.network()).length_m
+    length = pipe.route().length_m
     places = [((*at, "blockages", n, "at"), each.at) for n, each in enumerate(pipe.blockages)]
     if pipe.start is not None:
         places.append(((*at, "start", "at"), pipe.start.at))
