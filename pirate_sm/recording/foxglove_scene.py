@@ -80,11 +80,9 @@ def _pipe(pipe: Pipe) -> dict[str, Any]:
     points = [
         _point(*corner) for wall in walls(route) for pair in pairwise(wall) for corner in pair
     ]
-    lines = {
-        "type": _LINE_LIST, "pose": _pose(_point()), "thickness": _WALL_M,
-        "scale_invariant": False, "points": points, "color": _color(_WALL), "colors": [],
-        "indices": [],
-    }  # fmt: skip
+    lines = {"type": _LINE_LIST, "pose": _pose(_point()), "thickness": _WALL_M}
+    lines |= {"scale_invariant": False, "points": points}
+    lines |= {"color": _color(_WALL), "colors": [], "indices": []}
     glass = [_glass(piece) for piece in route.pieces]
     return _entity(PIPE, PIPE, lines=[lines], cylinders=glass)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import confirmed_parts
@@ -112,10 +113,10 @@ def scene_of(
         angle = signals.series(spec.angle, wheel.name)
         drive = setpoints.series(spec.slot, wheel.name, scale=forward, stepped=True)
         wheels.append(Wheel(wheel.name, wheel.part, angle, drive))
-    return Scene(
-        "truth" if poses.true else "reckoned", thin.times_s, thin.points, walls, tuple(wheels),
-        body.wheel_radius, body.body_half_thickness, tuple(held), _lights(profile, setpoints),
-    )  # fmt: skip
+    source: Literal["truth", "reckoned"] = "truth" if poses.true else "reckoned"
+    seen = source, thin.times_s, thin.points, walls, tuple(wheels)
+    sizes = body.wheel_radius, body.body_half_thickness
+    return Scene(*seen, *sizes, tuple(held), _lights(profile, setpoints))
 
 
 def _lights(profile: Profile, setpoints: Samples) -> tuple[Light, ...]:

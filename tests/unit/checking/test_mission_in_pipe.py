@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.mission_in_pipe import check_geometry
+from pirate_sm.checking.mission_in_pipe import check_in_pipe
 from pirate_sm.checking.robot_in_pipe import Fit
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
@@ -42,12 +42,12 @@ def pipe(segments: str, rest: str = "") -> str:
 def findings(folder: Path, text: str, **options: str) -> tuple[Finding, ...]:
     file = folder / "m.yaml"
     file.write_text(text, encoding="utf-8")
-    return check_geometry(load_mission(file, **options))
+    return check_in_pipe(load_mission(file, **options))
 
 
 @pytest.mark.parametrize("path", MISSIONS, ids=lambda path: path.stem)
 def test_shipped_missions_fit_their_pipes(path: Path) -> None:
-    found = check_geometry(load_mission(path))
+    found = check_in_pipe(load_mission(path))
     assert [each for each in found if "pirate: allow" not in each.excerpt] == []
 
 
@@ -73,7 +73,7 @@ def test_a_mission_without_a_pipe_is_left_alone(tmp_path: Path) -> None:
 def test_a_bend_to_the_other_side_is_told(name: str, other: str) -> None:
     loaded = load_mission(library.find_mission(name), pipe=other)
 
-    (found,) = check_geometry(loaded)
+    (found,) = check_in_pipe(loaded)
 
     key = "polarity:" if loaded.mission.polarity else "pipe:"
     assert found.code == "geometry.polarity"
