@@ -171,7 +171,8 @@ class Reckoner:
         forward = spot.middle_m - _mean([laid[wheel][0] for wheel in at or wheels])
         sides = self._body.sides
         across = _mean([sides[wheel] * aside_m - laid[wheel][1] for wheel in wheels])
-        return tuple(flat(spot.piece.point(x + forward, y + across)) for x, y in laid)
+        frame, arc_m = spot.piece.frame, spot.piece.arc_m
+        return tuple(flat(frame.point(x + forward - arc_m, y + across)) for x, y in laid)
 
     def _places(self, points: Sequence[Place]) -> tuple[float, ...]:
         return tuple(nan if isnan(x) else self._route.arc_of((x, y, 0.0)) for x, y in points)

@@ -98,18 +98,36 @@ class Route:
                 along = max(along, 0.0)
             if number < last:
                 along = min(along, piece.length_m)
-            arc = piece.arc_m + along
-            away = dist(point, piece.point(arc))
+            away = dist(point, piece.frame.point(along))
             if away < nearest:
-                nearest, found = away, arc
+                nearest, found = away, piece.arc_m + along
         return found
+
+
+class _Heading(NamedTuple):
+    """The direction of travel: a plane, and how far the bends in it have turned together.
+
+    Their angles are added up before anything is turned, so that rounding does not grow from bend
+    to bend.
+    """
+
+    plane: Frame = DRAWING
+    turned_rad: float = 0.0
+
+    @property
+    def frame(self) -> Frame:
+        return self.plane.turned(self.turned_rad)
+
+    def after(self, mitre: Mitre) -> _Heading:
+        if not mitre.roll_rad:
+            return self._replace(turned_rad=self.turned_rad + mitre.angle_rad)
+        frame = self.frame.rolled(mitre.roll_rad).turned(mitre.angle_rad)
+        return _Heading(frame.rolled(-mitre.roll_rad))
 
 
 def _pieces(runs: Sequence[tuple[str, Run]]) -> Iterator[Piece]:
     """Yield the pieces of runs that follow each other."""
-    # The angles of bends in one plane are added up before anything is turned, so that rounding
-    # does not grow from bend to bend.
-    plane, heading, frame, arc, before = DRAWING, 0.0, DRAWING, 0.0, ""
+    heading, origin, arc, before = _Heading(), DRAWING.origin, 0.0, ""
     for name, run in runs:
         if before and run.begins != before:
             raise ValueError(f"run '{name}' begins at '{run.begins}', not at '{before}'")
@@ -119,14 +137,8 @@ def _pieces(runs: Sequence[tuple[str, Run]]) -> Iterator[Piece]:
                 length += segment.length_m
                 continue
             after = segment.taken_m(run.diameter_m) if segment else 0.0
-            ends = (taken, after)
+            frame, ends = heading.frame._replace(origin=origin), (taken, after)
             yield Piece(frame, length, arc, run.diameter_m, ends, segment, name, first)
-            frame, arc = frame.moved(length), arc + length
+            origin, arc = frame.point(length), arc + length
             length, taken, first = 0.0, after, number + 1
-            if segment and segment.roll_rad:
-                rolled = frame.rolled(segment.roll_rad).turned(segment.angle_rad)
-                plane, heading = rolled.rolled(-segment.roll_rad), 0.0
-                frame = plane
-            elif segment:
-                heading += segment.angle_rad
-                frame = plane.turned(heading)._replace(origin=frame.origin)
+            heading = heading.after(segment) if segment else heading
