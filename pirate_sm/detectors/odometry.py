@@ -52,7 +52,6 @@ class Odometry:
             raise UsageError(f"--detector odometry: {robot.name} has no signal of odometry_of")
         self._route = route = pipe.route()
         self._radius_m = profile.body.wheel_radius
-        self._aside_m = pipe.diameter / 2 - self._radius_m
         self._walls = walls(route)
         length_m = sum(robot.body.lengths_m)
         self.first_wheel_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
@@ -74,7 +73,7 @@ class Odometry:
     def _take(self, robot: RobotSpec) -> None:
         """Follow this robot from now on."""
         self._robot = robot
-        self._reckoner = Reckoner(robot.body, self._route, self._aside_m, robot.odometry)
+        self._reckoner = Reckoner(robot.body, self._route, robot.odometry)
         self._odometer = Odometer(robot)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:

@@ -65,14 +65,12 @@ class Reckoner:
     Args:
         body: The robot's chain.
         route: The pipe.
-        aside_m: How far from the centre line a wheel that touches a wall is.
         odometer: Index of the number that the odometer is.
     """
 
-    def __init__(self, body: BodySpec, route: Route, aside_m: float, odometer: int) -> None:
+    def __init__(self, body: BodySpec, route: Route, odometer: int) -> None:
         self._body = body
         self._route = route
-        self._aside_m = aside_m
         self._odometer = odometer
         self._everything = tuple(range(len(body.joints)))
 
@@ -164,7 +162,8 @@ class Reckoner:
             at: By default the anchor's wheels.
         """
         wheels = self._body.wheels_of(anchor)
-        aside_m = 0.0 if anchor == WHOLE else self._aside_m
+        wall_m = spot.piece.diameter_m / 2 - self._body.wheel_radius_m
+        aside_m = 0.0 if anchor == WHOLE else wall_m
         shape = self._body.places(angles, wheels[0])
         turn = self._body.lean(shape, wheels, aside_m)
         laid = [turned(place, turn) for place in shape]

@@ -35,8 +35,7 @@ class Placing:
         pipe = pipe or _somewhere(profile.body)
         self._robot = robot
         self._joints = [joint for joint in robot.body.joints if joint >= 0]
-        aside_m = pipe.diameter / 2 - profile.body.wheel_radius
-        self._reckoner = Reckoner(robot.body, pipe.route(), aside_m, robot.odometry)
+        self._reckoner = Reckoner(robot.body, pipe.route(), robot.odometry)
         length_m = sum(robot.body.lengths_m)
         self._first_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
         self._reckoned: Reckoned | None = None

@@ -32,7 +32,7 @@ ZIGZAG = (-2 * LEAN, 2 * LEAN, -2 * LEAN, 2 * LEAN)
 
 @pytest.fixture
 def reckoner() -> Reckoner:
-    return Reckoner(BODY, PIPE.route(), ASIDE, ODOMETER)
+    return Reckoner(BODY, PIPE.route(), ODOMETER)
 
 
 def numbers(odometer: float = 0.0, angles: tuple[float, ...] = (0.0,) * 4) -> tuple[float, ...]:
