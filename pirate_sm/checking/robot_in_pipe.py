@@ -19,7 +19,9 @@ class Fit:
     """A robot in a pipe.
 
     Attributes:
-        robot: In the polarity of the mission.
+        profile: The robot.
+        robot: The same for the engine, in the polarity of the mission.
+        pipe: Where it is.
     """
 
     profile: Profile
@@ -28,28 +30,28 @@ class Fit:
 
     @cached_property
     def route(self) -> Route:
-        """Through the pipe."""
+        """The way through the pipe."""
         return self.pipe.route()
 
     @property
     def height_m(self) -> float:
-        """h, the height of a clamped V (eq. 3-2)."""
+        """The height h of a clamped V, m (eq. 3-2)."""
         return self.pipe.diameter - 2 * self.profile.body.wheel_radius
 
     @property
     def stretched_m(self) -> float:
-        """From the first wheel to the last of a straight robot."""
+        """The length of a straight robot from the first wheel to the last, m."""
         return sum(link.length for link in self.profile.body.links)
 
     @property
     def clamped_m(self) -> float:
-        """From the first wheel to the last where neighbours touch opposite walls."""
+        """The same of a robot whose neighbouring wheels touch opposite walls, m."""
         lengths = [link.length for link in self.profile.body.links]
         return sum(span_m(length, self.height_m) for length in lengths)
 
     @property
     def weight_n(self) -> float:
-        """Of the whole robot."""
+        """The weight of the whole robot, N."""
         body = self.profile.body
         masses = [*(wheel.mass for wheel in body.wheels), *(link.mass for link in body.links)]
         return sum(masses) * GRAVITY_M_S2
@@ -66,7 +68,7 @@ class Fit:
         return abs(slope) * self.weight_n, sqrt(max(1 - slope**2, 0.0)) * self.weight_n
 
     def torque_nm(self, part: int, configuration: int) -> float:
-        """The torque of a held part's apex at stall; infinite where the states do not say."""
+        """Return the stall torque of a held part's apex; infinite where the states do not say."""
         joint = self.profile.body.parts[self.robot.parts[part]].apex
         states = self.robot.table.configurations[configuration]
         least = inf

@@ -27,7 +27,7 @@ passed with 8 deg left, 46 with 6 deg and none with 5 deg (docs/measurements.md)
 
 
 def load_pipe(path: Path) -> tuple[Pipe, Document]:
-    """The pipe that a file describes, and the file.
+    """Return the pipe that a file describes, and the file.
 
     Raises:
         LoadError: Everything that is wrong with it.
@@ -53,17 +53,17 @@ def reach(profile: Profile) -> tuple[float, float]:
 
 
 def check_pipe(pipe: Pipe, document: Document, problems: Problems) -> None:
-    """A pipe that cannot be built is a problem."""
+    """Report why a pipe cannot be built."""
     at, about = _part_of(document), problems.about(document)
     before = len(problems.errors)
     _check_shape(pipe, at, about)
-    if len(problems.errors) == before:  # else there is no telling where its legs lie
+    if len(problems.errors) == before:  # else it is not known where its pieces lie
         _check_crossing(pipe, at, about)
     _check_places(pipe, at, about)
 
 
 def check_fit(pipe: Pipe, profile: Profile, document: Document, problems: Problems) -> None:
-    """A pipe that cannot be built, or that the robot cannot clamp, is a problem."""
+    """Report why a pipe cannot be built, or why the robot cannot clamp in it."""
     check_pipe(pipe, document, problems)
     at, about = _part_of(document), problems.about(document)
     least, largest = reach(profile)
@@ -78,12 +78,12 @@ def check_fit(pipe: Pipe, profile: Profile, document: Document, problems: Proble
 
 
 def _part_of(document: Document) -> At:
-    """Where the pipe stands in its file, which may be a mission's."""
+    """Return the path of the pipe in its file, which may be a mission's."""
     return ("pipe",) if "pipe" in document.data and "phases" in document.data else ()
 
 
 def _check_shape(pipe: Pipe, at: At, problems: Problems) -> None:
-    """Straights stand first, last and between mitres, and are long enough for their walls."""
+    """Report mitres without a straight on either side, and straights too short for their walls."""
     segments = pipe.segments
     for number in dict.fromkeys((0, len(segments) - 1)):
         if isinstance(segments[number], Mitre):
@@ -107,7 +107,7 @@ def _check_shape(pipe: Pipe, at: At, problems: Problems) -> None:
 
 
 def _check_crossing(pipe: Pipe, at: At, problems: Problems) -> None:
-    """No piece of the pipe lies in the place of another one."""
+    """Report a piece of the pipe that lies in the place of another one."""
     found = crossing(pipe.route())
     if found is not None:
         one, two = found
@@ -117,6 +117,7 @@ def _check_crossing(pipe: Pipe, at: At, problems: Problems) -> None:
 
 
 def _check_places(pipe: Pipe, at: At, problems: Problems) -> None:
+    """Report a start or a blockage beyond the end of the pipe."""
     length = pipe.route().length_m
     places = [((*at, "blockages", n, "at"), each.at) for n, each in enumerate(pipe.blockages)]
     if pipe.start is not None:

@@ -27,7 +27,7 @@ _UPRIGHT = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
 
 
 def scene_message(stamp: str, body: Body, pipe: Pipe | None) -> bytes:
-    """Everything that can be seen, without an end.
+    """Return a message that shows everything, for as long as a viewer runs.
 
     Args:
         stamp: The time as JSON.
@@ -88,7 +88,7 @@ def _pipe(pipe: Pipe) -> dict[str, Any]:
 
 
 def _glass(piece: Piece) -> dict[str, Any]:
-    """The piece of a pipe as a cylinder, whose own axis is z, so that one sees through it."""
+    """Return a piece of pipe as a cylinder that one sees through; its own axis is z."""
     middle = flat(piece.point(piece.arc_m + piece.length_m / 2))
     heading = atan2(piece.frame.ahead[1], piece.frame.ahead[0])
     # First from z to x, half a right angle about y, then about z by the heading.

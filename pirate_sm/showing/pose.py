@@ -1,4 +1,4 @@
-"""Where to draw the wheels: where they are known to be, else as the joints say, else straight."""
+"""The robot as views draw it: by known places of its wheels, else by its joints, else straight."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Pose(NamedTuple):
 
 
 def pose_of(snapshot: Snapshot) -> Pose:
-    """How the robot is to be drawn."""
+    """Return the robot as it is to be drawn."""
     robot, state, truth = snapshot.scene.robot, snapshot.state, snapshot.truth
     held: frozenset[int] = frozenset()
     sure: frozenset[int] = frozenset()
