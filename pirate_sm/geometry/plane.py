@@ -28,7 +28,7 @@ def turned(place: Place, angle_rad: float) -> Place:
 
 
 def walls(route: Route) -> Walls:
-    """Return the corners of the wall on side A and of that on side B, m."""
+    """Return the corners of the walls of a planar route on side A and on side B, m."""
     return _wall(route, 1.0), _wall(route, -1.0)
 
 
