@@ -14,8 +14,8 @@ from pirate_sm.checking.exploring.ledger import Ledger, ledger
 from pirate_sm.checking.exploring.ranges import ranges
 from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.flow import flow_findings
-from pirate_sm.checking.geometry import check_geometry
 from pirate_sm.checking.handlers import handler_findings
+from pirate_sm.checking.mission_in_pipe import check_in_pipe
 from pirate_sm.checking.parameters import check_limits, check_parameters
 from pirate_sm.checking.places import Places
 from pirate_sm.checking.reach import reach_findings, within_reach
@@ -93,7 +93,7 @@ def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> Missi
     if any(each.code in _NEVER for each in judged):
         beyond = _beyond(books, loaded)
         judged = _judged(books, [*books, *beyond], loaded, places) if beyond else judged
-    findings = [*told, *judged, *check_geometry(loaded)]
+    findings = [*told, *judged, *check_in_pipe(loaded)]
     findings += check_parameters(loaded.mission, loaded.documents[0])
     findings += check_limits(loaded, within_reach(loaded))
     unique = {(each.code, each.place, each.message): each for each in findings}

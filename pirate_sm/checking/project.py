@@ -22,7 +22,7 @@ from pirate_sm.loading import library, references
 from pirate_sm.loading.calibration import load_calibration
 from pirate_sm.loading.chart_outline import outline_chart
 from pirate_sm.loading.folders import PROFILE_FILE, shown
-from pirate_sm.loading.pipe import check_pipe, load_pipe
+from pirate_sm.loading.pipe_file import check_pipe, load_pipe
 from pirate_sm.loading.problems import LoadError, Place, Problems
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.script import read_script

@@ -16,7 +16,6 @@ from pirate_sm.engine.program import Branch, TriggerSpec, Wait
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, tree
 from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.pipe import Mitre, Straight
 
 BEGINNING_S = 5.0
 """How long commands may have driven before a wait begins [decided]."""
@@ -152,7 +151,7 @@ class _Reach:
         fastest, pipe = self._fastest, self._loaded.pipe
         yield self._speed, fastest, f"without a load the robot drives {fastest:.3g} m/s"
         if pipe is not None:
-            length = sum(each.straight for each in pipe.segments if isinstance(each, Straight))
+            length = pipe.route().length_m
             yield self._odometry, length, f"the pipe is {length:.3g} m long"
 
     # --- the wrong way ----------------------------------------------------------------------
@@ -223,7 +222,7 @@ class _Reach:
     def _word(self, wait: Wait, condition: Expression) -> _Said | None:
         """A word that nothing in this pipe brings about."""
         pipe = self._loaded.pipe
-        if pipe is None or any(isinstance(each, Mitre) for each in pipe.segments):
+        if pipe is None or pipe.route().crossings_m:
             return None
         vocabulary = self._robot.vocabulary
         for name, values in (("detector", self._robot.detector_words), ("segment", (_JOINT,))):

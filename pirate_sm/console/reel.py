@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
-from pirate_sm.detectors.route import Place, Route
 from pirate_sm.errors import RecordingError
+from pirate_sm.geometry.plane import walls
+from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.truth import Truth
 from pirate_sm.recording.reader import Checkpoint, Recording, Shown, with_own_times
@@ -154,7 +155,7 @@ class _Places:
         names = [wheel.name for wheel in body.wheels]
         self._radius_m = body.wheel_radius
         pipe = loaded.pipe
-        self._walls = tuple(Route(pipe).walls(pipe.diameter / 2)) if pipe is not None else ()
+        self._walls = walls(pipe.route()) if pipe is not None else ()
         self._names = names
         self._shown: Iterator[Shown] = iter(())
         self._recording = recording

@@ -13,7 +13,7 @@ from pirate_sm.errors import PirateError, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.by_hand import by_hand
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.loading.pipe import load_pipe
+from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.source import read_document
 from pirate_sm.wiring import Order, load

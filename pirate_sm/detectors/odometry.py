@@ -7,13 +7,13 @@ from math import isnan
 
 from pirate_sm.detectors.odometer import Odometer
 from pirate_sm.detectors.reckoning import Reckoned, Reckoner
-from pirate_sm.detectors.route import Route
 from pirate_sm.detectors.words import Detector, words_of
-from pirate_sm.engine.body import WHOLE
+from pirate_sm.engine.body_spec import WHOLE
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import UsageError
+from pirate_sm.geometry.plane import walls
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import DetectorWord, Event
 from pirate_sm.model.pipe import Pipe
@@ -50,17 +50,15 @@ class Odometry:
     ) -> None:
         if robot.odometry < 0:
             raise UsageError(f"--detector odometry: {robot.name} has no signal of odometry_of")
-        self._route = route = Route(pipe)
+        self._route = route = pipe.route()
         self._radius_m = profile.body.wheel_radius
-        self._aside_m = pipe.diameter / 2 - self._radius_m
-        self._walls = route.walls(pipe.diameter / 2)
-        end_m = route.legs[-1].arc_m + route.legs[-1].length_m
+        self._walls = walls(route)
         length_m = sum(robot.body.lengths_m)
         self.first_wheel_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
-        if not 0.0 <= self.first_wheel_m <= end_m:
+        if not 0.0 <= self.first_wheel_m <= route.length_m:
             raise UsageError(
                 f"--start-at {self.first_wheel_m * 1000:.4g} mm is outside the pipe, "
-                f"which is {end_m * 1000:.4g} mm long"
+                f"which is {route.length_m * 1000:.4g} mm long"
             )
         self.due_s = 0.0
         self.reckoned: Reckoned | None = None
@@ -75,7 +73,7 @@ class Odometry:
     def _take(self, robot: RobotSpec) -> None:
         """Follow this robot from now on."""
         self._robot = robot
-        self._reckoner = Reckoner(robot.body, self._route, self._aside_m, robot.odometry)
+        self._reckoner = Reckoner(robot.body, self._route, robot.odometry)
         self._odometer = Odometer(robot)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:

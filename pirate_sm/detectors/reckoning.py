@@ -18,20 +18,22 @@ anchor that stands in two legs at once is taken to lie in that of its middle.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, isnan, nan, sin
+from math import isnan, nan
 from typing import NamedTuple
 
-from pirate_sm.detectors.route import Leg, Place, Route
-from pirate_sm.engine.body import WHOLE, BodySpec, known
+from pirate_sm.engine.body_spec import WHOLE, BodySpec, known
+from pirate_sm.geometry.plane import flat, turned
+from pirate_sm.geometry.route import Piece, Route
+from pirate_sm.geometry.space import Place
 
 _UNKNOWN: Place = (nan, nan)
 
 
 class Spot(NamedTuple):
-    """Where an anchor stands: the middle of its wheels along the pipe, m, and in which leg."""
+    """Where an anchor stands: the middle of its wheels along the pipe, m, and in which piece."""
 
     middle_m: float
-    leg: Leg
+    piece: Piece
 
 
 class Reckoned(NamedTuple):
@@ -63,14 +65,12 @@ class Reckoner:
     Args:
         body: The robot's chain.
         route: The pipe.
-        aside_m: How far from the centre line a wheel that touches a wall is.
         odometer: Index of the number that the odometer is.
     """
 
-    def __init__(self, body: BodySpec, route: Route, aside_m: float, odometer: int) -> None:
+    def __init__(self, body: BodySpec, route: Route, odometer: int) -> None:
         self._body = body
         self._route = route
-        self._aside_m = aside_m
         self._odometer = odometer
         self._everything = tuple(range(len(body.joints)))
 
@@ -87,7 +87,7 @@ class Reckoner:
         """
         counted = self._counted(numbers, 0.0)
         place = first_wheel_m + counted
-        anchor, spot = min(held, default=WHOLE), Spot(place, self._route.leg_at(place))
+        anchor, spot = min(held, default=WHOLE), Spot(place, self._route.piece_at(place))
         points = self._lay(self._body.angles(numbers), anchor, spot, (0,))
         places = self._places(points)
         anchors = held or {WHOLE}
@@ -131,7 +131,7 @@ class Reckoner:
                 spot = self._stand(anchor, before.points, before.places_m)
             if spot is not None:
                 middle_m = spot.middle_m + moved_m
-                spots[anchor] = Spot(middle_m, self._route.leg_at(middle_m))
+                spots[anchor] = Spot(middle_m, self._route.piece_at(middle_m))
         return spots
 
     def _stand(
@@ -141,9 +141,10 @@ class Reckoner:
         wheels = self._body.wheels_of(anchor)
         if not known(points, wheels):
             return None
-        leg = self._route.leg_at(_mean([places_m[wheel] for wheel in wheels]))
+        piece = self._route.piece_at(_mean([places_m[wheel] for wheel in wheels]))
         # Not the mean of the places: they leap where a wheel cuts the corner of a mitre.
-        return Spot(leg.arc_m + _mean([leg.beyond(points[wheel]) for wheel in wheels]), leg)
+        beyond = [piece.beyond_m((*points[wheel], 0.0)) for wheel in wheels]
+        return Spot(piece.arc_m + _mean(beyond), piece)
 
     def _counted(self, numbers: Sequence[float], before: float) -> float:
         counted = numbers[self._odometer] if self._odometer >= 0 else before
@@ -161,17 +162,19 @@ class Reckoner:
             at: By default the anchor's wheels.
         """
         wheels = self._body.wheels_of(anchor)
-        aside_m = 0.0 if anchor == WHOLE else self._aside_m
-        shape = self._body.shape(angles, wheels[0])
+        wall_m = spot.piece.diameter_m / 2 - self._body.wheel_radius_m
+        aside_m = 0.0 if anchor == WHOLE else wall_m
+        shape = self._body.places(angles, wheels[0])
         turn = self._body.lean(shape, wheels, aside_m)
-        turned = [(x * cos(turn) - y * sin(turn), x * sin(turn) + y * cos(turn)) for x, y in shape]
-        forward = spot.middle_m - _mean([turned[wheel][0] for wheel in at or wheels])
+        laid = [turned(place, turn) for place in shape]
+        forward = spot.middle_m - _mean([laid[wheel][0] for wheel in at or wheels])
         sides = self._body.sides
-        across = _mean([sides[wheel] * aside_m - turned[wheel][1] for wheel in wheels])
-        return tuple(spot.leg.point(x + forward, y + across) for x, y in turned)
+        across = _mean([sides[wheel] * aside_m - laid[wheel][1] for wheel in wheels])
+        frame, arc_m = spot.piece.frame, spot.piece.arc_m
+        return tuple(flat(frame.point(x + forward - arc_m, y + across)) for x, y in laid)
 
     def _places(self, points: Sequence[Place]) -> tuple[float, ...]:
-        return tuple(nan if isnan(point[0]) else self._route.place_of(point) for point in points)
+        return tuple(nan if isnan(x) else self._route.arc_of((x, y, 0.0)) for x, y in points)
 
 
 def _mean(values: Sequence[float]) -> float:

@@ -17,6 +17,7 @@ from pirate_sm.diagnosis.facts import (
     Subject,
     TopicFact,
 )
+from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.model.profile import Board, Channel
 from pirate_sm.model.wire import Advice
 
@@ -31,7 +32,6 @@ COMPLETE_SHARE = 0.9
 """Of the messages that the bus has time for."""
 
 AT_END_RAD = radians(3)
-GRAVITY = 9.81
 GRAVITY_WITHIN = 2.5
 """m/s²; a robot that stands still feels gravity alone."""
 
@@ -196,11 +196,11 @@ def _judge_gravity(channels: list[ChannelFact], board: Board) -> None:
     if not axes or len(values) < len(axes):
         return
     felt = hypot(*values)
-    if abs(felt - GRAVITY) > GRAVITY_WITHIN:
+    if abs(felt - GRAVITY_M_S2) > GRAVITY_WITHIN:
         first = channels[axes[0]]
         trouble = (
-            f"and its other axes make {felt:.1f} m/s^2 together, gravity is {GRAVITY}: the scale "
-            "in the profile is wrong, or the sensor is"
+            f"and its other axes make {felt:.1f} m/s^2 together, gravity is {GRAVITY_M_S2}: the"
+            " scale in the profile is wrong, or the sensor is"
         )
         channels[axes[0]] = replace(first, trouble=(*first.trouble, trouble))
 

@@ -17,18 +17,20 @@ as it is valid.
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, inf, isnan, nan, pi, radians, remainder, sin
+from math import atan2, hypot, inf, isnan, nan, pi, radians, remainder
 from statistics import median
 from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.robot_state import confirmed_parts
+from pirate_sm.geometry.plane import turned
+from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
 from pirate_sm.model.effects import Environment
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from pirate_sm.engine.body import BodySpec
+    from pirate_sm.engine.body_spec import BodySpec
     from pirate_sm.engine.engine import Engine
     from pirate_sm.engine.robot import RobotSpec
     from pirate_sm.engine.state import EngineState
@@ -44,7 +46,6 @@ SURVEY_EVERY_S = 0.2
 _SAMPLES = 9
 """Of this many accelerations the median counts: a jolt of a motor is not gravity [decided]."""
 
-_GRAVITY_M_S2 = 9.81
 _AT_REST = 0.1
 """An acceleration that differs from gravity by a larger share of it is not its direction."""
 
@@ -69,8 +70,7 @@ _OPEN_RAD = radians(2)
 _NOISE_RAD, _NOISE_M = radians(1), 1e-3
 """Changes up to these are not reported."""
 
-_Vector = tuple[float, float, float]
-_NO_FORCE: _Vector = (nan, nan, nan)
+_NO_FORCE: Vector = (nan, nan, nan)
 _NOTHING = Environment("", nan, nan, nan)
 
 
@@ -89,7 +89,7 @@ class Surveyed(NamedTuple):
     """
 
     reported: Environment = _NOTHING
-    forces: tuple[_Vector, ...] = ()
+    forces: tuple[Vector, ...] = ()
     felt_s: float = -inf
     part: int = -1
     in_bend: bool = False
@@ -226,17 +226,17 @@ def _diameter(body: BodySpec, parts: Sequence[int], numbers: Sequence[float]) ->
 
 def _felt(
     robot: RobotSpec, before: Surveyed, part: int, numbers: Sequence[float], now_s: float
-) -> tuple[tuple[_Vector, ...], float]:
+) -> tuple[tuple[Vector, ...], float]:
     """Return the last specific forces in the axes of the pipe, and when the last was measured."""
     forces = before.forces if part == before.part else ()
     force = _in_pipe(robot.body, part, numbers) if part >= 0 else _NO_FORCE
-    if abs(hypot(*force) - _GRAVITY_M_S2) <= _AT_REST * _GRAVITY_M_S2:
+    if abs(hypot(*force) - GRAVITY_M_S2) <= _AT_REST * GRAVITY_M_S2:
         return (*forces, force)[-_SAMPLES:], now_s
     lasting = now_s - before.felt_s < robot.link.stale_after_s
     return (forces if lasting else ()), before.felt_s
 
 
-def _in_pipe(body: BodySpec, part: int, numbers: Sequence[float]) -> _Vector:
+def _in_pipe(body: BodySpec, part: int, numbers: Sequence[float]) -> Vector:
     """Return the specific force along the axis in which a part is clamped, to its B and up."""
     imu = body.imu
     if imu is None:
@@ -244,20 +244,17 @@ def _in_pipe(body: BodySpec, part: int, numbers: Sequence[float]) -> _Vector:
     ahead, side_b, up = (numbers[axis] for axis in imu.axes)
     if imu.roll >= 0 and body.parts[part].wheels[0] > imu.link:
         # The part is behind the roll joint, the accelerometer ahead of it.
-        roll = numbers[imu.roll]
-        side_b, up = side_b * cos(roll) + up * sin(roll), up * cos(roll) - side_b * sin(roll)
-    heading = body.heading_in_pipe(numbers, part, imu.link)
-    along = ahead * cos(heading) + side_b * sin(heading)
-    return along, side_b * cos(heading) - ahead * sin(heading), up
+        side_b, up = turned((side_b, up), -numbers[imu.roll])
+    return *turned((ahead, side_b), -body.heading_in_pipe(numbers, part, imu.link)), up
 
 
-def _attitude(forces: Sequence[_Vector]) -> tuple[float, float]:
+def _attitude(forces: Sequence[Vector]) -> tuple[float, float]:
     """Return roll and pitch (B-13 and B-14), rad; NaN where they are unknown."""
     if len(forces) < _LEAST_SAMPLES:
         return nan, nan
     along, side_b, up = (median(values) for values in zip(*forces, strict=True))
     across = hypot(side_b, up)
-    roll = atan2(-side_b, up) if across > _UPRIGHT * _GRAVITY_M_S2 else nan
+    roll = atan2(-side_b, up) if across > _UPRIGHT * GRAVITY_M_S2 else nan
     return roll, atan2(along, across)
 
 

@@ -13,7 +13,7 @@ from functools import cached_property
 from math import nan
 from typing import Literal, NamedTuple, TypeAlias
 
-from pirate_sm.engine.body import BodySpec
+from pirate_sm.engine.body_spec import BodySpec
 from pirate_sm.engine.chart_table import ChartTable
 from pirate_sm.engine.criteria import CriterionSpec
 from pirate_sm.engine.sight import Sight

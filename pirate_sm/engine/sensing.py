@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, hypot, inf, isfinite, isnan, nan, sin, sqrt
+from math import atan2, hypot, inf, isfinite, isnan, nan, sqrt
 from typing import NamedTuple
 
 from pirate_sm.engine import plausibility
 from pirate_sm.engine.channels import Reading, Record
 from pirate_sm.engine.hearing import loss_after
 from pirate_sm.engine.robot import BoardSpec, RobotSpec, Vector
+from pirate_sm.geometry.clamping import height_m
 from pirate_sm.model.events import FaultReport, SensorFrame
 
 Numbers = tuple[float, ...]
@@ -150,7 +151,7 @@ def observe(
         numbers[vector.target] = _vector(vector, numbers)
     for apex, length_m, wheels_m, target in board.diameters:
         angle = numbers[apex] if isfinite(numbers[apex]) else nan
-        numbers[target] = abs(length_m * sin(angle / 2)) + wheels_m  # eq. 3-2
+        numbers[target] = height_m(length_m, angle) + wheels_m
     shares, angles = sensing.shares, sensing.angles
     if board.wheels:
         driven = setpoints if latest is setpoints else _either(setpoints, latest)

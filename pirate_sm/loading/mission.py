@@ -12,7 +12,7 @@ from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, parameters, references
 from pirate_sm.loading.folders import shown
-from pirate_sm.loading.pipe import check_fit, load_pipe
+from pirate_sm.loading.pipe_file import check_fit, load_pipe
 from pirate_sm.loading.problems import LoadError, Problems, Severity
 from pirate_sm.loading.program import build_program
 from pirate_sm.loading.robot import LoadedRobot, load_robot

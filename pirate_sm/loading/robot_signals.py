@@ -163,13 +163,9 @@ class Signals:
         apex = body.parts[part].apex if part in body.parts else ""
         if apex not in told:
             return []
-        at = next((joint.wheel for joint in body.joints if joint.name == apex), "")
-        node = next((i for i, wheel in enumerate(body.wheels) if wheel.name == at), 0)
-        # Eq. 3-2 takes the V's two legs as equally long; one with a roll joint is no leg.
-        legs = [link for link in body.links[max(node - 1, 0) : node + 1] if link.roll is None]
-        length = (legs or [body.links[min(node, len(body.links) - 1)]])[0].length
         index = self.vocabulary.numbers.index(apex)
-        return [(index, length, 2 * body.wheel_radius, target)]
+        # Eq. 3-2 takes the V's two legs as equally long.
+        return [(index, body.legs_m(part)[0], 2 * body.wheel_radius, target)]
 
 
 def resolve_signals(

@@ -98,3 +98,12 @@ class Body(Frozen):
     links: Annotated[tuple[Link, ...], Field(min_length=1)]
     joints: Annotated[tuple[Joint, ...], Field(min_length=1)]
     parts: Annotated[dict[Name, Part], Field(min_length=1)]
+
+    def legs_m(self, part: Name) -> tuple[float, ...]:
+        """Return the lengths of the legs of a part's V; a link with a roll joint is none."""
+        apex = self.parts[part].apex
+        at = next((joint.wheel for joint in self.joints if joint.name == apex), "")
+        node = next((i for i, wheel in enumerate(self.wheels) if wheel.name == at), 0)
+        beside = self.links[max(node - 1, 0) : node + 1] or self.links[-1:]
+        legs = tuple(link.length for link in beside if link.roll is None)
+        return legs or tuple(link.length for link in beside)

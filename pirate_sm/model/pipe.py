@@ -7,6 +7,8 @@ from typing import Annotated, TypeAlias
 
 from pydantic import AfterValidator, Field, Tag
 
+from pirate_sm.geometry import network as space
+from pirate_sm.geometry.route import Route
 from pirate_sm.model.base import Format, Frozen, Name, by_key
 from pirate_sm.model.quantities import Angle, Duration, Length, range_fault
 from pirate_sm.model.simulation import Friction
@@ -114,6 +116,18 @@ class Pipe(Frozen):
     friction: Friction | None = None
     start: Start | None = None
     blockages: tuple[Blockage, ...] = ()
+
+    def network(self, diameter_m: float | None = None) -> space.Network:
+        """Return the pipe as a network of one run; another diameter may stand in for its own."""
+        segments = tuple(
+            space.Straight(each.straight) if isinstance(each, Straight) else space.Mitre(each.mitre)
+            for each in self.segments
+        )
+        return space.planar(diameter_m or self.diameter, segments, self.tilt, self.uphill)
+
+    def route(self) -> Route:
+        """Return the way through the pipe."""
+        return Route(self.network())
 
     def start_of(self, robot_length_m: float) -> float:
         """Where the first wheel of a robot of this length begins, m along the axis."""

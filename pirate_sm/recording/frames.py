@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from math import cos, isfinite, sin
 from typing import Literal, NamedTuple
 
+from pirate_sm.geometry.kinematics import Pose
 from pirate_sm.model.body import Body
-from pirate_sm.recording.kinematics import Pose
 
 PIPE = "pipe"
 """The frame of the plane in which the pipe lies."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from math import isnan
 
 from pirate_sm.detectors.reckoning import Reckoned, Reckoner
-from pirate_sm.detectors.route import Place, Route
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
+from pirate_sm.geometry.space import Place
 from pirate_sm.model.body import Body
 from pirate_sm.model.pipe import Pipe, Straight
 from pirate_sm.model.profile import Profile
@@ -35,8 +35,7 @@ class Placing:
         pipe = pipe or _somewhere(profile.body)
         self._robot = robot
         self._joints = [joint for joint in robot.body.joints if joint >= 0]
-        aside_m = pipe.diameter / 2 - profile.body.wheel_radius
-        self._reckoner = Reckoner(robot.body, Route(pipe), aside_m, robot.odometry)
+        self._reckoner = Reckoner(robot.body, pipe.route(), robot.odometry)
         length_m = sum(robot.body.lengths_m)
         self._first_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
         self._reckoned: Reckoned | None = None

@@ -1,6 +1,6 @@
 """A robot's URDF from its profile: links, joints with their limits, masses; nothing invented.
 
-The first link's frame is the root. Frames are those of :mod:`pirate_sm.recording.kinematics`:
+The first link's frame is the root. Frames are those of :mod:`pirate_sm.geometry.kinematics`:
 bend joints turn about z, the roll joint inside a link about its x axis, wheels about z by their
 encoder's angle. A link with a roll joint becomes two, each half as long.
 """

@@ -14,18 +14,18 @@ from importlib.resources import files
 from math import isfinite
 from typing import Any, NamedTuple
 
-from pirate_sm.detectors.route import Place
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.expressions import EnumType
+from pirate_sm.geometry.kinematics import link_poses
+from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
 from pirate_sm.recording.alphabet import DIALECT
+from pirate_sm.recording.foxglove_scene import scene_message
 from pirate_sm.recording.frames import Transforms
-from pirate_sm.recording.kinematics import frames_of
 from pirate_sm.recording.naming import signal_names, slot_names
 from pirate_sm.recording.placing import Placing
-from pirate_sm.recording.scene import scene_message
 from pirate_sm.recording.told import LEVELS, told
 
 PLACES = "/places"
@@ -109,7 +109,7 @@ class Viewer:
         numbers = dict(zip(self._numbers, shown, strict=True))
         points = it.wheels or self._placing.look(it.state, at_s)
         if points is not None:
-            yield self._tf, self._transforms.message(now, frames_of(points), numbers)
+            yield self._tf, self._transforms.message(now, link_poses(points), numbers)
             known = '"known":true' if it.known else '"known":false'
             flat = tuple(value for point in points for value in point)
             yield self._places, _object(known, *_filled(self._coordinates, flat))

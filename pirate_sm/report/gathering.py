@@ -22,8 +22,8 @@ from pirate_sm.recording.placing import Placing
 from pirate_sm.recording.replay import Rerun, same
 from pirate_sm.report.charts import Measured, Travel, charts
 from pirate_sm.report.model import Fact, Report, Sentence
+from pirate_sm.report.poses import Following, Holding, Poses, scene_of, travel_of, walls_of
 from pirate_sm.report.sampling import Samples
-from pirate_sm.report.scene import Following, Holding, Poses, scene_of, travel_of, walls_of
 from pirate_sm.report.timeline import Timeline
 from pirate_sm.report.words import Course, Ending, Story, summary
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeAlias
 
-Place: TypeAlias = tuple[float, float]
+from pirate_sm.geometry.space import Place
 
 SpanKind: TypeAlias = Literal[
     "phase", "state", "unconfirmed", "done", "failed", "open", "wait", "word", "question"

@@ -13,7 +13,7 @@ from pirate_sm.recording.replay import rerun
 from pirate_sm.recording.viewing import PLACES
 from pirate_sm.report.gathering import About, gather
 from pirate_sm.report.model import Fact, Report
-from pirate_sm.report.scene import Poses
+from pirate_sm.report.poses import Poses
 
 _BACKENDS = {"sim": "in the simulator", "serial": "over the serial link", "trace": "as a trace"}
 _CHANCE = {

@@ -11,7 +11,8 @@ from html import escape
 from itertools import pairwise
 from typing import Literal, NamedTuple
 
-from pirate_sm.report.model import Lane, Place, Report, Scene
+from pirate_sm.geometry.space import Place
+from pirate_sm.report.model import Lane, Report, Scene
 from pirate_sm.report.timeline import COMMANDS, PHASE
 
 MOST_PICTURES = 60

@@ -51,7 +51,6 @@ class Anatomy:
         readings: Attitude, diameters, odometry and speed, as far as there are any.
         lights: Slot index of each light, and whether it shines forward.
         wheel_parts: Per wheel the index of its part; -1 without.
-        sides: Per wheel the wall that it touches when clamped, 0 for A and 1 for B.
     """
 
     joints: tuple[Motor, ...]
@@ -60,8 +59,6 @@ class Anatomy:
     readings: tuple[Reading, ...]
     lights: tuple[tuple[int, bool], ...]
     wheel_parts: tuple[int, ...]
-    sides: tuple[int, ...]
-    lengths_m: tuple[float, ...]
     joint_at: tuple[str, ...]
     wheel_radius_m: float
     half_thickness_m: float
@@ -91,7 +88,6 @@ def anatomy_of(profile: Profile, robot: RobotSpec) -> Anatomy:
     """The anatomy of a robot."""
     body, seeker = profile.body, _Seeker(profile, robot)
     joint_of = {joint.wheel: joint.name for joint in body.joints}
-    flip = robot.polarity == "mirrored"
     return Anatomy(
         joints=tuple(
             seeker.motor(each.name, each.name, each.end_stop, each.torque or "", joint=each.name)
@@ -110,8 +106,6 @@ def anatomy_of(profile: Profile, robot: RobotSpec) -> Anatomy:
         wheel_parts=tuple(
             robot.parts.index(each.part) if each.part in robot.parts else -1 for each in body.wheels
         ),
-        sides=tuple(int((each.direction > 0) == flip) for each in body.wheels),
-        lengths_m=tuple(link.length for link in body.links),
         joint_at=tuple(joint_of.get(each.name, "") for each in body.wheels),
         wheel_radius_m=body.wheel_radius,
         half_thickness_m=body.body_half_thickness,

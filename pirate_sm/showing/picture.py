@@ -11,9 +11,10 @@ from collections.abc import Mapping
 from itertools import pairwise
 from math import atan2, cos, floor, hypot, log, sin
 
+from pirate_sm.geometry.space import Place
 from pirate_sm.showing.anatomy import Anatomy
 from pirate_sm.showing.canvas import ACROSS, DOWN, Canvas
-from pirate_sm.showing.pose import SIDES, Place, Pose, contact, pose_of
+from pirate_sm.showing.pose import SIDES, Pose, contact, pose_of
 from pirate_sm.showing.snapshot import Snapshot
 
 WALL, TOUCH, BODY, HELD, WHEEL, FREE, LIGHT, NOTE = (

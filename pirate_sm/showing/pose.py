@@ -1,15 +1,15 @@
-"""Where to draw the wheels: where they are known to be, else as the joints say, else straight."""
+"""The robot as views draw it: by known places of its wheels, else by its joints, else straight."""
 
 from __future__ import annotations
 
 from itertools import pairwise
-from math import cos, inf, isnan, sin
+from math import isnan
 from typing import NamedTuple
 
 from pirate_sm.engine.robot_state import confirmed_parts
+from pirate_sm.geometry.plane import nearest_on
+from pirate_sm.geometry.space import Place
 from pirate_sm.showing.snapshot import Snapshot
-
-Place = tuple[float, float]
 
 SIDES = "AB"
 
@@ -33,21 +33,18 @@ class Pose(NamedTuple):
 
 
 def pose_of(snapshot: Snapshot) -> Pose:
-    """How the robot is to be drawn."""
-    anatomy, state, truth = snapshot.scene.anatomy, snapshot.state, snapshot.truth
-    robot = snapshot.scene.robot
+    """Return the robot as it is to be drawn."""
+    robot, state, truth = snapshot.scene.robot, snapshot.state, snapshot.truth
     held: frozenset[int] = frozenset()
     sure: frozenset[int] = frozenset()
     if state is not None:
         held = robot.held[state.robot.configuration]
         sure = confirmed_parts(robot, state.robot)
-    parts = anatomy.wheel_parts
-    links = tuple(
-        parts[link] == parts[link + 1] and parts[link] in held
-        for link in range(len(anatomy.lengths_m))
-    )
+    parts = snapshot.scene.anatomy.wheel_parts
+    links = tuple(one == other and one in held for one, other in pairwise(parts))
     by_part = tuple(
-        side if part in sure else -1 for part, side in zip(parts, anatomy.sides, strict=True)
+        int(side < 0) if part in sure else -1
+        for part, side in zip(parts, robot.body.sides, strict=True)
     )
     if truth is None:
         wheels, seen = _chain(snapshot)
@@ -56,57 +53,26 @@ def pose_of(snapshot: Snapshot) -> Pose:
     if not truth.touching:
         origin = "reckoned from odometry" if snapshot.reckoned else ""
         return Pose(truth.wheels, truth.walls, by_part, links, origin)
+    sides = range(len(truth.walls))
     touching = tuple(
-        _nearest(place, truth.walls) if touches else -1
+        min(sides, key=lambda side: nearest_on(truth.walls[side], place)[0]) if touches else -1
         for place, touches in zip(truth.wheels, truth.touching, strict=True)
     )
     return Pose(truth.wheels, truth.walls, touching, links, "")
 
 
 def _chain(snapshot: Snapshot) -> tuple[tuple[Place, ...], bool]:
-    """The chain with its front at the right, and whether any joint has an angle.
-
-    A joint's angle is the heading of the link ahead less that of the link behind, counted away
-    from side A, which is up.
-    """
-    anatomy, seen = snapshot.scene.anatomy, False
-    x = y = heading = 0.0
-    places = [(x, y)]
-    for wheel, length_m in enumerate(anatomy.lengths_m):
-        angle = snapshot.signals.get(anatomy.joint_at[wheel], 0.0)
-        if not isnan(angle):
-            heading += angle
-            seen = seen or bool(anatomy.joint_at[wheel])
-        x, y = x - length_m * cos(heading), y - length_m * sin(heading)
-        places.append((x, y))
-    return tuple(places), seen
-
-
-def _nearest(place: Place, walls: tuple[tuple[Place, ...], ...]) -> int:
-    found, least = -1, inf
-    for side, corners in enumerate(walls):
-        for one, other in pairwise(corners):
-            away = beside(place, one, other)[0]
-            if away < least:
-                found, least = side, away
-    return found
-
-
-def beside(place: Place, one: Place, other: Place) -> tuple[float, Place]:
-    """How far a place is from a piece of wall, and the point of it that is nearest."""
-    dx, dy = other[0] - one[0], other[1] - one[1]
-    length = dx * dx + dy * dy
-    share = ((place[0] - one[0]) * dx + (place[1] - one[1]) * dy) / length if length else 0.0
-    share = min(1.0, max(0.0, share))
-    near = one[0] + share * dx, one[1] + share * dy
-    return ((place[0] - near[0]) ** 2 + (place[1] - near[1]) ** 2) ** 0.5, near
+    """Return the chain with its front at the right, and whether any joint has an angle."""
+    joints = snapshot.scene.anatomy.joint_at
+    angles = [snapshot.signals.get(joint, 0.0) for joint in joints]
+    seen = any(joint and not isnan(angle) for joint, angle in zip(joints, angles, strict=True))
+    known = [0.0 if isnan(angle) else angle for angle in angles]
+    return tuple(snapshot.scene.robot.body.places(known)), seen
 
 
 def contact(pose: Pose, wheel: int) -> Place | None:
-    """The point of the wall that a wheel touches; None where it touches none."""
+    """Return the point of the wall that a wheel touches; None where it touches none."""
     side = pose.touching[wheel]
     if side < 0 or side >= len(pose.walls):
         return None
-    corners = pose.walls[side]
-    pairs = pairwise(corners)
-    return min(beside(pose.wheels[wheel], *pair) for pair in pairs)[1]
+    return nearest_on(pose.walls[side], pose.wheels[wheel])[1]

@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from pirate_sm.geometry.route import Route
 from pirate_sm.model.events import FaultReport
-from pirate_sm.simulation.geometry import Pipe
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import Layout, Physics
 
@@ -37,14 +37,14 @@ class Obstacles:
     Args:
         physics: Moves the robot.
         chain: What it moves.
-        pipe: Where it moves.
+        route: Where it moves.
         obstacles: What is put there.
     """
 
     def __init__(
-        self, physics: Physics, chain: ChainBody, pipe: Pipe, obstacles: Sequence[Obstacle]
+        self, physics: Physics, chain: ChainBody, route: Route, obstacles: Sequence[Obstacle]
     ) -> None:
-        self._physics, self._chain, self._pipe = physics, chain, pipe
+        self._physics, self._chain, self._route = physics, chain, route
         self._arcs = physics.quantities[Layout(chain.nodes).block("arc")]
         self._waiting = sorted(obstacles, key=lambda obstacle: obstacle.from_s)
         self._standing: Obstacle | None = None
@@ -94,11 +94,10 @@ class Obstacles:
             if abs(off) < _OUT_OF_PLANE_RAD:
                 continue
             wheels = [i for i in range(self._chain.nodes) if (i <= split) == (part == 1)]
-            for number, crossing in enumerate(self._pipe.crossings_m, start=1):
-                bend = self._pipe.legs[number - 1].bend
-                assert bend is not None  # a crossing is where a leg with a bend ends
-                reach = 0.5 * self._pipe.shape.diameter_m * math.tan(abs(bend.angle_rad) / 2.0)
-                reach += self._chain.wheel_radius_m
+            for number, crossing in enumerate(self._route.crossings_m, start=1):
+                piece = self._route.pieces[number - 1]
+                assert piece.bend is not None  # a crossing is where a piece with a bend ends
+                reach = piece.bend.taken_m(piece.diameter_m) + self._chain.wheel_radius_m
                 near = [i for i in wheels if abs(arcs[i] - crossing) < reach + 0.005]
                 if near and (crossing not in self._reported):
                     self._reported.add(crossing)

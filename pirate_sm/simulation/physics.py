@@ -10,12 +10,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
+from pirate_sm.geometry.route import Route
+from pirate_sm.geometry.space import Vector
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.geometry import Pipe
 from pirate_sm.simulation.mechanics import ChainBody
-
-Point: TypeAlias = tuple[float, float, float]
 
 PER_WHEEL = (
     *("bend", "bend_torque", "bend_current", "wheel", "turned"),
@@ -65,7 +64,7 @@ class StartPose:
         roll_rad: Roll of the whole robot against the plane of the pipe.
     """
 
-    places: tuple[Point, ...]
+    places: tuple[Vector, ...]
     bends_rad: tuple[float, ...]
     motors_rad: tuple[float, ...]
     roll_rad: float = 0.0
@@ -99,7 +98,7 @@ class Physics(Protocol):
     def advance(self) -> None:
         """Let one cycle pass."""
 
-    def places(self) -> Sequence[Point]:
+    def places(self) -> Sequence[Vector]:
         """Return where the middle of each wheel is, m."""
 
     def rolls(self) -> Sequence[float]:
@@ -118,5 +117,5 @@ class Physics(Protocol):
         """Give the joint at a wheel so much dry friction."""
 
 
-MakePhysics: TypeAlias = Callable[[ChainBody, Pipe, Friction, StartPose, float], Physics]
+MakePhysics: TypeAlias = Callable[[ChainBody, Route, Friction, StartPose, float], Physics]
 """Puts a chain into a pipe, with a friction and in a start pose; the last is the cycle, s."""

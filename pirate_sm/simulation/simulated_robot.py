@@ -13,6 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pirate_sm.geometry import plane
+from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
@@ -20,7 +22,6 @@ from pirate_sm.model.truth import Truth
 from pirate_sm.simulation.actuators import Route, routes_of
 from pirate_sm.simulation.defects import AtWork, Incident, named, put_to_work
 from pirate_sm.simulation.electronics import Electronics
-from pirate_sm.simulation.geometry import GRAVITY_M_S2
 from pirate_sm.simulation.mechanics import ChainBody, chain_of
 from pirate_sm.simulation.obstacles import Obstacles
 from pirate_sm.simulation.physics import Layout, MakePhysics
@@ -110,16 +111,16 @@ class Robot:
         rng = np.random.default_rng(seed)
         duties = self._start_duties
         around = surroundings_of(profile, chain, pipe, duties=duties, jitter=jitter, rng=rng)
-        self._pipe, self._chain = around.pipe, chain
+        self._route, self._chain = around.route, chain
         self._cycle_s = profile.link.cycle
-        self._physics = physics(chain, around.pipe, around.friction, around.pose, self._cycle_s)
+        self._physics = physics(chain, around.route, around.friction, around.pose, self._cycle_s)
         self._layout = Layout(chain.nodes)
         self._arcs = self._physics.quantities[self._layout.block("arc")]
         noise_seed = int(rng.integers(2**63))
         self.electronics = Electronics(chain, routes, sensors, self._physics, noise_seed)
         at_work = [*named(defects, profile.simulation.defects, seed), *more_defects]
         self._effects = put_to_work(at_work, self.electronics)
-        self._obstacles = Obstacles(self._physics, chain, around.pipe, around.obstacles)
+        self._obstacles = Obstacles(self._physics, chain, around.route, around.obstacles)
         self._cycles = 0
         self._time_s = 0.0
         self.gone = False
@@ -198,7 +199,7 @@ class Robot:
         return FullTruth(
             wheels=self.wheels,
             wheel_radius_m=self._chain.wheel_radius_m,
-            walls=(self._pipe.wall_a, self._pipe.wall_b),
+            walls=plane.walls(self._route),
             distance_m=self._middle() - self._start_m,
             touching=tuple(press > _TOUCHING_N for press in self.values("press")),
             rolls_rad=tuple(self._physics.rolls()),
@@ -222,7 +223,7 @@ class Robot:
     @property
     def crossings_m(self) -> tuple[float, ...]:
         """Where the axes of the pipe cross, along the pipe."""
-        return self._pipe.crossings_m
+        return self._route.crossings_m
 
     @property
     def duties(self) -> tuple[float, ...]:
@@ -241,7 +242,7 @@ class Robot:
     def _look_whether_gone(self) -> None:
         """Let a robot far outside the pipe come to rest; nothing moves any more."""
         arcs = self.arcs_m
-        self.gone = max(-max(arcs), min(arcs) - self._pipe.length_m) >= _GONE_M
+        self.gone = max(-max(arcs), min(arcs) - self._route.length_m) >= _GONE_M
         if self.gone:
             # It lies on the floor: the accelerometer feels its weight, whichever way it lies.
             for axis, value in (("acc_x", 0.0), ("acc_y", 0.0), ("acc_z", GRAVITY_M_S2)):

@@ -7,19 +7,21 @@ from collections.abc import Mapping
 from itertools import pairwise
 
 from pirate_sm.errors import UsageError
-from pirate_sm.simulation.geometry import Pipe
+from pirate_sm.geometry.clamping import span_m
+from pirate_sm.geometry.route import Route
+from pirate_sm.geometry.space import Vector
 from pirate_sm.simulation.mechanics import ChainBody
-from pirate_sm.simulation.physics import Point, StartPose
+from pirate_sm.simulation.physics import StartPose
 
 
 def stand(
-    chain: ChainBody, pipe: Pipe, arc_m: float, duties: Mapping[int, float], roll_rad: float = 0.0
+    chain: ChainBody, route: Route, arc_m: float, duties: Mapping[int, float], roll_rad: float = 0.0
 ) -> StartPose:
-    """Return how the robot stands in a straight part of the pipe.
+    """Return how the robot stands in a straight piece of the pipe.
 
     Args:
         chain: The robot.
-        pipe: Where it is.
+        route: Where it is.
         arc_m: Place of the first wheel along the pipe.
         duties: Duty that each bend joint was wound up with, by the wheel it sits at; empty for
             a robot that is straight and unclamped.
@@ -29,27 +31,28 @@ def stand(
         UsageError: It does not fit there; says why.
     """
     held = {wheel: duty for wheel, duty in sorted(duties.items()) if duty != 0.0}
-    height = pipe.shape.diameter_m - 2.0 * chain.wheel_radius_m if held else 0.0
+    piece = route.piece_at(arc_m)
+    height = piece.diameter_m - 2.0 * chain.wheel_radius_m if held else 0.0
     if any(height >= link.length_m for link in chain.links):
         raise UsageError("the robot cannot be clamped in so wide a pipe")
     side = _first_side(held)
-    arc, leg = arc_m, pipe.leg_at(arc_m)
-    places: list[Point] = []
+    arc = arc_m
+    places: list[Vector] = []
     tilts: list[float] = []
     for i in range(chain.nodes):
-        places.append((*pipe.point(arc, side * height / 2.0), 0.0))
+        places.append(route.piece_at(arc).point(arc, side * height / 2.0))
         if i == chain.nodes - 1:
             break
         length = chain.links[i].length_m
         tilts.append(side * math.asin(height / length))
-        arc -= math.sqrt(length * length - height * height)
+        arc -= span_m(length, height)
         side = -side
-    if arc < 0.0 or arc_m > pipe.length_m or pipe.leg_at(arc) is not leg:
+    if arc < 0.0 or arc_m > route.length_m or route.piece_at(arc) is not piece:
         raise UsageError(
             f"the robot, {arc_m - arc:.2f} m long there, does not fit between the bends and"
             f" ends of the pipe with its first wheel at {arc_m:.2f} m"
         )
-    # Headings are against the leg's direction: a link to side A ahead of one to side B.
+    # Headings are against the piece's direction: a link to side A ahead of one to side B.
     inner = [behind - ahead for ahead, behind in pairwise(tilts)]
     bends = (0.0, *inner, 0.0)
     motors = tuple(bend + _winding(chain, i, duties.get(i, 0.0)) for i, bend in enumerate(bends))

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from pirate_sm.model import pipe as pipe_model
+from pirate_sm.errors import UsageError
+from pirate_sm.geometry.route import Piece, Route
+from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Friction
-from pirate_sm.simulation.geometry import Mitre, Pipe, PipeShape, Straight
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.obstacles import Obstacle
 from pirate_sm.simulation.physics import StartPose
@@ -39,7 +40,7 @@ NO_JITTER = Jitter()
 class Surroundings:
     """What a run starts with."""
 
-    pipe: Pipe
+    route: Route
     friction: Friction
     pose: StartPose
     obstacles: tuple[Obstacle, ...]
@@ -48,7 +49,7 @@ class Surroundings:
 def surroundings_of(
     profile: Profile,
     chain: ChainBody,
-    pipe: pipe_model.Pipe,
+    pipe: Pipe,
     *,
     duties: Mapping[int, float],
     jitter: Jitter,
@@ -69,19 +70,25 @@ def surroundings_of(
         UsageError: The robot does not fit into the pipe, or the pipe into itself.
     """
     start, friction, diameter = rng.uniform(-1.0, 1.0, 3).tolist()
-    parts = tuple(
-        Straight(part.straight) if isinstance(part, pipe_model.Straight) else Mitre(part.mitre)
-        for part in pipe.segments
-    )
-    diameter_m = pipe.diameter + diameter * jitter.diameter_m
-    made = Pipe(PipeShape(diameter_m, parts, pipe.tilt, pipe.uphill))
+    route = Route(pipe.network(pipe.diameter + diameter * jitter.diameter_m))
+    _check(route.pieces)
     coefficients = pipe.friction if pipe.friction is not None else profile.simulation.friction
     scale = 1.0 + friction * jitter.friction
     scaled = {"static": coefficients.static * scale, "kinetic": coefficients.kinetic * scale}
     arc_m = pipe.start_of(chain.length_m) + start * jitter.start_m
     return Surroundings(
-        made,
+        route,
         coefficients.model_copy(update=scaled),
-        stand(chain, made, arc_m, duties, -pipe.roll),
+        stand(chain, route, arc_m, duties, -pipe.roll),
         tuple(Obstacle(each.at, each.from_s, each.lasting) for each in pipe.blockages),
     )
+
+
+def _check(pieces: Sequence[Piece]) -> None:
+    for number, piece in enumerate(pieces, start=1):
+        least_m = sum(piece.taken_m)
+        if piece.length_m <= least_m:
+            raise UsageError(
+                f"straight {number} is {piece.length_m * 1000:.0f} mm long; the walls of its mitres"
+                f" meet unless it is longer than {least_m * 1000:.0f} mm"
+            )

@@ -16,7 +16,7 @@ from pirate_sm.backends.trace import TraceBackend
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.errors import BackendError
-from pirate_sm.loading.pipe import load_pipe
+from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import Event, SubmitResult
 from pirate_sm.simulation.physics import MakePhysics

@@ -12,23 +12,24 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pirate_sm.geometry.route import Route
+from pirate_sm.geometry.space import Vector
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.geometry import Pipe
 from pirate_sm.simulation.mechanics import ChainBody
-from pirate_sm.simulation.physics import Layout, Point, StartPose
+from pirate_sm.simulation.physics import Layout, StartPose
 
 
 class ObedientPhysics:
     """A chain in a pipe that does what it is told; arguments as of any physics."""
 
     def __init__(
-        self, chain: ChainBody, pipe: Pipe, friction: Friction, pose: StartPose, cycle_s: float
+        self, chain: ChainBody, route: Route, friction: Friction, pose: StartPose, cycle_s: float
     ) -> None:
         n, layout = chain.nodes, Layout(chain.nodes)
         self.duties: Floats = np.zeros(2 * n)
         self.quantities: Floats = np.zeros(layout.size)
-        self._chain, self._pipe, self._cycle_s = chain, pipe, cycle_s
+        self._chain, self._route, self._cycle_s = chain, route, cycle_s
         self._bend, self._torque, self._current, self._turned, self._wheel, self._press = (
             self.quantities[layout.block(name)]
             for name in ("bend", "bend_torque", "bend_current", "turned", "wheel", "press")
@@ -40,7 +41,7 @@ class ObedientPhysics:
         self._signs = np.array([1.0 if i % 2 == 0 else -1.0 for i in range(n)])
         self._stiff = np.zeros(n)
         self._blocked: tuple[int, float, float] | None = None
-        height = pipe.shape.diameter_m - 2.0 * chain.wheel_radius_m
+        height = route.pieces[0].diameter_m - 2.0 * chain.wheel_radius_m
         self._span = 2.0 * math.asin(min(1.0, height / chain.links[0].length_m))
         self._bend[:] = pose.bends_rad
         # A robot starts in the first leg, whose axis is x.
@@ -72,9 +73,9 @@ class ObedientPhysics:
         self._turned[:] = self._signs * way / self._chain.wheel_radius_m
         self._wheel += self._turned
 
-    def places(self) -> Sequence[Point]:
+    def places(self) -> Sequence[Vector]:
         arcs = zip(self._arc.tolist(), self._offsets, strict=True)
-        return [(*self._pipe.point(arc, offset), 0.0) for arc, offset in arcs]
+        return [self._route.piece_at(arc).point(arc, offset) for arc, offset in arcs]
 
     def rolls(self) -> Sequence[float]:
         return float(self.quantities[self._roll]), self._roll_rad, self._roll_rad

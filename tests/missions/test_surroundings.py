@@ -16,8 +16,8 @@ from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.detectors.choice import detecting
-from pirate_sm.detectors.route import Leg, Route
 from pirate_sm.engine.engine import Engine
+from pirate_sm.geometry.route import Piece
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect, Ended, Environment
 from pirate_sm.model.pipe import Pipe
@@ -56,16 +56,16 @@ class Beside:
 
     def segment(self, arcs: Sequence[float]) -> str:
         low, high = min(arcs) - JOINT_REACH_M, max(arcs) + JOINT_REACH_M
-        crossings = Route(self.pipe).crossings_m
+        crossings = self.pipe.route().crossings_m
         return "Joint" if any(low <= each <= high for each in crossings) else "Straight"
 
     def attitudes(self, arcs: Sequence[float]) -> list[tuple[float, float]]:
         """Roll and pitch of every leg in which a wheel stands."""
-        route = Route(self.pipe)
-        return [self._attitude(leg) for leg in {route.leg_at(arc) for arc in arcs}]
+        route = self.pipe.route()
+        return [self._attitude(piece) for piece in {route.piece_at(arc) for arc in arcs}]
 
-    def _attitude(self, leg: Leg) -> tuple[float, float]:
-        slope, (x, y) = sin(self.pipe.tilt), leg.along
+    def _attitude(self, piece: Piece) -> tuple[float, float]:
+        slope, (x, y, _) = sin(self.pipe.tilt), piece.frame.ahead
         up_x, up_y = slope * cos(self.pipe.uphill), slope * sin(self.pipe.uphill)
         return atan2(up_y * x - up_x * y, cos(self.pipe.tilt)), asin(up_x * x + up_y * y)
 

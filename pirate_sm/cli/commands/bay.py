@@ -13,7 +13,7 @@ from pirate_sm.cli.options.emulated_bay import BayOptions
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
-from pirate_sm.loading.pipe import load_pipe
+from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile

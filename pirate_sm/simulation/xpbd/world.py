@@ -6,15 +6,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pirate_sm.geometry.plane import flat
+from pirate_sm.geometry.route import Route
+from pirate_sm.geometry.space import Vector
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation import digitizing
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.geometry import Pipe
 from pirate_sm.simulation.machine_code import is_kept
 from pirate_sm.simulation.mechanics import ChainBody
-from pirate_sm.simulation.physics import Point, StartPose
+from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.xpbd import kernel
 from pirate_sm.simulation.xpbd.chain import ChainState, body_array
+from pirate_sm.simulation.xpbd.pipe_arrays import leg_rows, wall_rows
 
 STEP_S = 0.002
 _ITERATIONS = 4
@@ -34,7 +37,7 @@ class World:
 
     Args:
         chain: What moves.
-        pipe: Where it is.
+        route: Where it is, in a plane.
         friction: Between wheels and walls.
         pose: How it stands.
         cycle_s: How long a cycle lasts.
@@ -46,7 +49,7 @@ class World:
     """
 
     def __init__(
-        self, chain: ChainBody, pipe: Pipe, friction: Friction, pose: StartPose, cycle_s: float
+        self, chain: ChainBody, route: Route, friction: Friction, pose: StartPose, cycle_s: float
     ) -> None:
         n = chain.nodes
         self.body: Floats = body_array(chain, friction)
@@ -55,11 +58,11 @@ class World:
         self.quantities: Floats = np.zeros(
             (kernel.OUT_PER_WHEEL + kernel.OUT_OWN) * n + kernel.OUT_SINGLE
         )
-        self._pipe = pipe
+        self._route = route
         self._steps = max(1, round(cycle_s / STEP_S))
-        self._world = _constants(chain, pipe, cycle_s / self._steps)
+        self._world = _constants(chain, route, cycle_s / self._steps)
         self._arrays = (
-            *(self.state.array, self.duties, self.body, pipe.wall_array, pipe.leg_array),
+            *(self.state.array, self.duties, self.body, wall_rows(route), leg_rows(route)),
             *(self._world, self.quantities),
         )
         self.state.position[:] = [place[:2] for place in pose.places]
@@ -77,7 +80,7 @@ class World:
         """Let one cycle pass."""
         kernel.advance(*self._arrays, self._steps)
 
-    def places(self) -> Sequence[Point]:
+    def places(self) -> Sequence[Vector]:
         """Return where the middle of each wheel is in the drawing of the pipe, m; z is 0."""
         return [(x, y, 0.0) for x, y in self.state.position.tolist()]
 
@@ -88,12 +91,12 @@ class World:
 
     def block(self, wheel: int, arc_m: float, ahead: bool) -> None:
         """Put an obstacle in the way of one wheel; `ahead`: the wheel is before it."""
-        leg = self._pipe.leg_at(arc_m)
+        frame = self._route.frame_at(arc_m)
         sign = -1.0 if ahead else 1.0
         self._world[kernel.BLOCK_NODE] = wheel
-        self._world[kernel.BLOCK_X], self._world[kernel.BLOCK_Y] = self._pipe.point(arc_m)
-        self._world[kernel.BLOCK_NX] = sign * leg.direction[0]
-        self._world[kernel.BLOCK_NY] = sign * leg.direction[1]
+        self._world[kernel.BLOCK_X], self._world[kernel.BLOCK_Y] = flat(frame.origin)
+        self._world[kernel.BLOCK_NX] = sign * frame.ahead[0]
+        self._world[kernel.BLOCK_NY] = sign * frame.ahead[1]
 
     def unblock(self) -> None:
         """Take the obstacle away."""
@@ -110,7 +113,7 @@ class World:
         self.body[wheel, kernel.JOINT_FRICTION] = friction_nm
 
 
-def _constants(chain: ChainBody, pipe: Pipe, dt: float) -> Floats:
+def _constants(chain: ChainBody, route: Route, dt: float) -> Floats:
     world = np.zeros(kernel.WORLD_ENTRIES)
     world[kernel.DT] = dt
     world[kernel.ITERATIONS] = _ITERATIONS
@@ -118,7 +121,7 @@ def _constants(chain: ChainBody, pipe: Pipe, dt: float) -> Floats:
     world[kernel.HALF_THICKNESS] = chain.half_thickness_m
     world[kernel.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N
     world[kernel.ANCHOR_MAX] = _ANCHOR_M
-    world[kernel.DEPTH] = pipe.shape.diameter_m / 2.0
+    world[kernel.DEPTH] = route.pieces[0].diameter_m / 2.0
     world[kernel.BLOCK_NODE] = -1
     world[kernel.ROLL_LINK] = chain.roll_link
     world[kernel.ROLL_RATE] = chain.roll_rate_rad_s

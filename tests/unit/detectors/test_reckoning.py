@@ -6,8 +6,7 @@ from math import asin, isnan, nan, radians, sqrt
 import pytest
 
 from pirate_sm.detectors.reckoning import Reckoned, Reckoner
-from pirate_sm.detectors.route import Route
-from pirate_sm.engine.body import BodySpec, Vee
+from pirate_sm.engine.body_spec import BodySpec, Vee
 from pirate_sm.model.pipe import Mitre, Pipe, Straight
 
 LINK, ASIDE = 0.1, 0.035
@@ -33,7 +32,7 @@ ZIGZAG = (-2 * LEAN, 2 * LEAN, -2 * LEAN, 2 * LEAN)
 
 @pytest.fixture
 def reckoner() -> Reckoner:
-    return Reckoner(BODY, Route(PIPE), ASIDE, ODOMETER)
+    return Reckoner(BODY, PIPE.route(), ODOMETER)
 
 
 def numbers(odometer: float = 0.0, angles: tuple[float, ...] = (0.0,) * 4) -> tuple[float, ...]:
@@ -96,7 +95,7 @@ def test_the_front_bends_into_the_far_leg(reckoner: Reckoner) -> None:
 def test_the_places_follow_the_axis_round_the_corner(reckoner: Reckoner) -> None:
     begun = reckoner.begin(0.95, numbers(angles=ZIGZAG), FRONT)
     passed = reckoner.look(begun, numbers(0.4, ZIGZAG), FRONT)
-    assert passed.spots[0].leg.arc_m == pytest.approx(1.0)
+    assert passed.spots[0].piece.arc_m == pytest.approx(1.0)
     assert passed.places_m[0] == pytest.approx(1.35)
 
 

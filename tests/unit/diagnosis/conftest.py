@@ -15,7 +15,7 @@ from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.diagnosis.facts import Subject
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.errors import BackendError
-from pirate_sm.loading.pipe import load_pipe
+from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 
 ROOT = Path(__file__).resolve().parents[3]

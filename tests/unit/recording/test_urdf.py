@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from math import asin, pi
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
@@ -11,10 +10,10 @@ import numpy as np
 import pytest
 
 from pirate_sm.backends.simulated import SimulatorBackend
+from pirate_sm.geometry.kinematics import ORIGIN, Chain, link_poses
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import SensorFrame
-from pirate_sm.recording.kinematics import Pose, frames_of, wheels
 from pirate_sm.recording.urdf import urdf
 
 with warnings.catch_warnings():
@@ -35,6 +34,13 @@ def profile(request):
 
 def parsed(profile):
     return URDF.from_xml_string(urdf(profile).encode())
+
+
+def wheels(body, angles, front=ORIGIN):
+    """Where the wheels are, from the angles of the joints by name."""
+    at = {joint.wheel: angles.get(joint.name, 0.0) for joint in body.joints}
+    chain = Chain(tuple(link.length for link in body.links), ())
+    return chain.places([at.get(wheel.name, 0.0) for wheel in body.wheels], 0, front)
 
 
 def turn(axis, angle):
@@ -120,29 +126,13 @@ def test_forward_kinematics_equal_the_simulators_through_the_bend():
                     angles[names[target]] = event.values[place] * scale
         if now > 7.0:  # the joints stand still: boards report one after the other
             real = np.array(backend.truth.wheels)
-            front = frames_of(backend.truth.wheels)[0]
+            front = link_poses(backend.truth.wheels)[0]
             seen = np.array(wheels(profile.body, angles, front))
             # A count of the sensor is 0.09 deg, its noise 0.05 deg.
             assert np.abs(seen - real).max() < 4e-3
             compared += 1
         now, events = backend.advance(now + 0.05)
     assert compared > 10
-
-
-def test_a_negative_angle_turns_the_body_ahead_towards_side_a():
-    body = load_robot(ROBOTS["pirate_ii"]).profile.body
-    rear_level = wheels(body, {"gamma_1": -pi / 6})
-
-    ahead = frames_of(rear_level)[0].heading_rad - frames_of(rear_level)[1].heading_rad
-    assert ahead == pytest.approx(pi / 6)
-
-
-def test_frames_of_wheels_are_those_that_they_came_from():
-    body = load_robot(ROBOTS["newt"]).profile.body
-    front = Pose(0.3, -0.1, asin(0.5))
-    angles = {joint.name: 0.4 for joint in body.joints}
-
-    assert frames_of(wheels(body, angles, front))[0] == pytest.approx(front)
 
 
 def test_it_is_well_formed_xml(profile):

@@ -9,13 +9,14 @@ from typing import Any
 
 import pytest
 
+from pirate_sm.geometry.network import Mitre, Network, Straight, planar
+from pirate_sm.geometry.route import Route
 from pirate_sm.loading.source import read_document
 from pirate_sm.loading.validate import validate
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.actuators import routes_of
 from pirate_sm.simulation.electronics import Electronics
-from pirate_sm.simulation.geometry import Mitre, Pipe, PipeShape, Straight
 from pirate_sm.simulation.mechanics import ChainBody, chain_of
 from pirate_sm.simulation.physics import Layout
 from pirate_sm.simulation.sensors import sensors_of
@@ -49,17 +50,17 @@ def chain(profile: Profile) -> ChainBody:
     return chain_of(profile)
 
 
-def straight(length_m: float = 5.0, **more: Any) -> PipeShape:
-    return PipeShape(DIAMETER_M, (Straight(length_m),), **more)
+def straight(length_m: float = 5.0, diameter_m: float = DIAMETER_M, **more: Any) -> Network:
+    return planar(diameter_m, (Straight(length_m),), **more)
 
 
-def bend(angle_deg: float = 90.0, **more: Any) -> PipeShape:
-    return PipeShape(
+def bend(angle_deg: float = 90.0, **more: Any) -> Network:
+    return planar(
         DIAMETER_M, (Straight(1.0), Mitre(math.radians(angle_deg)), Straight(1.0)), **more
     )
 
 
-def vertical(length_m: float = 5.0) -> PipeShape:
+def vertical(length_m: float = 5.0) -> Network:
     """A pipe that goes straight up."""
     return straight(length_m, tilt_rad=math.pi / 2, uphill_rad=0.0)
 
@@ -67,8 +68,8 @@ def vertical(length_m: float = 5.0) -> PipeShape:
 class Driver:
     """Moves a chain by naming duties; every joint sign is that of a clamp."""
 
-    def __init__(self, profile: Profile, chain: ChainBody, pipe: Pipe, world: World, seed: int):
-        self.chain, self.pipe, self.physics = chain, pipe, world
+    def __init__(self, profile: Profile, chain: ChainBody, route: Route, world: World, seed: int):
+        self.chain, self.route, self.physics = chain, route, world
         self.electronics = Electronics(
             chain, routes_of(profile, chain), sensors_of(profile, chain), world, seed
         )
@@ -125,7 +126,7 @@ def place(profile: Profile) -> Callable[..., Driver]:
     """Puts the robot into a pipe, by default clamped with half the stall torque."""
 
     def put(
-        shape: PipeShape,
+        network: Network,
         *,
         at: float = 1.0,
         clamped: float = 0.5,
@@ -135,13 +136,13 @@ def place(profile: Profile) -> Callable[..., Driver]:
         seed: int = 1,
         robot: Profile = profile,
     ) -> Driver:
-        chain, pipe = chain_of(robot), Pipe(shape)
+        chain, route = chain_of(robot), Route(network)
         if duties is None:
             joints = chain.joints if clamped else ()
             duties = {wheel: -clamped if wheel % 2 else clamped for wheel in joints}
-        pose = stand(chain, pipe, at, duties, roll_rad)
+        pose = stand(chain, route, at, duties, roll_rad)
         static, kinetic = friction
-        world = World(chain, pipe, Friction(static=static, kinetic=kinetic), pose, CYCLE_S)
-        return Driver(robot, chain, pipe, world, seed)
+        world = World(chain, route, Friction(static=static, kinetic=kinetic), pose, CYCLE_S)
+        return Driver(robot, chain, route, world, seed)
 
     return put

@@ -13,7 +13,7 @@ Place = Callable[..., Driver]
 
 
 def in_the_way(robot: Driver, obstacles: list[Obstacle]) -> Obstacles:
-    return Obstacles(robot.physics, robot.chain, robot.pipe, obstacles)
+    return Obstacles(robot.physics, robot.chain, robot.route, obstacles)
 
 
 def run(robot: Driver, obstacles: Obstacles, seconds: float) -> list[str]:

@@ -17,6 +17,5 @@ def test_a_robot_that_does_not_fit_is_refused(place: Place) -> None:
 
 
 def test_a_pipe_too_wide_to_clamp_is_refused(place: Place) -> None:
-    wide = straight()
     with pytest.raises(UsageError, match="wide"):
-        place(type(wide)(0.2, wide.parts))
+        place(straight(diameter_m=0.2))

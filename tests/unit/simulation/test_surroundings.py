@@ -3,7 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pirate_sm.model.pipe import Blockage, Pipe, Start, Straight
+from pirate_sm.errors import UsageError
+from pirate_sm.model.pipe import Blockage, Mitre, Pipe, Start, Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.mechanics import ChainBody
@@ -23,7 +24,7 @@ def test_without_jitter_the_numbers_are_those_of_the_files(
     around = drawn(profile, chain, NO_JITTER)
     assert around.pose.places[0] == pytest.approx((1.5, 0.0, 0.0))
     assert around.friction == profile.simulation.friction
-    assert around.pipe.shape.diameter_m == 0.12
+    assert around.route.pieces[0].diameter_m == 0.12
 
 
 def test_jitter_stays_within_its_bounds(profile: Profile, chain: ChainBody) -> None:
@@ -31,7 +32,7 @@ def test_jitter_stays_within_its_bounds(profile: Profile, chain: ChainBody) -> N
     shares = (
         (around.pose.places[0][0] - 1.5) / 0.02,
         (around.friction.static / profile.simulation.friction.static - 1.0) / 0.2,
-        (around.pipe.shape.diameter_m - 0.12) / 0.002,
+        (around.route.pieces[0].diameter_m - 0.12) / 0.002,
     )
     assert all(0.0 < abs(share) < 1.0 for share in shares)
     assert len(set(shares)) == 3
@@ -47,3 +48,12 @@ def test_the_friction_and_blockages_of_the_pipe_are_taken(
     )
     assert around.friction == own
     assert [(each.arc_m, each.lasting_s) for each in around.obstacles] == [(2.0, 5.0)]
+
+
+def test_a_pipe_that_its_own_diameter_makes_impossible_is_refused(
+    profile: Profile, chain: ChainBody
+) -> None:
+    parts = (Straight(straight=0.05), Mitre(mitre=1.5), Straight(straight=1.0))
+    pipe = PIPE.model_copy(update={"segments": parts})
+    with pytest.raises(UsageError, match="straight 1 is 50 mm long"):
+        drawn(profile, chain, NO_JITTER, pipe)

@@ -12,7 +12,7 @@ from pirate_sm.backends.pico.virtual_port import VirtualPort
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.loading.pipe import load_pipe
+from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 
 from .conftest import ROOT, SIX_WHEELED

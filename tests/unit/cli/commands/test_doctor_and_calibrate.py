@@ -17,7 +17,7 @@ from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.terminal import Terminal, serve
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.loading.pipe import load_pipe
+from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 
 ROOT = Path(__file__).resolve().parents[4]

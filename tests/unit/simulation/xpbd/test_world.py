@@ -292,8 +292,7 @@ def test_another_robot_needs_other_numbers_only(
 ) -> None:
     small = chain_of(small_profile)
     assert small.nodes != chain_of(profile).nodes
-    narrow = straight()
-    robot = place(type(narrow)(0.09, narrow.parts), clamped=0.0, robot=small_profile)
+    robot = place(straight(diameter_m=0.09), clamped=0.0, robot=small_profile)
     robot.clamp(*small.joints)
     robot.run(5.0)
     start = robot.middle

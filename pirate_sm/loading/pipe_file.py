@@ -1,12 +1,13 @@
-"""Pipe files are read, and held against the reach of a robot."""
+"""Read pipe files and check that a pipe can be built and that a robot can clamp in it."""
 
 from __future__ import annotations
 
-from itertools import combinations, pairwise
-from math import cos, degrees, pi, radians, sin, tan
+from itertools import pairwise
+from math import degrees, pi, radians
 from pathlib import Path
-from typing import NamedTuple
 
+from pirate_sm.geometry.clamping import height_m
+from pirate_sm.geometry.plane import crossing
 from pirate_sm.loading.folders import shown
 from pirate_sm.loading.problems import Path as At
 from pirate_sm.loading.problems import Problems
@@ -26,7 +27,7 @@ passed with 8 deg left, 46 with 6 deg and none with 5 deg (docs/measurements.md)
 
 
 def load_pipe(path: Path) -> tuple[Pipe, Document]:
-    """The pipe that a file describes, and the file.
+    """Return the pipe that a file describes, and the file.
 
     Raises:
         LoadError: Everything that is wrong with it.
@@ -43,28 +44,26 @@ def reach(profile: Profile) -> tuple[float, float]:
     """
     body = profile.body
     least = 2 * body.wheel_radius
+    stops = {joint.name: joint.end_stop for joint in body.joints}
     largest = []
-    for part in body.parts.values():
-        joint = next(each for each in body.joints if each.name == part.apex)
-        node = next(i for i, wheel in enumerate(body.wheels) if wheel.name == joint.wheel)
-        legs = [link for link in body.links[max(node - 1, 0) : node + 1] if link.roll is None]
-        half = min(max(joint.end_stop - FOLDING_ROOM_RAD, 0.0), pi) / 2
-        largest.append(min(leg.length for leg in legs or body.links) * sin(half) + least)
+    for name, part in body.parts.items():
+        apex = min(max(stops[part.apex] - FOLDING_ROOM_RAD, 0.0), pi)
+        largest.append(height_m(min(body.legs_m(name)), apex) + least)
     return least, min(largest)
 
 
 def check_pipe(pipe: Pipe, document: Document, problems: Problems) -> None:
-    """A pipe that cannot be built is a problem."""
+    """Report why a pipe cannot be built."""
     at, about = _part_of(document), problems.about(document)
     before = len(problems.errors)
     _check_shape(pipe, at, about)
-    if len(problems.errors) == before:  # else there is no telling where its legs lie
+    if len(problems.errors) == before:  # else it is not known where its pieces lie
         _check_crossing(pipe, at, about)
     _check_places(pipe, at, about)
 
 
 def check_fit(pipe: Pipe, profile: Profile, document: Document, problems: Problems) -> None:
-    """A pipe that cannot be built, or that the robot cannot clamp, is a problem."""
+    """Report why a pipe cannot be built, or why the robot cannot clamp in it."""
     check_pipe(pipe, document, problems)
     at, about = _part_of(document), problems.about(document)
     least, largest = reach(profile)
@@ -79,12 +78,12 @@ def check_fit(pipe: Pipe, profile: Profile, document: Document, problems: Proble
 
 
 def _part_of(document: Document) -> At:
-    """Where the pipe stands in its file, which may be a mission's."""
+    """Return the path of the pipe in its file, which may be a mission's."""
     return ("pipe",) if "pipe" in document.data and "phases" in document.data else ()
 
 
 def _check_shape(pipe: Pipe, at: At, problems: Problems) -> None:
-    """Straights stand first, last and between mitres, and are long enough for their walls."""
+    """Report mitres without a straight on either side, and straights too short for their walls."""
     segments = pipe.segments
     for number in dict.fromkeys((0, len(segments) - 1)):
         if isinstance(segments[number], Mitre):
@@ -94,90 +93,32 @@ def _check_shape(pipe: Pipe, at: At, problems: Problems) -> None:
         if isinstance(before, Mitre) and isinstance(after, Mitre):
             message = "between two mitres there is a straight"
             problems.add("pipe.segment", (*at, "segments", number), message)
-    taken = [_taken(segment, pipe.diameter) for segment in segments]
+    (run,) = pipe.network().runs.values()
     for number, segment in enumerate(segments):
         if isinstance(segment, Mitre) and segment.mitre == 0:
             path = (*at, "segments", number, "mitre")
             problems.add("pipe.segment", path, "a mitre turns by more than 0 deg")
         if isinstance(segment, Straight):
-            least = sum(taken[max(number - 1, 0) : number + 2])
+            least = sum(run.taken_m[max(number - 1, 0) : number + 2])
             if segment.straight <= least:
                 path = (*at, "segments", number, "straight")
                 message = f"the walls of its mitres meet in a straight of {_mm(segment.straight)}"
                 problems.add("pipe.segment", path, message, expected=f"more than {_mm(least)}")
 
 
-class _Leg(NamedTuple):
-    """A straight part of a pipe in the drawing, between two bends.
-
-    Attributes:
-        segment: Index of its first straight.
-        corners: Where its walls begin and end, in order around it, m.
-    """
-
-    segment: int
-    corners: tuple[tuple[float, float], ...]
-
-
-def _legs(pipe: Pipe) -> list[_Leg]:
-    """The drawing of a pipe; each mitre cuts the legs beside it at half its angle."""
-    runs: list[tuple[int, float, float]] = []  # first straight, length, mitre at the end
-    first, length = 0, 0.0
-    for number, segment in enumerate(pipe.segments):
-        if isinstance(segment, Straight):
-            length += segment.straight
-        else:
-            runs.append((first, length, segment.mitre))
-            first, length = number + 1, 0.0
-    runs.append((first, length, 0.0))
-    legs = []
-    x = y = heading = before = 0.0
-    for first, length, after in runs:
-        tx, ty = cos(heading), sin(heading)
-        half = pipe.diameter / 2
-        places = [(side * half * tan(before / 2), side * half) for side in (1, -1)] + [
-            (length - side * half * tan(after / 2), side * half) for side in (-1, 1)
-        ]
-        corners = tuple((x + s * tx - o * ty, y + s * ty + o * tx) for s, o in places)
-        legs.append(_Leg(first, corners))
-        x, y = x + length * tx, y + length * ty
-        heading, before = heading + after, after
-    return legs
-
-
 def _check_crossing(pipe: Pipe, at: At, problems: Problems) -> None:
-    """No leg of the pipe lies in the place of another one; neighbours meet at their mitre."""
-    legs = _legs(pipe)
-    for (i, one), (k, two) in combinations(enumerate(legs), 2):
-        if k - i > 1 and _overlap(one, two):
-            path = (*at, "segments", min(two.segment, len(pipe.segments) - 1))
-            message = f"this runs into segment {one.segment + 1} of the same pipe"
-            problems.add(
-                "pipe.crossing", path, message, expected="a pipe that keeps clear of itself"
-            )
-            return
-
-
-def _overlap(one: _Leg, two: _Leg) -> bool:
-    """Whether two convex shapes share a place: no edge of either separates them."""
-    for shape in (one.corners, two.corners):
-        for (ax, ay), (bx, by) in zip(shape, (*shape[1:], shape[0]), strict=True):
-            first = [(by - ay) * x - (bx - ax) * y for x, y in one.corners]
-            second = [(by - ay) * x - (bx - ax) * y for x, y in two.corners]
-            if max(first) <= min(second) + 1e-12 or max(second) <= min(first) + 1e-12:
-                return False
-    return True
-
-
-def _taken(segment: Straight | Mitre, diameter_m: float) -> float:
-    """What a mitre takes of the inner wall of the straights beside it."""
-    if isinstance(segment, Straight):
-        return 0.0
-    return diameter_m / 2 * tan(abs(segment.mitre) / 2)
+    """Report a piece of the pipe that lies in the place of another one."""
+    found = crossing(pipe.route())
+    if found is not None:
+        one, two = found
+        path = (*at, "segments", min(two.segment, len(pipe.segments) - 1))
+        message = f"this runs into segment {one.segment + 1} of the same pipe"
+        problems.add("pipe.crossing", path, message, expected="a pipe that keeps clear of itself")
 
 
 def _check_places(pipe: Pipe, at: At, problems: Problems) -> None:
-    length = sum(each.straight for each in pipe.segments if isinstance(each, Straight))
+    """Report a start or a blockage beyond the end of the pipe."""
+    length = pipe.route().length_m
     places = [((*at, "blockages", n, "at"), each.at) for n, each in enumerate(pipe.blockages)]
     if pipe.start is not None:
         places.append(((*at, "start", "at"), pipe.start.at))

@@ -9,10 +9,9 @@ from pathlib import Path
 from pirate_sm.recording.reader import read_recording
 from pirate_sm.recording.reloading import recorded_mission
 from pirate_sm.recording.replay import rerun
-from pirate_sm.report import scene
 from pirate_sm.report.gathering import About, gather
 from pirate_sm.report.model import Report
-from pirate_sm.report.scene import MOST_POSES, Poses
+from pirate_sm.report.poses import MOST_POSES, Poses
 
 
 def test_of_many_poses_some_stay_evenly_and_the_last_one():
@@ -27,7 +26,7 @@ def test_of_many_poses_some_stay_evenly_and_the_last_one():
 
 
 def test_of_a_very_long_run_no_more_poses_are_kept_and_the_newest_always_is(monkeypatch):
-    monkeypatch.setattr(scene, "_MOST_KEPT", 100)
+    monkeypatch.setattr("pirate_sm.report.poses._MOST_KEPT", 100)
     poses, most = Poses(true=True), 0
     for number in range(5_000):
         poses.add(0.1 * number, ((float(number), 0.0),))

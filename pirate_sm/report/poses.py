@@ -1,14 +1,16 @@
-"""The robot in its pipe over time: from what a simulator knew, or from joints and odometer."""
+"""Where the robot was in its pipe over time, by a simulator or by its joints and its odometer."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
-from pirate_sm.detectors.route import Place, Route
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
+from pirate_sm.geometry.plane import walls
+from pirate_sm.geometry.space import Place
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.recording.evenly import add_evenly
@@ -39,7 +41,7 @@ class Poses:
     _apart_s: float = field(default=0.0, repr=False)
 
     def add(self, at_s: float, points: Sequence[Place]) -> None:
-        """There is one more; one of the same moment is replaced.
+        """Add one more; it replaces one of the same moment.
 
         Of very many only some are kept, evenly; the newest one always is.
         """
@@ -47,7 +49,7 @@ class Poses:
         self._apart_s = add_evenly(self.times_s, self.points, new, self._apart_s, _MOST_KEPT)
 
     def thinned(self, most: int = MOST_POSES) -> Poses:
-        """At most so many of them, evenly; the last one stays."""
+        """Return at most so many of them, evenly, with the last one."""
         step = -(-len(self.times_s) // most) or 1
         chosen = sorted({*range(0, len(self.times_s), step), *range(len(self.times_s))[-1:]})
         return Poses(self.true, [self.times_s[n] for n in chosen], [self.points[n] for n in chosen])
@@ -66,7 +68,7 @@ class Following:
         self._due_s = 0.0
 
     def look(self, state: EngineState, now_s: float) -> None:
-        """The wheels have been followed to where they are now, if it was time to look again."""
+        """Follow the wheels to where they are now, if it is time to look again."""
         if now_s >= self._due_s:
             points = self._placing.look(state, now_s)
             if points is not None:
@@ -75,16 +77,16 @@ class Following:
 
 
 def walls_of(pipe: Pipe | None) -> tuple[tuple[Place, ...], ...]:
-    """Corners of the wall on side A and on side B; none without a pipe."""
-    return tuple(Route(pipe).walls(pipe.diameter / 2)) if pipe is not None else ()
+    """Return the corners of the wall on side A and on side B; none without a pipe."""
+    return walls(pipe.route()) if pipe is not None else ()
 
 
 def travel_of(poses: Poses, pipe: Pipe | None) -> Travel | None:
-    """How far the wheels and their middle came along the pipe; None without poses or a pipe."""
+    """Return how far the wheels and their middle came along the pipe; None where unknown."""
     if pipe is None or not poses.times_s:
         return None
-    route, times = Route(pipe), poses.times_s
-    places = [[route.place_of(point) for point in points] for points in poses.points]
+    route, times = pipe.route(), poses.times_s
+    places = [[route.arc_of((x, y, 0.0)) for x, y in points] for points in poses.points]
     middles = [sum(each) / len(each) for each in places]
     distance = [middle - middles[0] for middle in middles]
     name = "really" if poses.true else "reckoned"
@@ -101,7 +103,7 @@ def scene_of(
     setpoints: Samples,
     held: Sequence[Lane],
 ) -> Scene | None:
-    """The scene, with everything that is drawn on the robot; None where it was never seen."""
+    """Return the scene with everything drawn on the robot; None where no place was known."""
     if not poses.times_s:
         return None
     thin, body = poses.thinned(), profile.body
@@ -111,14 +113,14 @@ def scene_of(
         angle = signals.series(spec.angle, wheel.name)
         drive = setpoints.series(spec.slot, wheel.name, scale=forward, stepped=True)
         wheels.append(Wheel(wheel.name, wheel.part, angle, drive))
-    return Scene(
-        "truth" if poses.true else "reckoned", thin.times_s, thin.points, walls, tuple(wheels),
-        body.wheel_radius, body.body_half_thickness, tuple(held), _lights(profile, setpoints),
-    )  # fmt: skip
+    source: Literal["truth", "reckoned"] = "truth" if poses.true else "reckoned"
+    seen = source, thin.times_s, thin.points, walls, tuple(wheels)
+    sizes = body.wheel_radius, body.body_half_thickness
+    return Scene(*seen, *sizes, tuple(held), _lights(profile, setpoints))
 
 
 def _lights(profile: Profile, setpoints: Samples) -> tuple[Light, ...]:
-    """Each light in the middle of its module, or at the end of the chain that its board is at."""
+    """Return each light in the middle of its module, or at the end of the chain of its board."""
     modules = {link.module: number for number, link in enumerate(profile.body.links)}
     links = [number for number, board in enumerate(profile.boards) if board.module in modules]
     lights, index = [], 0
@@ -145,7 +147,7 @@ class Holding:
         self._spans: list[list[Span]] = [[] for _ in robot.parts]
 
     def look(self, state: EngineState, now_s: float) -> None:
-        """What holds now is known."""
+        """Note which parts hold now."""
         held = self._robot.held[state.robot.configuration]
         confirmed = confirmed_parts(self._robot, state.robot) if held else held
         for part in range(len(self._robot.parts)):
@@ -157,7 +159,7 @@ class Holding:
                     self._since[part] = (now_s, now)
 
     def lanes(self, until_s: float) -> tuple[Lane, ...]:
-        """One for each part, until the end."""
+        """Return one lane for each part, until the end."""
         for part in tuple(self._since):
             self._close(part, until_s)
         return tuple(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.loading.pipe import load_pipe, reach
+from pirate_sm.loading.pipe_file import load_pipe, reach
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.robot import load_robot
 

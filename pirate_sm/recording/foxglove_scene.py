@@ -7,7 +7,8 @@ from itertools import pairwise
 from math import atan2, cos, hypot, sin
 from typing import Any
 
-from pirate_sm.detectors.route import Leg, Place, Route
+from pirate_sm.geometry.plane import flat, walls
+from pirate_sm.geometry.route import Piece
 from pirate_sm.model.body import Body
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.recording.frames import PIPE
@@ -26,7 +27,7 @@ _UPRIGHT = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
 
 
 def scene_message(stamp: str, body: Body, pipe: Pipe | None) -> bytes:
-    """Everything that can be seen, without an end.
+    """Return a message that shows everything, for as long as a viewer runs.
 
     Args:
         stamp: The time as JSON.
@@ -75,26 +76,21 @@ def _wheels(body: Body) -> list[dict[str, Any]]:
 
 
 def _pipe(pipe: Pipe) -> dict[str, Any]:
-    route = Route(pipe)
+    route = pipe.route()
     points = [
-        _point(*corner)
-        for wall in route.walls(pipe.diameter / 2)
-        for pair in pairwise(wall)
-        for corner in pair
+        _point(*corner) for wall in walls(route) for pair in pairwise(wall) for corner in pair
     ]
-    walls = {
-        "type": _LINE_LIST, "pose": _pose(_point()), "thickness": _WALL_M,
-        "scale_invariant": False, "points": points, "color": _color(_WALL), "colors": [],
-        "indices": [],
-    }  # fmt: skip
-    glass = [_glass(leg, pipe.diameter) for leg in route.legs]
-    return _entity(PIPE, PIPE, lines=[walls], cylinders=glass)
+    lines = {"type": _LINE_LIST, "pose": _pose(_point()), "thickness": _WALL_M}
+    lines |= {"scale_invariant": False, "points": points}
+    lines |= {"color": _color(_WALL), "colors": [], "indices": []}
+    glass = [_glass(piece) for piece in route.pieces]
+    return _entity(PIPE, PIPE, lines=[lines], cylinders=glass)
 
 
-def _glass(leg: Leg, diameter_m: float) -> dict[str, Any]:
-    """The leg of a pipe as a cylinder, whose own axis is z, so that one sees through it."""
-    middle: Place = leg.point(leg.arc_m + leg.length_m / 2, 0.0)
-    heading = atan2(leg.along[1], leg.along[0])
+def _glass(piece: Piece) -> dict[str, Any]:
+    """Return a piece of pipe as a cylinder that one sees through; its own axis is z."""
+    middle = flat(piece.point(piece.arc_m + piece.length_m / 2))
+    heading = atan2(piece.frame.ahead[1], piece.frame.ahead[0])
     # First from z to x, half a right angle about y, then about z by the heading.
     half = hypot(0.5, 0.5)
     turned = {
@@ -103,7 +99,7 @@ def _glass(leg: Leg, diameter_m: float) -> dict[str, Any]:
         "z": sin(heading / 2) * half,
         "w": cos(heading / 2) * half,
     }
-    shape = _shape(_point(*middle), (diameter_m, diameter_m, leg.length_m), _GLASS)
+    shape = _shape(_point(*middle), (piece.diameter_m, piece.diameter_m, piece.length_m), _GLASS)
     shape["pose"]["orientation"] = turned
     return shape | {"bottom_scale": 1.0, "top_scale": 1.0}
 

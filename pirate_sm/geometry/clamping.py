@@ -1,0 +1,30 @@
+"""Clamp statics: how a V stands between the walls, and how hard it presses them.
+
+The clamp force of a part is tau / sqrt(l^2 - h^2) * (1, 2, 1) on the three wheels of its V
+(thesis eq. 3-3) with h = diameter - 2 r (eq. 3-2). Friction must bear m g sin(alpha) (eq. 3-14).
+Equations 3-24 and 3-25, which join the two, are not used: as printed they change their sign where
+tan(alpha) is half the friction.
+"""
+
+from __future__ import annotations
+
+from math import inf, sin, sqrt
+
+WHEELS_SHARE = 4.0
+"""Sum of the shares (1, 2, 1) that a part's wheels have of its clamp force (eq. 3-3)."""
+
+
+def height_m(leg_m: float, apex_rad: float) -> float:
+    """Return the height h of a V with legs of one length whose apex has this angle (eq. 3-2)."""
+    return abs(leg_m * sin(apex_rad / 2))
+
+
+def span_m(leg_m: float, height_m: float) -> float:
+    """Return how far along the pipe a link reaches from wall to wall; 0 where it is too short."""
+    return sqrt(max(leg_m * leg_m - height_m * height_m, 0.0))
+
+
+def press_n(torque_nm: float, leg_m: float, height_m: float) -> float:
+    """Return the sum of the normal forces of a V whose apex has this torque (eq. 3-3)."""
+    lever = span_m(leg_m, height_m)
+    return WHEELS_SHARE * torque_nm / lever if lever > 0 else inf
