@@ -19,12 +19,12 @@ from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Event
 
 if TYPE_CHECKING:
+    from pirate_sm.companion import Companion
     from pirate_sm.engine.state import EngineState
     from pirate_sm.recording.file import RecordingFile, Sink
     from pirate_sm.recording.header import RunHeader
     from pirate_sm.recording.recorder import Recorder
     from pirate_sm.recording.side_channel import SideChannel
-    from pirate_sm.runtime.companions import Companion
     from pirate_sm.runtime.loop import MissionRun
     from pirate_sm.wiring import Prepared
 

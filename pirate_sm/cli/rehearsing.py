@@ -88,7 +88,7 @@ def _run(
         prepared.engine, prepared.backend, observers=[early], requests=requests, tap=calls,
         companions=(*prepared.companions, FirstChoice(), _Patience(requests)),
     )  # fmt: skip
-    calls.follow(run)
+    calls.follow(lambda: run.state)
     result = run.execute()
     if result.error is not None:
         raise result.error

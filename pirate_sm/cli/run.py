@@ -20,8 +20,9 @@ from pirate_sm.cli.reader import watch_pipe
 from pirate_sm.cli.recording import RecordingWishes, recorded
 from pirate_sm.cli.script import read_fire, read_script
 from pirate_sm.cli.situation import Situation
+from pirate_sm.companion import Companion
 from pirate_sm.errors import UsageError
-from pirate_sm.runtime.companions import Companion, FirstChoice, LoopWatch, TriggerScript
+from pirate_sm.runtime.companions import FirstChoice, LoopWatch, TriggerScript
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.observing import Observer, Watcher
 from pirate_sm.runtime.outcome import BUG, Result
@@ -142,7 +143,6 @@ def _show(
             factor=factor,
         )
         situation.run = run
-        prepared.follow(run)
         kept.follow(run)
         try:
             output.begin()

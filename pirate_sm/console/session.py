@@ -8,16 +8,18 @@ from dataclasses import dataclass
 from threading import Thread
 from typing import Protocol
 
+from pirate_sm.companion import Companion
 from pirate_sm.console.feed import Feed
 from pirate_sm.console.giving import RUN_OVER, Giver
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event, GoTo
 from pirate_sm.runtime.clock import Clock
-from pirate_sm.runtime.companions import Companion, FirstChoice, LoopWatch
-from pirate_sm.runtime.loop import UNCONFIRMED, MissionRun
+from pirate_sm.runtime.companions import FirstChoice, LoopWatch
+from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.observing import Tap
 from pirate_sm.runtime.outcome import BUG, Result
+from pirate_sm.runtime.pump import UNCONFIRMED
 from pirate_sm.runtime.stopping import Stop, StopRequests
 from pirate_sm.showing.looking import scene_of
 from pirate_sm.showing.snapshot import Snapshot
@@ -249,7 +251,6 @@ class Session:
         )
         self._began_s = run.now_s
         self._feed.begin(scene_of(prepared), prepared, run)
-        prepared.follow(run)
         kept.follow(run)
         return run
 

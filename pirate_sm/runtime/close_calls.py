@@ -5,10 +5,10 @@ Every call has a share: 1 is where it would have happened, so the nearest are th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from math import inf, isinf, isnan
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from pirate_sm.engine.program import Program, Wait
 from pirate_sm.engine.robot import RobotSpec
@@ -18,9 +18,6 @@ from pirate_sm.expressions import tree
 from pirate_sm.model.effects import CommandStatus, Effect, Fault, TriggerFired, WaitArmed
 from pirate_sm.model.events import Event, SensorFrame
 from pirate_sm.runtime.levels import levels_of
-
-if TYPE_CHECKING:
-    from pirate_sm.runtime.loop import MissionRun
 
 
 class CloseCall(NamedTuple):
@@ -50,7 +47,7 @@ class CloseCalls:
     def __init__(self, robot: RobotSpec, program: Program) -> None:
         self._robot = robot
         self._program = program
-        self._run: MissionRun | None = None
+        self._state: Callable[[], EngineState | None] = lambda: None
         self._calls: dict[str, CloseCall] = {}
         self._over = False  # the safe stop is no part of it
         self._notes = (
@@ -58,9 +55,9 @@ class CloseCalls:
             _Faults(robot),
         )  # fmt: skip
 
-    def follow(self, run: MissionRun) -> None:
-        """It looks at this run."""
-        self._run = run
+    def follow(self, state: Callable[[], EngineState | None]) -> None:
+        """Read the engine's state from here; it is None before the engine has started."""
+        self._state = state
 
     def nearest(self) -> list[CloseCall]:
         """The nearest call of each kind, the nearest first."""
@@ -86,7 +83,7 @@ class CloseCalls:
         """What is done past the engine is no close call."""
 
     def _look(self, event: Event | None, now_s: float, effects: Sequence[Effect]) -> None:
-        state = self._run.state if self._run is not None else None
+        state = self._state()
         if state is None or self._over:
             return
         self._over = state.mission.ending is not None or state.mission.ended
