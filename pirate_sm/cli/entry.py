@@ -24,15 +24,7 @@ from pirate_sm.cli.planning import plan, robot
 from pirate_sm.cli.reporting import report
 
 
-class Backends(str, Enum):  # noqa: UP042 - a StrEnum would show its members in capitals
-    """What can run a mission."""
-
-    SERIAL = "serial"
-    SIM = "sim"
-    TRACE = "trace"
-
-
-class Things(str, Enum):  # noqa: UP042
+class Things(str, Enum):  # noqa: UP042 - a StrEnum would show its members in capitals
     """What can be listed."""
 
     ROBOTS = "robots"
@@ -41,6 +33,8 @@ class Things(str, Enum):  # noqa: UP042
     DEFECTS = "defects"
     MISSIONS = "missions"
     PIPES = "pipes"
+    BACKENDS = "backends"
+    DETECTORS = "detectors"
 
 
 class Files(str, Enum):  # noqa: UP042
@@ -90,11 +84,13 @@ def run(
         str, typer.Argument(metavar="MISSION", help="A shipped mission's name, or a file.")
     ],
     backend: Annotated[
-        Backends,
+        str,
         typer.Option(
-            help="sim: the kinematic simulator; trace: nothing moves; serial: the real robot."
+            metavar="NAME",
+            help="sim: the kinematic simulator; trace: nothing moves; serial: the real robot; "
+            "others: pirate list backends.",
         ),
-    ] = Backends.SIM,
+    ] = "sim",
     robot: Annotated[
         str | None, typer.Option(metavar="NAME", help="In place of the mission's own.")
     ] = None,
@@ -153,7 +149,7 @@ def run(
     detector: Annotated[
         str | None,
         typer.Option(
-            metavar="sim|odometry|operator|socket:ADDRESS",
+            metavar="sim|odometry|operator|socket:ADDRESS|NAME",
             help="Who says where the robot is. For sim: sim, for serial: odometry.",
         ),
     ] = None,
@@ -200,7 +196,7 @@ def run(
         return run_mission(
             Wishes(
                 mission=mission,
-                backend=backend.value,
+                backend=backend,
                 robot=robot,
                 pipe=pipe,
                 settings=settings or [],
@@ -240,7 +236,7 @@ def list_(
     ] = None,
     debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
 ) -> None:
-    """Show robots, commands, signals, defects, missions and pipes."""
+    """Show robots, commands, signals, defects, missions, pipes, backends and detectors."""
     from pirate_sm.cli.guard import guarded
 
     def work() -> int:

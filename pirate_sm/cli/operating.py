@@ -2,20 +2,11 @@
 
 from __future__ import annotations
 
-from enum import Enum
 from typing import Annotated
 
 import typer
 
 from pirate_sm.cli.connecting import GUARD_FOR
-
-
-class Worlds(str, Enum):  # noqa: UP042 - a StrEnum would show its members in capitals
-    """What the robot is in."""
-
-    SERIAL = "serial"
-    SIM = "sim"
-    TRACE = "trace"
 
 
 def console(
@@ -27,11 +18,13 @@ def console(
         ),
     ] = None,
     backend: Annotated[
-        Worlds,
+        str,
         typer.Option(
-            help="sim: the kinematic simulator; trace: nothing moves; serial: the real robot."
+            metavar="NAME",
+            help="sim: the kinematic simulator; trace: nothing moves; serial: the real robot; "
+            "others: pirate list backends.",
         ),
-    ] = Worlds.SIM,
+    ] = "sim",
     robot: Annotated[
         str | None, typer.Option(metavar="NAME", help="In place of the mission's own.")
     ] = None,
@@ -109,7 +102,7 @@ def console(
 
         order = Order(
             mission=mission or "",
-            backend=backend.value,
+            backend=backend,
             robot=robot,
             pipe=pipe,
             settings=read_pairs("--set", settings or [], "NAME=VALUE"),
