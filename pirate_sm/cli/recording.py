@@ -8,15 +8,16 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from itertools import count
-from math import inf, isinf
+from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pirate_sm.cli.guard import say
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.loading.folders import shown
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Event
+from pirate_sm.wiring.recorded import run_header, shown_to_viewers
 
 if TYPE_CHECKING:
     from pirate_sm.companion import Companion
@@ -76,21 +77,8 @@ class Kept:
         """Viewers are shown this run, and its state is kept now and then."""
         if self.tap is not None:
             self.tap.follow(lambda: run.state)
-        if self.side is None:
-            return
-        from pirate_sm.recording.viewing import Snapshot
-
-        wheels, reckoned = self.prepared.wheels, self.prepared.reckoned
-
-        def look() -> Snapshot | None:
-            if run.state is None:
-                return None
-            if wheels is not None:
-                return Snapshot(run.state, wheels(), True)
-            taken = reckoned() if reckoned else None
-            return Snapshot(run.state, taken.wheels if taken else None, False)
-
-        self.side.follow(look)
+        if self.side is not None:
+            self.side.follow(lambda: shown_to_viewers(self.prepared, run.state))
 
 
 @contextmanager
@@ -119,7 +107,7 @@ def recorded(
     from pirate_sm.recording.file import Nowhere, RecordingFile
     from pirate_sm.recording.recorder import COMMIT_S, Recorder
 
-    header = _header(prepared, factor, began)
+    header = run_header(prepared, factor, began)
     with ExitStack() as stack:
         side, served = _side(prepared, wishes, stack)
         file: RecordingFile | None = None
@@ -266,20 +254,3 @@ def _headed(sink: Sink, path: Path, header: RunHeader) -> RecordingFile:
         with suppress(OSError):
             path.unlink()
         raise
-
-
-def _header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
-    from pydantic_core import to_jsonable_python
-
-    from pirate_sm.recording.header import header_of
-
-    options: dict[str, Any] = to_jsonable_python(prepared.order)
-    options["speed"] = "max" if isinf(factor) else factor
-    return header_of(
-        prepared.loaded,
-        backend=prepared.order.backend,
-        nominal=prepared.engine.nominal,
-        detector=prepared.detector,
-        options=options,
-        began=began,
-    )

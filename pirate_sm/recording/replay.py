@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isnan
 from typing import Any, NamedTuple
@@ -88,10 +88,16 @@ def rerun(
     Raises:
         RecordingError: The recording is damaged.
     """
-    engine = engine_of(recording, loaded)
     state = after.state if after is not None else None
+    return rerun_steps(engine_of(recording, loaded), recording.steps(after), state)
+
+
+def rerun_steps(
+    engine: Engine, steps: Iterable[Step], state: EngineState | None = None
+) -> Iterator[Rerun]:
+    """Every step given to the engine again, in order; ``state`` is what it was before the first."""
     seen: list[SensorFrame | SignalReport] = []
-    for step in recording.steps(after):
+    for step in steps:
         effects = step.effects
         if step.by == "seen" and isinstance(step.event, SensorFrame | SignalReport):
             seen.append(step.event)

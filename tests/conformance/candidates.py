@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import inf
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from pirate_sm.backends.pico.assembly import read_plan
 from pirate_sm.backends.pico.backend import SerialBackend
@@ -16,9 +16,11 @@ from pirate_sm.backends.trace import TraceBackend
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.errors import BackendError
+from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.pipe import load_pipe
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import Event, SubmitResult
+from pirate_sm.testing import Candidate
 
 NEWT = Path(__file__).resolve().parents[1] / "robots" / "newt"
 
@@ -26,11 +28,7 @@ STILL = (0.0,) * 7
 CLAMPING = (0.0, 0.0, -0.5, 0.0, 0.5, 0.0, 0.0)
 
 
-class Candidate(NamedTuple):
-    """A way to make a backend of the small robot, and where its robot is (empty: nowhere)."""
-
-    make: Callable[[int], Backend]
-    places: Callable[[Any], Sequence[tuple[float, float]]] = lambda backend: ()
+TAKE_HOLD = load_mission(NEWT / "take_hold.yaml", pipe=str(NEWT / "elbow.yaml"))
 
 
 class LateBackend:
@@ -85,9 +83,17 @@ def _serial(seed: int) -> Backend:
     return SerialBackend(plan, VirtualPort(bay, plan.serial.heartbeat_within))
 
 
+def candidate(
+    make: Callable[[int], Backend],
+    places: Callable[[Any], Sequence[tuple[float, float]]] = lambda backend: (),
+) -> Candidate:
+    """A backend of the small robot, and where its robot is (empty: nowhere)."""
+    return Candidate(make, STILL, CLAMPING, TAKE_HOLD, places)
+
+
 CANDIDATES = {
-    "trace": Candidate(lambda seed: TraceBackend()),
-    "sim": Candidate(_simulator, lambda backend: backend.truth.wheels),
-    "serial": Candidate(_serial, lambda backend: backend.port.device.truth.wheels),
-    "late": Candidate(lambda seed: LateBackend()),
+    "trace": candidate(lambda seed: TraceBackend()),
+    "sim": candidate(_simulator, lambda backend: backend.truth.wheels),
+    "serial": candidate(_serial, lambda backend: backend.port.device.truth.wheels),
+    "late": candidate(lambda seed: LateBackend()),
 }
