@@ -103,6 +103,11 @@ class Registry(Generic[F]):
         for point in self._taken:
             yield Listed(point.name, _package(point), fault="the name is taken")
 
+    def forget(self) -> None:
+        """Look anew for what is installed, when it is asked for the next time."""
+        self.__dict__.pop("_found", None)
+        self.__dict__.pop("_others", None)
+
     @cached_property
     def _found(self) -> list[EntryPoint]:
         """What packages add, in an order that does not depend on the order of installation."""

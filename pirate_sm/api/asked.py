@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from os import PathLike, fspath
-from typing import Any, TypeAlias, TypedDict, Unpack
+from typing import Any, TypeAlias, TypedDict, Unpack, cast
 
 from pirate_sm import wiring
 from pirate_sm.checking.allowances import settle
@@ -165,6 +165,20 @@ def _order(
         name = fspath(mission)
     defects = (defects,) if isinstance(defects, str) else tuple(defects)
     return Order(name, backend, seed=seed, settings=settings, defects=defects, check=check, **rest)
+
+
+def loaded_once(mission: Mission, **options: Unpack[Options]) -> tuple[LoadedMission, Options]:
+    """Return the mission, loaded if it is not yet, and the options that are not of loading.
+
+    Raises:
+        LoadError: Everything that is wrong with the files.
+        UsageError: An argument does not fit.
+    """
+    if isinstance(mission, LoadedMission):
+        return mission, options
+    rest: dict[str, Any] = dict(options)
+    of_loading = {name: rest.pop(name, None) for name in ("set", *_OF_LOADING)}
+    return load(mission, **of_loading), cast(Options, rest)
 
 
 _OF_LOADING = ("robot", "pipe", "start_phase", "states")

@@ -6,15 +6,29 @@ from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from multiprocessing import get_context
+from multiprocessing.reduction import ForkingPickler
 from os import cpu_count
-from typing import NamedTuple, Unpack
+from types import MappingProxyType
+from typing import Any, NamedTuple, Unpack
 
-from pirate_sm.api.asked import Mission, Options, prepared
+from pirate_sm.api.asked import Mission, Options, loaded_once, prepared
 from pirate_sm.api.result import Columns
-from pirate_sm.checking.gate import pass_or_raise
+from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.runtime.companions import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
+
+
+def _read_only(values: dict[Any, Any]) -> MappingProxyType[Any, Any]:
+    return MappingProxyType(values)
+
+
+def _reduced(it: MappingProxyType[Any, Any]) -> tuple[Any, ...]:
+    return _read_only, (dict(it),)
+
+
+# A loaded mission goes to other processes; Python itself cannot send the read-only views in it.
+ForkingPickler.register(MappingProxyType, _reduced)
 
 
 class _Ended(NamedTuple):
@@ -57,11 +71,10 @@ def sweep(
         UsageError: An argument does not fit, or an extra is not installed.
     """
     wanted = list(seeds)
+    loaded, rest = loaded_once(mission, **options)
     # Compiles the simulator before the others need it, and finds whatever does not fit.
-    first = prepared(mission, backend, 0, check=False, yes=False, **options)
-    if check:
-        pass_or_raise(first.loaded)
-    one = partial(_run, mission, backend, options)
+    prepared(loaded, backend, 0, check=check, yes=False, **rest)
+    one = partial(_run, loaded, backend, rest)
     count = min(workers or cpu_count() or 1, len(wanted))
     if count <= 1:
         ended = [one(seed) for seed in wanted]
@@ -71,9 +84,9 @@ def sweep(
     return {name: [row[n] for row in ended] for n, name in enumerate(_Ended._fields)}
 
 
-def _run(mission: Mission, backend: str, options: Options, seed: int) -> _Ended:
+def _run(loaded: LoadedMission, backend: str, options: Options, seed: int) -> _Ended:
     """Return how the mission ends with one seed."""
-    ready = prepared(mission, backend, seed, check=False, yes=False, **options)
+    ready = prepared(loaded, backend, seed, check=False, yes=False, **options)
     companions = ready.companions if ready.attended else (*ready.companions, FirstChoice())
     result = MissionRun(ready.engine, ready.backend, companions=companions).execute()
     if result.error is not None and result.exit_code == BUG:

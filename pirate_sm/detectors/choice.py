@@ -79,7 +79,7 @@ class Detecting(NamedTuple):
 
 
 class MakeDetector(Protocol):
-    """What the entry point of a detector makes it with; see ``docs/changing.md``."""
+    """What the entry point of a detector makes it with; see ``docs/extending.md``."""
 
     def __call__(self, asked: Asked) -> Detecting:
         """Return the detector; nothing has been opened.

@@ -57,7 +57,7 @@ class Equipment:
 
 
 class MakeBackend(Protocol):
-    """What the entry point of a backend makes it with; see ``docs/changing.md``."""
+    """What the entry point of a backend makes it with; see ``docs/extending.md``."""
 
     def __call__(self, order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         """Return the backend that the order wants, not opened; nothing has moved.
