@@ -75,17 +75,21 @@ class Notes:
             self._recorder.abandon(now_s, effects)
         self._steps.append(Step(len(self._steps), now_s, None, tuple(effects), "runtime"))
 
-    def run(self) -> Run:
-        """Return the run as far as it has come."""
+    def run(self, *notices: str) -> Run:
+        """Return the run as far as it has come.
+
+        Args:
+            notices: What its reader must know; empty ones are left out.
+        """
         failure = self._recorder.failure if self._recorder is not None else ""
-        notices = (f"the recording ends early: {failure}",) if failure else ()
+        early = f"the recording ends early: {failure}" if failure else ""
         steps, poses = tuple(self._steps), self._poses.thinned()
         return Run(
             self._prepared.loaded,
             self._header,
             steps=lambda: steps,
             poses=lambda: poses if poses.times_s else None,
-            notices=notices,
+            notices=tuple(text for text in (early, *notices) if text),
         )
 
     def _pose(self, now_s: float) -> None:

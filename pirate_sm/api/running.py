@@ -63,4 +63,4 @@ def run(
             raise BackendError(result.ended.message) from result.error
     if result.exit_code == INTERRUPTED:
         raise KeyboardInterrupt(result.ended.message)
-    return notes.run()
+    return notes.run(ready.parting())

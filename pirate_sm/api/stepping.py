@@ -113,7 +113,7 @@ class Session:
         """The run as far as it has come, with its tables and its report."""
         if self._notes is None:
             raise UsageError("the session has not been entered")
-        return self._notes.run()
+        return self._notes.run("" if self._opened.open else self._ready.parting())
 
     def why_not(self, command: str) -> str:
         """Return why a command would be refused now; empty where it would be taken.

@@ -11,13 +11,12 @@ import pytest
 
 from pirate_sm.companion import Companion, Counting, Onlooker
 from pirate_sm.detectors.choice import Asked, Detecting, MakeDetector
-from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import DetectorWord, EnvironmentReport, Event
 from pirate_sm.runtime.companions import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.wiring import Order, prepare
+from pirate_sm.wiring import Order, Prepared, prepare
 
 
 @dataclass(frozen=True)
@@ -73,6 +72,19 @@ class _Heard:
         return said
 
 
+class _NoTime:
+    """A clock on which waiting takes no time; for companions that listen to a person."""
+
+    def __init__(self) -> None:
+        self._now_s = 0.0
+
+    def now(self) -> float:
+        return self._now_s
+
+    def sleep(self, seconds: float) -> None:
+        self._now_s += seconds
+
+
 class DetectorContract:
     """Tests that every detector must pass; a class derived from it gives the subject."""
 
@@ -83,47 +95,49 @@ class DetectorContract:
 
     def test_it_says_who_it_is(self, subject: Subject) -> None:
         """It has a name, and it is made without opening anything."""
-        assert detecting(subject).kind
+        _, found = made(subject)
+        assert found.kind
 
     def test_a_mission_hears_words_that_the_robot_knows_at_times_that_go_on(
         self, subject: Subject
     ) -> None:
         """What it says has a meaning for the robot, and mission time never stands still."""
-        heard = self._run(subject, detecting(subject))
+        said = heard(subject, *made(subject))
 
-        assert heard or not subject.words, "no word was said"
+        assert said or not subject.words, "no word was said"
 
     def test_it_can_begin_again_for_another_mission(self, subject: Subject) -> None:
         """One that counts from the beginning of a mission can be restarted at any time."""
-        found = detecting(subject)
+        ready, found = made(subject)
         for companion in found.companions:
             if isinstance(companion, Counting):
                 companion.restart(subject.mission.robot)
 
-        heard = self._run(subject, found)
+        said = heard(subject, ready, found)
 
-        assert heard or not subject.words, "no word was said after a restart"
-
-    def _run(self, subject: Subject, found: Detecting) -> list[Event]:
-        """Return what is said in a run of the mission."""
-        loaded = subject.mission
-        ready = prepare(Order(loaded.documents[0].name, subject.backend), loaded)
-        words = loaded.robot.detector_words
-        heard = [_Heard(companion, words) for companion in found.companions]
-        engine = Engine(loaded.robot, loaded.program, nominal=ready.engine.nominal)
-        with ExitStack() as stack:
-            for companion in found.companions:
-                if isinstance(companion, AbstractContextManager):
-                    stack.enter_context(companion)
-            run = MissionRun(engine, ready.backend, companions=(*heard, FirstChoice()))
-            result = run.execute()
-        if result.error is not None:
-            raise result.error
-        return [event for each in heard for event in each.said]
+        assert said or not subject.words, "no word was said after a restart"
 
 
-def detecting(subject: Subject) -> Detecting:
-    """Return the detector, made as a run makes it."""
+def made(subject: Subject) -> tuple[Prepared, Detecting]:
+    """Return a run of the mission and the detector for it, made as a run makes it."""
     loaded = subject.mission
+    ready = prepare(Order(loaded.documents[0].name, subject.backend), loaded)
     profile, robot = loaded.loaded_robot.profile, loaded.robot
-    return subject.make(Asked(profile, robot, loaded.pipe, argument=subject.argument))
+    asked = Asked(profile, robot, loaded.pipe, places=ready.places, argument=subject.argument)
+    return ready, subject.make(asked)
+
+
+def heard(subject: Subject, ready: Prepared, found: Detecting) -> list[Event]:
+    """Return what the detector says in the run."""
+    words = subject.mission.robot.detector_words
+    watched = [_Heard(companion, words) for companion in found.companions]
+    with ExitStack() as stack:
+        for companion in found.companions:
+            if isinstance(companion, AbstractContextManager):
+                stack.enter_context(companion)
+        companions: list[Companion] = [*watched, FirstChoice()]
+        run = MissionRun(ready.engine, ready.backend, companions=companions, clock=_NoTime())
+        result = run.execute()
+    if result.error is not None:
+        raise result.error
+    return [event for each in watched for event in each.said]
