@@ -60,7 +60,7 @@ class CloseCalls:
         self._state = state
 
     def nearest(self) -> list[CloseCall]:
-        """The nearest call of each kind, the nearest first."""
+        """Return the nearest call of each kind, the nearest first."""
         return sorted(self._calls.values(), key=lambda call: -call.share)
 
     def start(
@@ -72,15 +72,15 @@ class CloseCalls:
         body: RobotState | None = None,
         paused: bool = False,
     ) -> None:
-        """The run has begun."""
+        """Look at the beginning of the run."""
         self._look(None, now_s, effects)
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
-        """A step has been looked at."""
+        """Look at a step."""
         self._look(event, now_s, effects)
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
-        """What is done past the engine is no close call."""
+        """Do nothing: what is done past the engine is no close call."""
 
     def _look(self, event: Event | None, now_s: float, effects: Sequence[Effect]) -> None:
         state = self._state()
@@ -107,7 +107,7 @@ class CloseCalls:
 
 @dataclass(frozen=True)
 class _Moment:
-    """What there is to look at."""
+    """One step of the engine with the state after it."""
 
     state: EngineState
     event: Event | None
@@ -123,7 +123,7 @@ class _Commands:
     _under_way: tuple[float, float] = (inf, inf)  # when accepted, and how long it may take
 
     def look(self, moment: _Moment) -> list[CloseCall]:
-        """The commands that ended in this moment."""
+        """Return the commands that ended in this moment."""
         calls = []
         for effect in moment.effects:
             if not isinstance(effect, CommandStatus):
@@ -151,7 +151,7 @@ class _Waits:
     _armed: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def look(self, moment: _Moment) -> list[CloseCall]:
-        """The waits that ended in this moment."""
+        """Return the waits that ended in this moment."""
         calls = []
         for effect in moment.effects:
             if isinstance(effect, WaitArmed) and not isinf(effect.deadline_s):
@@ -177,7 +177,7 @@ class _Triggers:
     _at: int = -1
 
     def look(self, moment: _Moment) -> list[CloseCall]:
-        """The conditions that have just fallen away."""
+        """Return the conditions that have just fallen away."""
         mission = moment.state.mission
         if mission.pc != self._at:
             self._at, self._began = mission.pc, {}
@@ -214,7 +214,7 @@ class _Words:
         }
 
     def look(self, moment: _Moment) -> list[CloseCall]:
-        """The word that has just gone, if a wait has used it."""
+        """Return the word that has just gone, if a wait has used it."""
         calls = []
         words, now_s = moment.state.words, moment.now_s
         word = words[self._index] if self._index < len(words) else None
@@ -253,7 +253,7 @@ class _Faults:
         self._states: tuple[str | None, ...] = ()
 
     def look(self, moment: _Moment) -> list[CloseCall]:
-        """What has come up, and the rules of the board that has just reported."""
+        """Return the faults of this moment, and the rules of the board that has just reported."""
         calls = []
         for effect in moment.effects:
             if isinstance(effect, Fault):

@@ -1,4 +1,4 @@
-"""Who stands beside a mission and tells the engine something: a script, an operator."""
+"""Companions of any run: scripts for a trace, standing answers, links to a backend."""
 
 from __future__ import annotations
 
@@ -203,20 +203,20 @@ class Messenger:
 
     @property
     def due_s(self) -> float:
-        """At once when there is something."""
+        """Now where there is something to say."""
         self._text = self._text or self._remark()
         return -inf if self._text else inf
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """What happens is not its business."""
+        """Do nothing: what happens does not matter to it."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """What the backend has to say."""
+        """Return what the backend has to say."""
         text, self._text = self._text, ""
         return (Log("warning", text),)
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Nothing to the engine."""
+        """Return nothing: the engine is not concerned."""
         return ()
 
 
@@ -243,7 +243,7 @@ class FirstChoice:
         self._choice = ""
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """The first choice of a question is ready; a withdrawn question needs none."""
+        """Get the first choice of a question ready; a withdrawn question needs none."""
         for effect in effects:
             if isinstance(effect, Ask):
                 asked = bool(effect.question and effect.choices)
@@ -251,12 +251,12 @@ class FirstChoice:
                 self.due_s = now_s if asked else inf
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """What it is about to answer."""
+        """Return a line that says what it is about to answer."""
         if not self._why:
             return ()
         return (Answered(self._level, f"answered '{self._choice}' ({self._why})"),)
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """The answer."""
+        """Return the answer."""
         self.due_s = inf
         return (Answer(self._choice),)
