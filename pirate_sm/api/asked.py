@@ -57,8 +57,6 @@ def load(
     robot: str | None = None,
     pipe: str | None = None,
     set: Mapping[str, object] | None = None,
-    start_phase: str | None = None,
-    states: Mapping[str, str] | None = None,
 ) -> LoadedMission:
     """Return a mission with its robot and its pipe, ready to be run any number of times.
 
@@ -67,23 +65,12 @@ def load(
         robot: Name or path of a robot, in place of the mission's own.
         pipe: Name or path of a pipe, in place of the mission's own.
         set: Values of parameters by name, as a mission writes them: ``{"give_up": "30 s"}``.
-        start_phase: The phase to begin with, in place of the mission's own.
-        states: State names by region that the robot is in, in place of ``starts_in``.
 
     Raises:
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.
         UsageError: An argument does not fit.
     """
-    return wiring.load(
-        Order(
-            fspath(mission),
-            robot=robot,
-            pipe=pipe,
-            settings=texts(set),
-            start_phase=start_phase,
-            states=states,
-        )
-    )
+    return wiring.load(Order(fspath(mission), robot=robot, pipe=pipe, settings=texts(set)))
 
 
 def check(
@@ -159,7 +146,9 @@ def _order(
     rest: dict[str, Any] = dict(options)
     settings, defects = texts(rest.pop("set", None)), rest.pop("defects", ())
     if isinstance(mission, LoadedMission):
-        _refuse_options(set=settings, **{name: rest.get(name) for name in _OF_LOADING})
+        _refuse_options(robot=rest.get("robot"), pipe=rest.get("pipe"), set=settings)
+        if any(map(rest.get, _OF_START)):
+            raise UsageError("start_phase and states need the mission by its name or file")
         name = mission.documents[0].name
     else:
         name = fspath(mission)
@@ -167,21 +156,23 @@ def _order(
     return Order(name, backend, seed=seed, settings=settings, defects=defects, check=check, **rest)
 
 
-def loaded_once(mission: Mission, **options: Unpack[Options]) -> tuple[LoadedMission, Options]:
-    """Return the mission, loaded if it is not yet, and the options that are not of loading.
+def loaded_once(mission: Mission, **options: Unpack[Options]) -> tuple[Mission, Options]:
+    """Return the mission loaded, where one can be run with these options, and the other options.
 
     Raises:
         LoadError: Everything that is wrong with the files.
         UsageError: An argument does not fit.
     """
-    if isinstance(mission, LoadedMission):
+    if isinstance(mission, LoadedMission) or any(map(options.get, _OF_START)):
         return mission, options
     rest: dict[str, Any] = dict(options)
-    of_loading = {name: rest.pop(name, None) for name in ("set", *_OF_LOADING)}
+    of_loading = {name: rest.pop(name, None) for name in _OF_LOADING}
     return load(mission, **of_loading), cast(Options, rest)
 
 
-_OF_LOADING = ("robot", "pipe", "start_phase", "states")
+_OF_LOADING = ("robot", "pipe", "set")
+_OF_START = ("start_phase", "states")
+"""Where a mission begins is written into a recording with the options, not with the mission."""
 
 
 def texts(values: Mapping[str, object] | None) -> dict[str, str]:

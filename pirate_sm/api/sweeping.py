@@ -13,7 +13,6 @@ from typing import Any, NamedTuple, Unpack
 
 from pirate_sm.api.asked import Mission, Options, loaded_once, prepared
 from pirate_sm.api.result import Columns
-from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.runtime.companions import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
@@ -84,9 +83,9 @@ def sweep(
     return {name: [row[n] for row in ended] for n, name in enumerate(_Ended._fields)}
 
 
-def _run(loaded: LoadedMission, backend: str, options: Options, seed: int) -> _Ended:
+def _run(mission: Mission, backend: str, options: Options, seed: int) -> _Ended:
     """Return how the mission ends with one seed."""
-    ready = prepared(loaded, backend, seed, check=False, yes=False, **options)
+    ready = prepared(mission, backend, seed, check=False, yes=False, **options)
     companions = ready.companions if ready.attended else (*ready.companions, FirstChoice())
     result = MissionRun(ready.engine, ready.backend, companions=companions).execute()
     if result.error is not None and result.exit_code == BUG:

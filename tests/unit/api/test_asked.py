@@ -49,3 +49,5 @@ def test_a_loaded_mission_takes_no_options_of_loading(patrol: pirate_sm.LoadedMi
         pirate_sm.run(patrol, set={"look": "3 s"})
     with pytest.raises(pirate_sm.UsageError, match=r"give pipe to load\(\)"):
         pirate_sm.check(patrol, pipe="straight_113")
+    with pytest.raises(pirate_sm.UsageError, match="by its name or file"):
+        pirate_sm.run(patrol, start_phase="look")

@@ -9,6 +9,8 @@ import pytest
 
 import pirate_sm
 
+from .conftest import PATROL
+
 
 @pytest.fixture(scope="module")
 def recorded(
@@ -48,6 +50,15 @@ def test_a_recording_says_the_same_as_the_run(
     assert read.tables == run.tables
     for name in run.tables:
         assert repr(read.table(name)) == repr(run.table(name)), name
+
+
+def test_a_recording_of_a_run_from_another_phase_begins_there_too(tmp_path: Path) -> None:
+    states = {"Grip": "BothHeld"}
+    file = tmp_path / "look.mcap"
+    run = pirate_sm.run(PATROL, "trace", start_phase="home", states=states, record=file)
+
+    assert run.table("phases")["phase"][0] == "home"
+    assert pirate_sm.read(file).table("phases") == run.table("phases")
 
 
 def test_a_report_is_a_page_with_or_without_a_recording(

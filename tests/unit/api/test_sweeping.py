@@ -28,6 +28,14 @@ def test_a_row_can_be_repeated_as_a_run() -> None:
     assert (run.outcome, run.duration_s) == (row["outcome"][0], row["duration_s"][0])
 
 
+def test_a_mission_can_be_swept_from_another_phase() -> None:
+    table = pirate_sm.sweep(
+        PATROL, range(2), backend="trace", start_phase="home", states={"Grip": "BothHeld"}
+    )
+
+    assert table["end"] == ["back", "back"]
+
+
 def test_no_seeds_give_no_rows() -> None:
     assert pirate_sm.sweep(PATROL, [], workers=1)["seed"] == []
 
