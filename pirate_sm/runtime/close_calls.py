@@ -50,10 +50,8 @@ class CloseCalls:
         self._state: Callable[[], EngineState | None] = lambda: None
         self._calls: dict[str, CloseCall] = {}
         self._over = False  # the safe stop is no part of it
-        self._notes = (
-            _Commands(program), _Waits(), _Triggers(program), _Words(robot, program),
-            _Faults(robot),
-        )  # fmt: skip
+        missions = _Commands(program), _Waits(), _Triggers(program)
+        self._notes = (*missions, _Words(robot, program), _Faults(robot))
 
     def follow(self, state: Callable[[], EngineState | None]) -> None:
         """Read the engine's state from here; it is None before the engine has started."""

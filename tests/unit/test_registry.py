@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -31,6 +33,19 @@ def test_ours_are_found_without_a_search_through_what_is_installed(
     monkeypatch.setattr("pirate_sm.registry.entry_points", searched)
 
     assert registry.find("first") is FIRST.make
+
+
+def test_a_list_of_ours_loads_neither_the_simulator_nor_the_serial_link() -> None:
+    code = (
+        "import sys; from pirate_sm.wiring import BACKENDS; "
+        "from pirate_sm.detectors.choice import DETECTORS; "
+        "print(len([*BACKENDS.listed(), *DETECTORS.listed()])); print(*sys.modules)"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    count, modules = told.stdout.splitlines()
+
+    assert int(count) >= 7
+    assert not {"numba", "numpy", "serial", "rosbags", "rich"} & set(modules.split())
 
 
 def test_another_package_adds_a_name(
