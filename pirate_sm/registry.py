@@ -52,7 +52,7 @@ class Registry(Generic[F]):
     """Finds the parts of one kind by their names.
 
     Args:
-        kind: What they are, in the singular: ``backend``.
+        kind: What they are, in the singular, and the option that chooses one: ``backend``.
         group: Of the entry points with which other packages add some.
         ours: Where our own are, ``package.module:NAME`` by name. Nobody else can take these names.
     """
@@ -74,11 +74,11 @@ class Registry(Generic[F]):
         if point is None:
             close = nearest(name, self.names)
             hint = f"did you mean '{close}'?" if close else f"expected {one_of(self.names)}"
-            raise UsageError(f"there is no {self._kind} '{name}': {hint}")
+            raise UsageError(f"--{self._kind} {name}: there is no such {self._kind}: {hint}")
         try:
             return self._load(point).make
         except UsageError as error:
-            raise UsageError(f"the {self._kind} '{name}' cannot be used: {error}") from error
+            raise UsageError(f"--{self._kind} {name} cannot be used: {error}") from error
 
     def package_of(self, name: str) -> str:
         """Return the package that adds the name; empty where it is ours."""

@@ -102,10 +102,7 @@ def detecting(text: str | None, usual: str, asked: Asked) -> Detecting:
         UsageError: The wish cannot be met.
     """
     name, colon, rest = (usual if text is None else text).partition(":")
-    try:
-        make = DETECTORS.find(name)
-    except UsageError as error:
-        raise UsageError(f"--detector {name}{colon}{rest}: {error}") from None
+    make = DETECTORS.find(name)
     if asked.first_wheel_m is not None and name != "odometry":
         raise UsageError("--start-at is where --detector odometry begins to count")
     argument = rest if colon else None
