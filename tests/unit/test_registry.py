@@ -80,5 +80,5 @@ def test_our_names_cannot_be_taken_and_of_two_others_the_first_package_has_it(
 def test_a_name_that_is_not_there_is_refused_with_what_was_meant(
     registry: Registry[object],
 ) -> None:
-    with pytest.raises(UsageError, match="--thing frist: .* did you mean 'first'"):
+    with pytest.raises(UsageError, match=r"--thing frist: .* did you mean 'first'"):
         registry.find("frist")
