@@ -8,7 +8,6 @@ import pytest
 
 from pirate_sm.errors import UsageError
 from pirate_sm.registry import Plugin, Registry
-from tests.conformance.installed import install_metadata
 
 FIRST = Plugin("ours", lambda: 1)
 MODULE = "from pirate_sm.registry import Plugin\nTHING = Plugin('theirs', lambda: 2)\n"
@@ -20,8 +19,13 @@ def registry() -> Registry[object]:
 
 
 def installed(folder: Path, package: str, points: dict[str, str]) -> None:
+    """A package of this name has these entry points, as pip leaves it."""
     (folder / "theirs.py").write_text(MODULE)
-    install_metadata(folder, package, {"pirate_sm.test_things": points})
+    metadata = folder / f"{package.replace('-', '_')}-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1.0\n")
+    lines = [f"{name} = {value}" for name, value in points.items()]
+    (metadata / "entry_points.txt").write_text("\n".join(["[pirate_sm.test_things]", *lines]))
 
 
 def test_ours_are_found_without_a_search_through_what_is_installed(
