@@ -39,7 +39,7 @@ from pirate_sm.backends.pico.virtual_port import VirtualPort
 from pirate_sm.bay.firmware import Record
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.detectors.choice import detecting
+from pirate_sm.detectors.choice import Asked, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.runtime.companions import FirstChoice, Holder
 from pirate_sm.runtime.loop import MissionRun
@@ -106,15 +106,12 @@ def ride(seed: int, reset_every_s: float, bad: bool = True) -> Ride:
     loaded = loaded_mission()
     bay, plan = bay_of(seed, switches)
     backend = SerialBackend(plan, VirtualPort(bay, plan.serial.heartbeat_within))
-    detector = detecting(
-        None, usual="odometry", profile=loaded.loaded_robot.profile, robot=loaded.robot,
-        pipe=loaded.pipe,
-    )  # fmt: skip
+    asked = Asked(loaded.loaded_robot.profile, loaded.robot, loaded.pipe)
+    detector = detecting(None, "odometry", asked)
     engine = Engine(loaded.robot, loaded.program, nominal=False)
     holder = Holder(backend.hold)
     companions = (holder, *detector.companions, FirstChoice())
     run = MissionRun(engine, backend, companions=companions)
-    holder.follow(run)
     result = run.execute()
     trips = sum(record.event == "tripped" for record in bay.records)
     zeros = loaded.robot.safe_zero

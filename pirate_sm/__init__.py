@@ -1,6 +1,69 @@
 """Missions in YAML for in-pipe inspection robots: checked, simulated and run by one engine.
 
-Importing this package loads nothing else: the command line must answer at once.
+The functions here are the public API (``docs/python.md``): :func:`load`, :func:`check`,
+:func:`run`, :func:`session`, :func:`sweep` and :func:`read`. Importing the package loads nothing
+else: the command line must answer at once. A name is imported when it is first used.
 """
 
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pirate_sm.api import (
+        BackendError,
+        CheckError,
+        Columns,
+        Finding,
+        LoadedMission,
+        LoadError,
+        Page,
+        PirateError,
+        RecordingError,
+        Run,
+        Session,
+        UsageError,
+        check,
+        load,
+        read,
+        run,
+        session,
+        sweep,
+    )
+
 __version__ = "0.1.0"
+
+__all__ = [
+    "BackendError",
+    "CheckError",
+    "Columns",
+    "Finding",
+    "LoadError",
+    "LoadedMission",
+    "Page",
+    "PirateError",
+    "RecordingError",
+    "Run",
+    "Session",
+    "UsageError",
+    "check",
+    "load",
+    "read",
+    "run",
+    "session",
+    "sweep",
+]
+
+
+def __getattr__(name: str) -> object:
+    """Import a name of the API when it is first used."""
+    if name not in __all__:
+        raise AttributeError(f"module 'pirate_sm' has no attribute '{name}'")
+    value = globals()[name] = getattr(import_module("pirate_sm.api"), name)
+    return value
+
+
+def __dir__() -> list[str]:
+    """Return the names of the API too, for completion in a notebook."""
+    return sorted({*globals(), *__all__})

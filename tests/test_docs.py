@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import re
 from pathlib import Path
 
@@ -20,3 +21,16 @@ def test_a_link_leads_somewhere(page):
 
 def test_the_readme_fits_on_two_screens():
     assert len((ROOT / "README.md").read_text("utf-8").splitlines()) <= 100
+
+
+def test_the_examples_in_python_run_as_they_are_written(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    # A fence is no expected output.
+    text = re.sub(r"^```.*$", "", (ROOT / "docs" / "python.md").read_text("utf-8"), flags=re.M)
+    test = doctest.DocTestParser().get_doctest(text, {}, "python.md", "docs/python.md", 0)
+    told: list[str] = []
+
+    result = doctest.DocTestRunner(verbose=False).run(test, out=told.append)
+
+    assert result.attempted >= 15
+    assert result.failed == 0, "".join(told)

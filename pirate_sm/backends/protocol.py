@@ -1,4 +1,4 @@
-"""What every backend must do; the conformance suite in ``tests/conformance`` holds them to it."""
+"""What every backend must do; :mod:`pirate_sm.testing` holds each of them to it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Completion: TypeAlias = Literal["measured", "nominal"]
 
 
 class Backend(Protocol):
-    """A world that takes setpoint arrays and says what happens in it.
+    """Takes setpoint arrays and says what happens in its world.
 
     Attributes:
         name: What users call it.
@@ -36,7 +36,7 @@ class Backend(Protocol):
         ...
 
     def open(self) -> Sequence[Event]:
-        """The backend is ready, nothing has moved, and what it knows already is returned.
+        """Make the backend ready without moving anything; return what it knows already.
 
         Raises:
             BackendError: It cannot be made ready.
@@ -44,7 +44,7 @@ class Backend(Protocol):
         ...
 
     def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
-        """The array is on its way; exactly one ``SubmitResult`` for it follows from ``advance``.
+        """Send an array; exactly one ``SubmitResult`` for it follows from ``advance``.
 
         Never blocks. A newer array supersedes one that has not been sent yet; submitting the
         same id again repeats the same array.
@@ -59,7 +59,7 @@ class Backend(Protocol):
         ...
 
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
-        """The world has run until ``until_s`` or until the first moment it had something to say.
+        """Let the world run until ``until_s``, or until there is something to say.
 
         Args:
             until_s: Seconds since the run began; may be infinite.
@@ -73,7 +73,7 @@ class Backend(Protocol):
         ...
 
     def close(self) -> None:
-        """Everything it held is released, and the last array submitted has been sent.
+        """Send the last array submitted and release everything.
 
         May be called more than once and after any error; never raises.
         """

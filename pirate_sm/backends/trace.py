@@ -28,7 +28,7 @@ SCRIPTED = (
 
 
 class Verdicts:
-    """What a script has decided of arrays; where it has not, or is over, they are accepted.
+    """Fates of arrays that a script decides; without a script, or after it, all are accepted.
 
     Args:
         scripted: Whether arrays wait for a decision.
@@ -39,15 +39,15 @@ class Verdicts:
         self._decided: deque[tuple[SubmitStatus, str]] = deque()
 
     def decide(self, status: SubmitStatus, reason: str = "") -> None:
-        """The oldest array that waits has met its fate."""
+        """Decide the fate of the oldest array that waits."""
         self._decided.append((status, reason))
 
     def release(self) -> None:
-        """Whatever is not decided is accepted from now on."""
+        """Accept from now on whatever is not decided."""
         self._scripted = False
 
     def next(self) -> tuple[SubmitStatus, str] | None:
-        """The fate of the next array; None while it is to wait."""
+        """Return the fate of the next array; None while it is to wait."""
         if self._decided:
             return self._decided.popleft()
         return None if self._scripted else ("accepted", "")
@@ -73,11 +73,11 @@ class TraceBackend:
         self._closed = False
 
     def open(self) -> Sequence[Event]:
-        """It is ready."""
+        """Return what is known at the start."""
         return self._known
 
     def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
-        """The array counts as accepted at this very moment, or waits for the script.
+        """Accept the array at this very moment, or let it wait for the script.
 
         Raises:
             BackendError: It has been closed.
@@ -88,7 +88,7 @@ class TraceBackend:
             self._waiting.append(setpoint_id)
 
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
-        """Results are handed out without time passing; without any, it is ``until_s``.
+        """Return results without letting time pass; without any, go to ``until_s``.
 
         Raises:
             BackendError: Nothing is left that could ever happen.
@@ -108,5 +108,5 @@ class TraceBackend:
         return tuple(found)
 
     def close(self) -> None:
-        """It takes nothing more."""
+        """Take nothing more."""
         self._closed = True

@@ -6,9 +6,8 @@ import os
 from contextlib import suppress
 from datetime import datetime
 from itertools import count
-from math import isinf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pirate_sm.cli.errors import say
 from pirate_sm.errors import RecordingError
@@ -86,21 +85,3 @@ def _headed(sink: Sink, path: Path, header: RunHeader) -> RecordingFile:
         with suppress(OSError):
             path.unlink()
         raise
-
-
-def header_of_run(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
-    """Return what a recording says of its run before the run begins."""
-    from pydantic_core import to_jsonable_python
-
-    from pirate_sm.recording.header import header_of
-
-    options: dict[str, Any] = to_jsonable_python(prepared.order)
-    options["speed"] = "max" if isinf(factor) else factor
-    return header_of(
-        prepared.loaded,
-        backend=prepared.order.backend,
-        nominal=prepared.engine.nominal,
-        detector=prepared.detector,
-        options=options,
-        began=began,
-    )

@@ -11,19 +11,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.new_recording import begin_recording, header_of_run, usual_path
+from pirate_sm.cli.new_recording import begin_recording, usual_path
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.folders import shown
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Event
+from pirate_sm.wiring.recorded import run_header, shown_to_viewers
 
 if TYPE_CHECKING:
+    from pirate_sm.companion import Companion
     from pirate_sm.engine.state import EngineState
     from pirate_sm.recording.file import RecordingFile
     from pirate_sm.recording.header import RunHeader
     from pirate_sm.recording.recorder import Recorder
     from pirate_sm.recording.side_channel import SideChannel
-    from pirate_sm.runtime.companions import Companion
     from pirate_sm.runtime.loop import MissionRun
     from pirate_sm.wiring import Prepared
 
@@ -71,21 +72,8 @@ class Kept:
         """Show this run to viewers, and record its state now and then."""
         if self.tap is not None:
             self.tap.follow(lambda: run.state)
-        if self.side is None:
-            return
-        from pirate_sm.recording.viewing import Snapshot
-
-        wheels, reckoned = self.prepared.wheels, self.prepared.reckoned
-
-        def look() -> Snapshot | None:
-            if run.state is None:
-                return None
-            if wheels is not None:
-                return Snapshot(run.state, wheels(), True)
-            taken = reckoned() if reckoned else None
-            return Snapshot(run.state, taken.wheels if taken else None, False)
-
-        self.side.follow(look)
+        if self.side is not None:
+            self.side.follow(lambda: shown_to_viewers(self.prepared, run.state))
 
 
 @contextmanager
@@ -112,7 +100,7 @@ def recorded(
     if path is None and not options.live:
         yield Kept(prepared)
         return
-    header = header_of_run(prepared, factor, began)
+    header = run_header(prepared, factor, began)
     with ExitStack() as stack:
         side, served = _side(prepared, options, stack)
         file: RecordingFile | None = None

@@ -1,4 +1,4 @@
-"""One backend held open, and one run after the other on it, in a thread of their own."""
+"""Runs one mission after the other on one open backend, in a thread of their own."""
 
 from __future__ import annotations
 
@@ -8,16 +8,18 @@ from dataclasses import dataclass
 from threading import Thread
 from typing import Protocol
 
+from pirate_sm.companion import Companion
 from pirate_sm.console.feed import Feed
 from pirate_sm.console.giving import RUN_OVER, Giver
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event, GoTo
 from pirate_sm.runtime.clock import Clock
-from pirate_sm.runtime.companions import Companion, FirstChoice, LoopWatch
-from pirate_sm.runtime.loop import UNCONFIRMED, MissionRun
+from pirate_sm.runtime.companions import FirstChoice, LoopWatch
+from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.observing import Tap
 from pirate_sm.runtime.outcome import BUG, Result
+from pirate_sm.runtime.pump import UNCONFIRMED
 from pirate_sm.runtime.stopping import Stop, StopRequests
 from pirate_sm.showing.looking import scene_of
 from pirate_sm.showing.snapshot import Snapshot
@@ -57,11 +59,11 @@ class Keeping(Protocol):
         ...
 
     def follow(self, run: MissionRun) -> None:
-        """Viewers are shown this run."""
+        """Show viewers this run."""
         ...
 
     def forget(self) -> None:
-        """No recording of it is left, for nothing was asked for in it."""
+        """Leave no recording of it, for nothing was asked for in it."""
         ...
 
 
@@ -74,17 +76,17 @@ class Unkept:
     companions: tuple[Companion, ...] = ()
 
     def follow(self, run: MissionRun) -> None:
-        """Nobody looks."""
+        """Do nothing: nobody looks."""
 
     def forget(self) -> None:
-        """There is none."""
+        """Do nothing: there is no recording."""
 
 
 Keep = Callable[[Prepared], AbstractContextManager[Keeping]]
 
 
 def unkept(prepared: Prepared) -> AbstractContextManager[Keeping]:
-    """Nothing is recorded."""
+    """Return the run without a recording."""
     return nullcontext(Unkept(prepared))
 
 
@@ -96,19 +98,19 @@ class Quitting(StopRequests):
         self.run = StopRequests()
 
     def begin(self) -> StopRequests:
-        """The requests of the next run, which has been asked to stop if the session has."""
+        """Return the requests of the next run, which is asked to stop if the session was."""
         self.run = StopRequests()
         if self.stop is not None:
             self.run.ask(self.stop)
         return self.run
 
     def ask(self, stop: Stop) -> None:
-        """The present run ends through the engine's safe stop, and none follows."""
+        """End the present run through the engine's safe stop; none follows."""
         super().ask(stop)
         self.run.ask(stop)
 
     def insist(self) -> None:
-        """It ends at once, with the safe array sent by the loop itself."""
+        """End it at once, with the safe array sent past the engine."""
         super().insist()
         self.run.insist()
 
@@ -154,22 +156,22 @@ class Session:
         return self._feed.latest
 
     def start(self) -> None:
-        """The backend is being opened; the mission begins paused."""
+        """Open the backend and begin the mission, paused."""
         self._thread.start()
 
     def join(self, within_s: float | None = None) -> bool:
-        """Whether the robot has come to its safe state and the backend is closed, within a time."""
+        """Wait; return whether the robot is in its safe state and the backend closed by then."""
         if self._thread.ident is not None:
             self._thread.join(within_s)
         return not self._thread.is_alive()
 
     def tell(self, event: Event) -> None:
-        """The engine is about to be given the event; a series of commands ends with it."""
+        """Give the engine the event soon; a series of commands ends with it."""
         self.giver.stop()
         self._feed.tell(event)
 
     def give(self, commands: Sequence[str], then: GoTo) -> None:
-        """The commands are given one after the other, each awaited; then the mission goes on.
+        """Give the commands one after the other, each awaited; then the mission goes on.
 
         Nothing is given any more in a run that has been asked to stop, nor in the one after it.
         """
@@ -177,11 +179,11 @@ class Session:
             self.giver.give(commands, then)
 
     def stop(self) -> None:
-        """The robot goes to its safe state, now; its mission can be handed back afterwards."""
+        """Bring the robot to its safe state now; its mission can be handed back afterwards."""
         self.quitting.run.ask(BY_OPERATOR)
 
     def change(self, loaded: LoadedMission) -> None:
-        """The present mission ends in the safe state, the other one begins paused.
+        """End the present mission in the safe state and begin the other one, paused.
 
         Raises:
             UsageError: It is for another robot.
@@ -191,7 +193,7 @@ class Session:
         self.quitting.run.ask(CHANGED)
 
     def quit(self, stop: Stop = LEFT) -> None:
-        """Nothing runs any more, the robot is in its safe state."""
+        """End everything; the robot is brought to its safe state."""
         self.quitting.ask(stop)
 
     # --- in its own thread --------------------------------------------------------------------
@@ -249,12 +251,11 @@ class Session:
         )
         self._began_s = run.now_s
         self._feed.begin(scene_of(prepared), prepared, run)
-        prepared.follow(run)
         kept.follow(run)
         return run
 
     def _hopeless(self, result: Result, run: MissionRun) -> bool:
-        """Whether run after run ends by a fault before anybody has asked for anything."""
+        """Return whether run after run ends by a fault before anybody asks for anything."""
         short_s = _SHORT_S + self.prepared.loaded.robot.sight.within_s  # a start may be refused
         at_once = result.now_s < self._began_s + short_s and not self._feed.asked
         self._short = self._short + 1 if at_once and result.ended.outcome == "fault" else 0

@@ -1,4 +1,4 @@
-"""The operator as the detector: one key says one word."""
+"""Makes the operator a detector: one key says one word."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _LOOK_EVERY_S = 0.05
 
 
 def offer(words: Sequence[str]) -> str:
-    """The keys and their words, for people."""
+    """Return the keys and their words, for people."""
     return "  ".join(f"[{key}] {word}" for key, word in _keys_of(words).items())
 
 
@@ -29,7 +29,7 @@ class Keys(Protocol):
     """Gives the keys pressed since it was last asked."""
 
     def pressed(self) -> str:
-        """The keys, oldest first; empty when there were none."""
+        """Return the keys, oldest first; empty when there were none."""
         ...
 
 
@@ -50,12 +50,12 @@ class WordKeys:
         self.offered = offer(words)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """After the end nobody is listened to."""
+        """Stop listening at the end of the run."""
         if any(isinstance(effect, Ended) for effect in effects):
             self.due_s, self.listening = inf, False
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """The words whose keys have been pressed, oldest first."""
+        """Return the words whose keys have been pressed, oldest first."""
         self.due_s = now_s + _LOOK_EVERY_S
         said = (self._words.get(key.lower()) for key in self._keys.pressed())
         return tuple(DetectorWord(word, self._valid_for_s) for word in said if word)

@@ -34,7 +34,7 @@ class Address:
 
 
 def read_address(text: str) -> Address:
-    """The address that is written as ``HOST:PORT`` or ``/PATH``.
+    """Return the address that is written as ``HOST:PORT`` or ``/PATH``.
 
     Raises:
         UsageError: It is neither, or could be reached from another machine.
@@ -80,7 +80,7 @@ class Listener:
         self._clients: list[_Client] = []
 
     def open(self) -> None:
-        """Programs can connect.
+        """Let programs connect.
 
         Raises:
             UsageError: The address cannot be had.
@@ -96,7 +96,7 @@ class Listener:
             raise UsageError(f"socket:{there}: {error.strerror or error}") from None
 
     def close(self) -> None:
-        """Nobody is connected, nobody can connect, and no file is left; may be called twice."""
+        """Disconnect everybody and remove the socket's file; may be called twice."""
         for client in self._clients:
             client.link.close()
         self._clients.clear()
@@ -109,7 +109,7 @@ class Listener:
                 Path(self.address.path).unlink()
 
     def poll(self, answer: Answer) -> None:
-        """Every whole line that has come is answered; returns at once when there was none."""
+        """Answer every whole line that has come; return at once when there is none."""
         self._let_in()
         self._clients = [client for client in self._clients if self._serve(client, answer)]
 
@@ -126,7 +126,7 @@ class Listener:
                 link.close()
 
     def _serve(self, client: _Client, answer: Answer) -> bool:
-        """Whether the client stays."""
+        """Return whether the client stays."""
         try:
             came = client.link.recv(_AT_ONCE)
         except BlockingIOError:
@@ -146,7 +146,7 @@ class Listener:
         return stays
 
     def _hear(self, client: _Client, lines: list[bytearray], answer: Answer) -> bool:
-        """Whether the client is still listened to."""
+        """Return whether the client is still listened to."""
         for line in lines:
             if line.strip() and not self._answer(client, answer(bytes(line))):
                 return False
@@ -157,7 +157,7 @@ class Listener:
 
     @staticmethod
     def _answer(client: _Client, text: bytes) -> bool:
-        """Whether the client has taken the answer; who does not read is not waited for."""
+        """Return whether the client took the answer; one that does not read is not waited for."""
         try:
             return not text or client.link.send(text) == len(text)
         except OSError:
@@ -179,7 +179,7 @@ def _tcp_door(there: Address) -> socket.socket:
 
 
 def _unix_door(path: Path) -> socket.socket:
-    """A socket file that only this user can write to; one that nobody listens on is replaced."""
+    """Return a socket whose file only this user can write to; an unused file is replaced."""
     door = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         if path.exists() and stat.S_ISSOCK(path.stat().st_mode) and not _answers(path):

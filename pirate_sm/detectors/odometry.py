@@ -77,7 +77,7 @@ class Odometry:
         self._odometer = Odometer(robot)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Nothing is different: what counts is in the signals."""
+        """Do nothing: what counts is in the signals."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Follow the wheels to where they are now; return a warning when that is unknown."""
@@ -130,7 +130,7 @@ class Odometry:
         return (Log("warning", f"{message}; it says no word"),)
 
     def truth(self) -> Truth | None:
-        """Where the robot is taken to be; None while the place of a wheel is unknown."""
+        """Return where the robot is taken to be; None while the place of a wheel is unknown."""
         at = self.reckoned
         if at is None or any(isnan(place) for place in at.places_m):
             return None
@@ -138,13 +138,13 @@ class Odometry:
         return Truth(at.points, self._radius_m, self._walls, moved_m)
 
     def restart(self, robot: RobotSpec) -> None:
-        """The robot is where it is, and its odometer stands at zero again."""
+        """Count from zero again; the robot stays where it is."""
         self._take(robot)
         if self.reckoned is not None:
             self.reckoned = self.reckoned._replace(odometer_m=0.0)
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """The word that begins to hold here, or still holds and must be said again."""
+        """Return the word that begins to hold here, or still holds and must be said again."""
         self.due_s = now_s + LOOK_EVERY_S
         word, self._word = self._word, None
         return () if word is None else (word,)

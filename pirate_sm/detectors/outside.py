@@ -1,4 +1,4 @@
-"""An outside program as the detector."""
+"""Makes programs outside a detector: they say its words on a socket."""
 
 from __future__ import annotations
 
@@ -38,21 +38,21 @@ class OutsideWords:
         return self._listener.address
 
     def __enter__(self) -> Self:
-        """Programs can connect."""
+        """Let programs connect."""
         self._listener.open()
         return self
 
     def __exit__(self, *_: object) -> None:
-        """No socket is left."""
+        """Close the socket."""
         self._listener.close()
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """After the end nobody is listened to."""
+        """Stop listening at the end of the run."""
         if any(isinstance(effect, Ended) for effect in effects):
             self.due_s, self.listening = inf, False
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """What has come has been read; of the lines that say nothing, one warning at a time."""
+        """Read what has come; return one warning where lines say nothing."""
         self._refused.clear()
         self._listener.poll(self._take)
         if not self._refused:
@@ -61,7 +61,7 @@ class OutsideWords:
         return (Log("warning", f"from the detector's socket: {self._refused[0]}{more}"),)
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """The words that have been said, oldest first."""
+        """Return the words that have been said, oldest first."""
         self.due_s = now_s + _LOOK_EVERY_S
         said, self._said = tuple(self._said), []
         return said

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isnan
 from typing import Any, NamedTuple
@@ -91,10 +91,27 @@ def rerun(
     Raises:
         RecordingError: The recording is damaged.
     """
-    engine = engine_of(recording, loaded)
     state = after.state if after is not None else None
+    steps = recording.steps(after)
+    return rerun_steps(engine_of(recording, loaded), steps, state, recording.origin_s)
+
+
+def rerun_steps(
+    engine: Engine,
+    steps: Iterable[Step],
+    state: EngineState | None = None,
+    origin_s: float = 0.0,
+) -> Iterator[Rerun]:
+    """Yield every step, given to the engine again, in order.
+
+    Args:
+        engine: As it ran then.
+        steps: What it was given.
+        state: What it was before the first of them.
+        origin_s: When the run began, by the engine's clock.
+    """
     seen: list[SensorFrame | SignalReport] = []
-    for step in recording.steps(after):
+    for step in steps:
         effects = step.effects
         if step.by == "seen" and isinstance(step.event, SensorFrame | SignalReport):
             seen.append(step.event)
@@ -102,7 +119,7 @@ def rerun(
             state, effects = engine.start(step.at_s, seen, body=step.body, paused=step.paused)
         elif step.by == "engine" and state is not None and step.event is not None:
             state, effects = engine.step(state, step.event, step.at_s)
-        yield Rerun(step, state, effects, step.at_s - recording.origin_s)
+        yield Rerun(step, state, effects, step.at_s - origin_s)
 
 
 def replay(

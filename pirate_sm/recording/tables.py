@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable
 from contextlib import ExitStack, suppress
 from math import nan
 from pathlib import Path
 from typing import Any, TextIO
 
 from pirate_sm.errors import RecordingError
-from pirate_sm.expressions import NumberType
 from pirate_sm.loading.folders import shown
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model import effects as fx
-from pirate_sm.model.effect_words import choice_words
-from pirate_sm.model.events import SensorFrame
-from pirate_sm.recording.reader import Recording, Shown, with_own_times
-from pirate_sm.recording.replay import Rerun, engine_of, rerun
+from pirate_sm.recording.reader import Recording, Shown
+from pirate_sm.recording.replay import engine_of, rerun
+from pirate_sm.recording.rows import TIME, Row, rows_of
 from pirate_sm.recording.viewing import PLACES
-from pirate_sm.units import DIMENSIONLESS, Dimension, format_quantity
-
-Row = tuple[Any, ...]
 
 
 def write_tables(recording: Recording, loaded: LoadedMission, folder: Path) -> tuple[Path, ...]:
@@ -52,11 +45,8 @@ def write_tables(recording: Recording, loaded: LoadedMission, folder: Path) -> t
 
 def _fill(tables: _Tables, recording: Recording, loaded: LoadedMission) -> None:
     engine = engine_of(recording, loaded)
-    for again in rerun(recording, loaded):
-        if again.state is not None and isinstance(again.step.event, SensorFrame):
-            tables.signals(again, engine.signals(again.state))
-        for effect in with_own_times(again.step.effects, recording.origin_s):
-            tables.effect(again.at_s, effect)
+    for row in rows_of(engine, rerun(recording, loaded), recording.origin_s):
+        tables.add(row)
     for place in recording.shown(PLACES):
         tables.places(place)
 
@@ -65,7 +55,6 @@ class _Tables:
     """The files being written; one begins with its first line."""
 
     def __init__(self, loaded: LoadedMission, folder: Path, stack: ExitStack) -> None:
-        self._robot = loaded.robot
         self._wheels = loaded.loaded_robot.profile.body.wheels
         self._folder = folder
         self._stack = stack
@@ -83,56 +72,24 @@ class _Tables:
                 path.unlink()
             self._folder.rmdir()
 
-    def signals(self, again: Rerun, values: dict[str, float]) -> None:
-        header = ["time_s", *(self._named(name) for name in values)]
-        self._row("signals", header, (again.at_s, *values.values()))
-
-    def _named(self, name: str) -> str:
-        kind = self._robot.vocabulary.types[name]
-        dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
-        return headed(name, dimension)
-
     def places(self, it: Shown) -> None:
         """Where each wheel was: true where ``known`` is 1, as a simulator knows it."""
         names = [wheel.name for wheel in self._wheels]
         columns = [f"{name}_{axis}_m" for name in names for axis in "xy"]
         row = (it.at_s, int(it.content["known"]), *(it.content.get(name, nan) for name in columns))
-        self._row("places", ["time_s", "known", *columns], row)
+        self.add(Row("places", (TIME, "known", *columns), row))
 
-    def effect(self, at_s: float, effect: fx.Effect) -> None:
-        """The effect is a line of its topic, where it has one."""
-        make = _TOPICS.get(type(effect))
-        if make is None:
-            return
-        topic, header, rows = make(self, effect)
-        for row in rows:
-            self._row(topic, ["time_s", *header], (at_s, *row))
-
-    def setpoints(self, it: fx.Setpoints) -> tuple[str, list[str], Iterable[Row]]:
-        names = [f"{s.name}_{'rad' if s.unit == 'angle' else 'duty'}" for s in self._robot.slots]
-        return "setpoints", ["setpoint_id", *names], [(it.setpoint_id, *it.values)]
-
-    def state(self, it: fx.StateChange) -> tuple[str, list[str], Iterable[Row]]:
-        row = (*it.states, " ".join(it.unconfirmed))
-        return "states", [*self._robot.regions, "unconfirmed"], [row]
-
-    def _row(self, topic: str, header: list[str], row: Row) -> None:
-        writer = self._writers.get(topic)
+    def add(self, row: Row) -> None:
+        """Write the row to the file of its table, which begins with its header."""
+        writer = self._writers.get(row.table)
         if writer is None:
             self._folder.mkdir(parents=True, exist_ok=True)
-            path = self._folder / f"{topic}.csv"
+            path = self._folder / f"{row.table}.csv"
             file: TextIO = self._stack.enter_context(path.open("w", encoding="utf-8", newline=""))
-            writer = self._writers[topic] = csv.writer(file)
+            writer = self._writers[row.table] = csv.writer(file)
             self._paths.append(path)
-            writer.writerow(header)
-        writer.writerow([_cell(value) for value in row])
-
-
-def headed(name: str, dimension: Dimension) -> str:
-    """A column's name with its SI unit, in characters that any program takes in a name."""
-    unit = format_quantity(1.0, dimension).partition(" ")[2]
-    unit = unit.replace("/", "_per_").replace("^", "").replace("*", "_")
-    return f"{name}_{unit}" if unit else name
+            writer.writerow(row.header)
+        writer.writerow([_cell(value) for value in row.values])
 
 
 def _cell(value: Any) -> Any:
@@ -148,40 +105,3 @@ def _cell(value: Any) -> Any:
 
 _FORMULAS = ("=", "+", "-", "@", "\t", "\r")
 """What a spreadsheet takes for the beginning of a formula (OWASP, CSV injection)."""
-
-
-def _plain(topic: str) -> Callable[[_Tables, Any], tuple[str, list[str], Iterable[Row]]]:
-    """A topic whose columns are the fields of its effect."""
-
-    def make(tables: _Tables, it: Any) -> tuple[str, list[str], Iterable[Row]]:
-        return topic, list(it._fields), [tuple(it)]
-
-    return make
-
-
-def _waits(tables: _Tables, it: fx.WaitArmed) -> tuple[str, list[str], Iterable[Row]]:
-    rows = [
-        (it.phase, name, text, it.deadline_s)
-        for name, text in zip(it.triggers, it.conditions, strict=True)
-    ]
-    return "waits", ["phase", "trigger", "condition", "deadline_s"], rows
-
-
-def _asked(tables: _Tables, it: fx.Ask) -> tuple[str, list[str], Iterable[Row]]:
-    return "questions", ["question", "choices"], [(it.question, choice_words(it))]
-
-
-_TOPICS: dict[type, Callable[[_Tables, Any], tuple[str, list[str], Iterable[Row]]]] = {
-    fx.Setpoints: _Tables.setpoints,
-    fx.StateChange: _Tables.state,
-    fx.CommandStatus: _plain("commands"),
-    fx.PhaseChange: _plain("phases"),
-    fx.WaitArmed: _waits,
-    fx.TriggerFired: _plain("triggers"),
-    fx.Detected: _plain("detector"),
-    fx.Environment: _plain("environment"),
-    fx.Fault: _plain("faults"),
-    fx.Log: _plain("log"),
-    fx.Ask: _asked,
-    fx.Ended: _plain("end"),
-}

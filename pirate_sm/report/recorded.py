@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from pirate_sm.loading.mission import LoadedMission
@@ -29,21 +29,31 @@ def report_of(recording: Recording) -> Report:
     Raises:
         RecordingError: The recording is damaged, or of a version that cannot be read any more.
     """
-    header = recording.header
-    with recorded_mission(header) as loaded:
-        about = About(
-            where=_where(header),
-            nominal=header.nominal,
-            first_wheel_m=header.options.get("start_at_m"),
-            warnings=tuple(_warnings(recording)),
-            facts=tuple(_facts(header, loaded)),
-            files={file.name: file.sha256 for file in header.files},
-        )
-        told = gather(loaded, about, rerun(recording, loaded), _known(recording, loaded))
+    with recorded_mission(recording.header) as loaded:
+        about = about_run(recording.header, loaded, recording.notices)
+        told = gather(loaded, about, rerun(recording, loaded), known_poses(recording, loaded))
     return replace(told, recording=recording.sha256)
 
 
-def _known(recording: Recording, loaded: LoadedMission) -> Poses | None:
+def about_run(header: RunHeader, loaded: LoadedMission, notices: Iterable[str] = ()) -> About:
+    """Return what the header of a run says for its report.
+
+    Args:
+        header: What was run.
+        loaded: The mission.
+        notices: What a reader must know before they believe the report.
+    """
+    return About(
+        where=_where(header),
+        nominal=header.nominal,
+        first_wheel_m=header.options.get("start_at_m"),
+        warnings=tuple(_warnings(header, notices)),
+        facts=tuple(_facts(header, loaded)),
+        files={file.name: file.sha256 for file in header.files},
+    )
+
+
+def known_poses(recording: Recording, loaded: LoadedMission) -> Poses | None:
     """Where the robot really was, as a simulator told viewers; None where nobody knew."""
     names = [wheel.name for wheel in loaded.loaded_robot.profile.body.wheels]
     poses = Poses(true=True)
@@ -54,10 +64,10 @@ def _known(recording: Recording, loaded: LoadedMission) -> Poses | None:
     return poses if poses.times_s else None
 
 
-def _warnings(recording: Recording) -> Iterator[str]:
-    for notice in recording.notices:
+def _warnings(header: RunHeader, notices: Iterable[str]) -> Iterator[str]:
+    for notice in notices:
         yield f"{notice[:1].upper()}{notice[1:]}."
-    jitter_m = recording.header.options.get("diameter_jitter_m")
+    jitter_m = header.options.get("diameter_jitter_m")
     if jitter_m:
         yield f"The pipe was up to {jitter_m * 1e3:g} mm wider or narrower than it is drawn."
 

@@ -10,11 +10,11 @@ class Clock(Protocol):
     """Tells seconds from an arbitrary beginning and waits."""
 
     def now(self) -> float:
-        """Seconds that never go back."""
+        """Return the time in s; it never goes back."""
         ...
 
     def sleep(self, seconds: float) -> None:
-        """So many seconds have passed; a signal handler may have run meanwhile."""
+        """Wait for so many seconds; a signal handler may run meanwhile."""
         ...
 
 

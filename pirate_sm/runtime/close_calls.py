@@ -5,10 +5,10 @@ Every call has a share: 1 is where it would have happened, so the nearest are th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from math import inf, isinf, isnan
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from pirate_sm.engine.program import Program, Wait
 from pirate_sm.engine.robot import RobotSpec
@@ -18,9 +18,6 @@ from pirate_sm.expressions import tree
 from pirate_sm.model.effects import CommandStatus, Effect, Fault, TriggerFired, WaitArmed
 from pirate_sm.model.events import Event, SensorFrame
 from pirate_sm.runtime.levels import levels_of
-
-if TYPE_CHECKING:
-    from pirate_sm.runtime.loop import MissionRun
 
 
 class CloseCall(NamedTuple):
@@ -50,20 +47,18 @@ class CloseCalls:
     def __init__(self, robot: RobotSpec, program: Program) -> None:
         self._robot = robot
         self._program = program
-        self._run: MissionRun | None = None
+        self._state: Callable[[], EngineState | None] = lambda: None
         self._calls: dict[str, CloseCall] = {}
         self._over = False  # the safe stop is no part of it
-        self._notes = (
-            _Commands(program), _Waits(), _Triggers(program), _Words(robot, program),
-            _Faults(robot),
-        )  # fmt: skip
+        missions = _Commands(program), _Waits(), _Triggers(program)
+        self._notes = (*missions, _Words(robot, program), _Faults(robot))
 
-    def follow(self, run: MissionRun) -> None:
-        """It looks at this run."""
-        self._run = run
+    def follow(self, state: Callable[[], EngineState | None]) -> None:
+        """Read the engine's state from here; it is None before the engine has started."""
+        self._state = state
 
     def nearest(self) -> list[CloseCall]:
-        """The nearest call of each kind, the nearest first."""
+        """Return the nearest call of each kind, the nearest first."""
         return sorted(self._calls.values(), key=lambda call: -call.share)
 
     def start(
@@ -75,18 +70,18 @@ class CloseCalls:
         body: RobotState | None = None,
         paused: bool = False,
     ) -> None:
-        """The run has begun."""
+        """Look at the beginning of the run."""
         self._look(None, now_s, effects)
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
-        """A step has been looked at."""
+        """Look at a step."""
         self._look(event, now_s, effects)
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
-        """What is done past the engine is no close call."""
+        """Do nothing: what is done past the engine is no close call."""
 
     def _look(self, event: Event | None, now_s: float, effects: Sequence[Effect]) -> None:
-        state = self._run.state if self._run is not None else None
+        state = self._state()
         if state is None or self._over:
             return
         self._over = state.mission.ending is not None or state.mission.ended
@@ -110,7 +105,7 @@ class CloseCalls:
 
 @dataclass(frozen=True)
 class _Moment:
-    """What there is to look at."""
+    """One step of the engine with the state after it."""
 
     state: EngineState
     event: Event | None
@@ -126,7 +121,7 @@ class _Commands:
     _under_way: tuple[float, float] = (inf, inf)  # when accepted, and how long it may take
 
     def look(self, moment: _Moment) -> list[CloseCall]:
-        """The commands that ended in this moment."""
+        """Return the commands that ended in this moment."""
         calls = []
         for effect in moment.effects:
             if not isinstance(effect, CommandStatus):
@@ -154,7 +149,7 @@ class _Waits:
     _armed: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def look(self, moment: _Moment) -> list[CloseCall]:
-        """The waits that ended in this moment."""
+        """Return the waits that ended in this moment."""
         calls = []
         for effect in moment.effects:
             if isinstance(effect, WaitArmed) and not isinf(effect.deadline_s):
@@ -180,7 +175,7 @@ class _Triggers:
     _at: int = -1
 
     def look(self, moment: _Moment) -> list[CloseCall]:
-        """The conditions that have just fallen away."""
+        """Return the conditions that have just fallen away."""
         mission = moment.state.mission
         if mission.pc != self._at:
             self._at, self._began = mission.pc, {}
@@ -217,7 +212,7 @@ class _Words:
         }
 
     def look(self, moment: _Moment) -> list[CloseCall]:
-        """The word that has just gone, if a wait has used it."""
+        """Return the word that has just gone, if a wait has used it."""
         calls = []
         words, now_s = moment.state.words, moment.now_s
         word = words[self._index] if self._index < len(words) else None
@@ -256,7 +251,7 @@ class _Faults:
         self._states: tuple[str | None, ...] = ()
 
     def look(self, moment: _Moment) -> list[CloseCall]:
-        """What has come up, and the rules of the board that has just reported."""
+        """Return the faults of this moment, and the rules of the board that has just reported."""
         calls = []
         for effect in moment.effects:
             if isinstance(effect, Fault):

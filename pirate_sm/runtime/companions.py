@@ -1,12 +1,14 @@
-"""Who stands beside a mission and tells the engine something: a script, an operator."""
+"""Companions of any run: scripts for a trace, standing answers, links to a backend."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from math import inf
-from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, runtime_checkable
+from typing import Literal, NamedTuple
 
+from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.program import Program, Wait
+from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import (
     Ask,
     Effect,
@@ -18,57 +20,7 @@ from pirate_sm.model.effects import (
 )
 from pirate_sm.model.events import Abort, Answer, Event, Skip
 
-if TYPE_CHECKING:
-    from pirate_sm.engine.robot import RobotSpec
-    from pirate_sm.engine.state import EngineState
-    from pirate_sm.runtime.loop import MissionRun
-
 FIRST_TRIGGER_AFTER_S = 1.0
-
-
-class Companion(Protocol):
-    """Sees what the engine does and speaks up at times of its own choosing.
-
-    Attributes:
-        due_s: Mission time at which it wants to be asked next; infinite: not before ``react``.
-        listening: Whether a person is being waited for, so that time must not run ahead of theirs.
-    """
-
-    @property
-    def due_s(self) -> float:
-        """When it wants to be asked next."""
-        ...
-
-    @property
-    def listening(self) -> bool:
-        """Whether a person is being waited for."""
-        ...
-
-    def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """It knows what has just happened."""
-        ...
-
-    def speak(self, now_s: float) -> Sequence[Event]:
-        """What it has to say at ``due_s``, which it has moved on; often nothing."""
-        ...
-
-
-@runtime_checkable
-class Onlooker(Protocol):
-    """A companion that is shown the engine's state each time before it is asked to speak."""
-
-    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """It has looked; what it returns is told to whoever follows the run."""
-        ...
-
-
-@runtime_checkable
-class Counting(Protocol):
-    """A companion that counts from the beginning of a mission."""
-
-    def restart(self, robot: RobotSpec) -> None:
-        """Another mission begins with this robot, which is where it is; polarity may differ."""
-        ...
 
 
 class Firing(NamedTuple):
@@ -220,7 +172,7 @@ class Holder:
     """Tells a backend at every turn what is to be held and what stopped, should this process die.
 
     Args:
-        hold: What wants to know.
+        hold: Receives the safe array of this moment and the slots that position loops drive.
     """
 
     due_s = inf
@@ -228,20 +180,21 @@ class Holder:
 
     def __init__(self, hold: Callable[[tuple[float, ...], Collection[int]], None]) -> None:
         self._hold = hold
-        self._run: MissionRun | None = None
+        self._engine: Engine | None = None
+        self._state: Callable[[], EngineState | None] = lambda: None
 
-    def follow(self, run: MissionRun) -> None:
-        """It looks at this run."""
-        self._run = run
+    def follow(self, engine: Engine, state: Callable[[], EngineState | None]) -> None:
+        """Pass on what this run holds from now on."""
+        self._engine, self._state = engine, state
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
         """Pass on the safe array of this moment, and the slots that position loops drive."""
-        values = self._run.safe_values() if self._run is not None else None
-        if self._run is not None and values is not None:
-            self._hold(values, self._run.seeking())
+        state = self._state()
+        if self._engine is not None and state is not None:
+            self._hold(self._engine.safe_values(state), self._engine.seeking(state))
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Nothing."""
+        """Return nothing."""
         return ()
 
 
@@ -260,20 +213,20 @@ class Messenger:
 
     @property
     def due_s(self) -> float:
-        """At once when there is something."""
+        """Now where there is something to say."""
         self._text = self._text or self._remark()
         return -inf if self._text else inf
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """What happens is not its business."""
+        """Do nothing: what happens does not matter to it."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """What the backend has to say."""
+        """Return what the backend has to say."""
         text, self._text = self._text, ""
         return (Log("warning", text),)
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Nothing to the engine."""
+        """Return nothing: the engine is not concerned."""
         return ()
 
 
@@ -300,7 +253,7 @@ class FirstChoice:
         self._choice = ""
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """The first choice of a question is ready; a withdrawn question needs none."""
+        """Get the first choice of a question ready; a withdrawn question needs none."""
         for effect in effects:
             if isinstance(effect, Ask):
                 asked = bool(effect.question and effect.choices)
@@ -308,12 +261,12 @@ class FirstChoice:
                 self.due_s = now_s if asked else inf
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """What it is about to answer."""
+        """Return a line that says what it is about to answer."""
         if not self._why:
             return ()
         return (Answered(self._level, f"answered '{self._choice}' ({self._why})"),)
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """The answer."""
+        """Return the answer."""
         self.due_s = inf
         return (Answer(self._choice),)

@@ -1,4 +1,4 @@
-"""Plays a course of events to a mission in a trace, one after the other and nothing else."""
+"""Plays a course of events in a trace: its events happen one after the other, and nothing else."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _EARLIER_S = 1e-10
 
 
 def longest_s(course: Sequence[Happening], robot: RobotSpec, program: Program) -> float:
-    """How long a course of events can take at most: what its deadlines may be, one for each."""
+    """Return how long a course of events can take at most, s: the longest deadline for each."""
     deadlines = [command.nominal_s for command in robot.commands]
     for each in program.instructions:
         if isinstance(each, Wait):
@@ -85,7 +85,7 @@ class CoursePlayer:
             self._finish(0.0)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """It knows what the mission waits for."""
+        """Take note of what the mission waits for."""
         for effect in effects:
             if isinstance(effect, WakeAt):
                 self._wake_s = effect.at_s
@@ -107,7 +107,7 @@ class CoursePlayer:
         ]
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """The next thing has happened."""
+        """Return the next event."""
         if self.over:
             said = [
                 event for each in self._after if now_s >= each.due_s for event in each.speak(now_s)
@@ -143,7 +143,7 @@ class CoursePlayer:
         self.due_s = max(now_s, self._wake_s - _EARLIER_S) if event.happens == "time" else now_s
 
     def _finish(self, now_s: float) -> None:
-        """From now on arrays are accepted, first triggers fire, first answers are given."""
+        """Accept arrays, fire first triggers and give first answers from now on."""
         self.over = True
         self._release()
         for companion in self._after:

@@ -41,7 +41,7 @@ class Level:
         self._least: deque[tuple[float, float, Callable[[], str]]] = deque()
 
     def seen(self, numbers: Numbers, words: Words, now_s: float) -> tuple[float, str]:
-        """How near it has been all the time for which the rule must hold, and that in words.
+        """Return how near it has been all the time for which the rule must hold, and that in words.
 
         Args:
             numbers: The signals now.
@@ -69,7 +69,7 @@ class Level:
         return least, said() if 0 < least < 1 else ""
 
     def _now(self, numbers: Numbers, words: Words) -> tuple[float, Callable[[], str]]:
-        """How near it is in this moment: as near as the comparison that is farthest off."""
+        """Return how near it is now: as near as the comparison that is farthest off."""
         least, told = 1.0, str
         for each in self._limits:
             value, limit = each.value.evaluate(numbers, words), each.limit.evaluate(numbers, words)
@@ -80,7 +80,7 @@ class Level:
 
 
 class _Told(NamedTuple):
-    """What is said of a comparison, once it is wanted."""
+    """Makes the sentence about a comparison when it is wanted."""
 
     limit: _Limit
     value: float
@@ -88,7 +88,7 @@ class _Told(NamedTuple):
     held_s: float
 
     def __call__(self) -> str:
-        """The words."""
+        """Return the sentence."""
         said, bound = (_quantity(x, self.limit.dimension) for x in (self.value, self.bound))
         side = "up to" if self.limit.rises else "down to"
         held = f" for {self.held_s:g} s" if self.held_s else ""
@@ -96,7 +96,7 @@ class _Told(NamedTuple):
 
 
 def levels_of(rule: FaultSpec, vocabulary: Vocabulary) -> list[Level]:
-    """Each way for the rule to hold that has a limit to come near to."""
+    """Return each way for the rule to hold that has a limit to come near to."""
     ways = rule.when.tree.parts if isinstance(rule.when.tree, tree.Or) else (rule.when.tree,)
     found = []
     for way in ways:
@@ -110,7 +110,7 @@ def levels_of(rule: FaultSpec, vocabulary: Vocabulary) -> list[Level]:
 
 
 def _limit(compare: tree.Compare, vocabulary: Vocabulary) -> _Limit:
-    """The comparison as a value and its limit; what has signals is the value."""
+    """Return the comparison as a value and its limit; what has signals is the value."""
     left, right, rises = compare.left, compare.right, compare.operator in (">", ">=")
     if not list(_signals(left)):
         left, right, rises = right, left, not rises
@@ -122,7 +122,7 @@ def _limit(compare: tree.Compare, vocabulary: Vocabulary) -> _Limit:
 
 
 def _share(value: object, limit: object, rises: bool) -> float:
-    """How near a value is to its limit, both above zero; 1 beyond it, 0 where that says nothing."""
+    """Return how near a value is to its limit; 1 beyond it, 0 where either is not above zero."""
     if not isinstance(value, float | int) or not isinstance(limit, float | int):
         return 0.0
     small, large = (value, limit) if rises else (limit, value)
@@ -136,7 +136,7 @@ def _signals(node: tree.Node) -> Iterator[tree.Signal]:
 
 
 def _dimension(node: tree.Node, vocabulary: Vocabulary) -> Dimension:
-    """Of a number: that of its signals, unless it is made of products."""
+    """Return the dimension of a number's signals; none where it is made of products."""
     products = (each for each in tree.walk(node) if isinstance(each, tree.Arithmetic))
     if any(each.operator in "*/" for each in products):
         return DIMENSIONLESS
@@ -145,7 +145,7 @@ def _dimension(node: tree.Node, vocabulary: Vocabulary) -> Dimension:
 
 
 def text_of(node: tree.Node) -> str:
-    """A number of a condition as people write it."""
+    """Return a number of a condition as people write it."""
     match node:
         case tree.Signal(name=name):
             return name

@@ -1,4 +1,4 @@
-"""Who is told what happens: lines, a live view, a recorder."""
+"""Protocols of those who follow a run: observers, watchers, recorders."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ PULSE_S = 0.05
 
 
 class Observer(Protocol):
-    """Is told every effect; an ``OSError`` from it means that nobody reads it any more."""
+    """Receives every effect; an ``OSError`` from it means that nobody reads it any more."""
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
-        """It has taken note of what has just happened."""
+        """Take note of what has just happened."""
         ...
 
 
@@ -27,12 +27,12 @@ class Watcher(Protocol):
     """Looks at the run in between, every ``PULSE_S`` of the wall's time."""
 
     def pulse(self, now_s: float) -> None:
-        """It has looked."""
+        """Look at the run."""
         ...
 
 
 class Tap(Protocol):
-    """Is told everything that the engine is given and gives back, in order; never raises."""
+    """Receives everything that the engine is given and gives back, in order; never raises."""
 
     def start(
         self,
@@ -43,13 +43,13 @@ class Tap(Protocol):
         body: RobotState | None = None,
         paused: bool = False,
     ) -> None:
-        """It knows how the engine started, and what it was given for that."""
+        """Take note of how the engine started, and of what it was given for that."""
         ...
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
-        """It knows of a step; one that broke the engine has no effects."""
+        """Take note of a step; one that broke the engine has no effects."""
         ...
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
-        """It knows what was done past the engine."""
+        """Take note of what was done past the engine."""
         ...

@@ -1,4 +1,4 @@
-"""How a run ended, as one number for the shell."""
+"""How a run ended, and its exit code."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Result(NamedTuple):
 
 
 def exit_code(ended: Ended, fault: str, stop: Stop | None, output_lost: bool) -> int:
-    """The exit code of a run that came to its end through the engine.
+    """Return the exit code of a run that came to its end through the engine.
 
     Args:
         ended: How it ended.

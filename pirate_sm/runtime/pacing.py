@@ -1,4 +1,4 @@
-"""Mission time held to a multiple of the wall's time."""
+"""Holds mission time to a multiple of the wall's time."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ class Pacer:
         return self._factor != inf
 
     def limit(self, factor: float, mission_s: float) -> None:
-        """From this mission time on the run goes at ``factor``, or as wanted where that is less."""
+        """Run at ``factor`` from this mission time on, or as wanted where that is less."""
         factor = min(factor, self._wanted)
         if factor != self._factor:
             self._factor = factor
             self._anchor(mission_s)
 
     def release(self) -> None:
-        """From now on nothing is held back."""
+        """Hold nothing back from now on."""
         self._wanted = self._factor = inf
 
     def wait_until(self, mission_s: float, cut_short: Callable[[], bool]) -> None:
-        """The wall's clock has come to this mission time, or ``cut_short`` has said True.
+        """Wait until the wall's clock has come to this mission time, or ``cut_short`` returns True.
 
         ``cut_short`` is asked before every slice of sleep, so it may do small work too.
         """

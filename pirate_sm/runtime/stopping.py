@@ -45,12 +45,12 @@ class StopRequests:
         self.urgent = False
 
     def ask(self, stop: Stop) -> None:
-        """The run will end through the engine's safe stop; the first reason counts."""
+        """Ask for an end through the engine's safe stop; the first reason counts."""
         if self.stop is None:
             self.stop = stop
 
     def insist(self) -> None:
-        """The run will end at once, with the safe array sent by the loop itself."""
+        """Ask for an end at once, with the safe array sent past the engine."""
         self.urgent = True
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import inf
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from pirate_sm.backends.pico.assembly import read_plan
 from pirate_sm.backends.pico.backend import SerialBackend
@@ -16,11 +16,13 @@ from pirate_sm.backends.trace import TraceBackend
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.errors import BackendError
+from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import Event, SubmitResult
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.xpbd.world import World
+from pirate_sm.testing import Candidate
 
 from .obedient import ObedientPhysics
 
@@ -30,11 +32,7 @@ STILL = (0.0,) * 7
 CLAMPING = (0.0, 0.0, -0.5, 0.0, 0.5, 0.0, 0.0)
 
 
-class Candidate(NamedTuple):
-    """A way to make a backend of the small robot, and where its robot is (empty: nowhere)."""
-
-    make: Callable[[int], Backend]
-    places: Callable[[Any], Sequence[tuple[float, float]]] = lambda backend: ()
+TAKE_HOLD = load_mission(NEWT / "take_hold.yaml", pipe=str(NEWT / "elbow.yaml"))
 
 
 class LateBackend:
@@ -90,6 +88,14 @@ def _serial(seed: int, physics: MakePhysics = World) -> Backend:
     return SerialBackend(plan, VirtualPort(bay, plan.serial.heartbeat_within))
 
 
+def candidate(
+    make: Callable[[int], Backend],
+    places: Callable[[Any], Sequence[tuple[float, float]]] = lambda backend: (),
+) -> Candidate:
+    """A backend of the small robot, and where its robot is (empty: nowhere)."""
+    return Candidate(make, STILL, CLAMPING, TAKE_HOLD, places)
+
+
 def _simulated_places(backend: Any) -> Sequence[tuple[float, float]]:
     return backend.truth.wheels  # type: ignore[no-any-return]
 
@@ -99,12 +105,12 @@ def _places_behind_the_port(backend: Any) -> Sequence[tuple[float, float]]:
 
 
 CANDIDATES = {
-    "trace": Candidate(lambda seed: TraceBackend()),
-    "sim": Candidate(_simulator, _simulated_places),
-    "sim, obedient": Candidate(lambda seed: _simulator(seed, ObedientPhysics), _simulated_places),
-    "serial": Candidate(_serial, _places_behind_the_port),
-    "serial, obedient": Candidate(
+    "trace": candidate(lambda seed: TraceBackend()),
+    "sim": candidate(_simulator, _simulated_places),
+    "sim, obedient": candidate(lambda seed: _simulator(seed, ObedientPhysics), _simulated_places),
+    "serial": candidate(_serial, _places_behind_the_port),
+    "serial, obedient": candidate(
         lambda seed: _serial(seed, ObedientPhysics), _places_behind_the_port
     ),
-    "late": Candidate(lambda seed: LateBackend()),
+    "late": candidate(lambda seed: LateBackend()),
 }

@@ -1,7 +1,7 @@
 """The same suite in real time: guardian and bay are processes, a pseudo-terminal is between them.
 
-Two of its tests say what only time that is made up can keep: that equal seeds give equal events,
-and that time does not go on while nobody asks. They stay in virtual time.
+Three of its tests say what only time that is made up can keep: that equal seeds give equal events,
+and that time neither goes on while nobody asks nor passes at once. They stay in virtual time.
 """
 
 from __future__ import annotations
@@ -17,19 +17,9 @@ import pytest
 from pirate_sm.backends.pico.assembly import read_plan, serial_backend
 from pirate_sm.backends.protocol import Backend
 from pirate_sm.loading.robot import load_robot
+from pirate_sm.testing import BackendContract, Candidate
 
-from .candidates import NEWT, Candidate
-from .test_backends import (  # noqa: F401 - collected here with the fixtures of this module
-    test_a_closed_one_takes_nothing_more_and_can_be_closed_again,
-    test_a_mission_runs_on_it_to_its_end,
-    test_a_result_comes_even_if_one_asks_without_a_limit,
-    test_an_array_meets_exactly_one_fate,
-    test_arrays_in_quick_succession_meet_one_fate_each_and_the_last_is_not_superseded,
-    test_it_may_be_closed_at_any_time_and_more_than_once,
-    test_it_says_what_it_is,
-    test_nothing_moves_before_the_first_array,
-    test_the_same_array_may_be_submitted_again,
-)
+from .candidates import NEWT, candidate
 
 pytestmark = pytest.mark.slow
 
@@ -63,11 +53,12 @@ def make(tmp_path: Path) -> Iterator[Make]:
         yield started
 
 
-@pytest.fixture
-def candidate(make: Make) -> Candidate:
-    return Candidate(make)
+class TestOverAPty(BackendContract):
+    # Only time that is made up stands still while nobody asks, and passes in no time.
+    test_time_neither_goes_back_nor_past_what_was_asked = None  # type: ignore[assignment]
+    test_time_asked_for_that_has_passed_already_stands_still = None  # type: ignore[assignment]
+    test_equal_seeds_give_equal_events = None  # type: ignore[assignment]
 
-
-@pytest.fixture
-def backend(candidate: Candidate) -> Backend:
-    return candidate.make(0)
+    @pytest.fixture
+    def candidate(self, make: Make) -> Candidate:
+        return candidate(make)

@@ -298,7 +298,7 @@ def test_a_robot_that_fails_again_and_again_is_not_run_for_ever(
 
     def execute(run: MissionRun) -> Result:
         begun.append(run)
-        run.state, _ = prepared.engine.start(paused=True)
+        run._pump.start(paused=True)
         return Result(Ended("fault", "it fell"), 1, run.now_s)
 
     monkeypatch.setattr(MissionRun, "execute", execute)

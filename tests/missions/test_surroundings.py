@@ -15,13 +15,14 @@ from pirate_sm.backends.pico.virtual_port import VirtualPort
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.detectors.choice import detecting
+from pirate_sm.companion import Companion
+from pirate_sm.detectors.choice import Asked, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.geometry.route import Piece
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect, Ended, Environment
 from pirate_sm.model.pipe import Pipe
-from pirate_sm.runtime.companions import Companion, FirstChoice
+from pirate_sm.runtime.companions import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, load, prepare
 
@@ -90,9 +91,7 @@ def run_serial(order: Order) -> Beside:
     plan = read_plan(folder, profile, loaded.robot)
     assert profile.serial is not None
     backend = SerialBackend(plan, VirtualPort(bay, profile.serial.heartbeat_within))
-    says = detecting(
-        "odometry", usual="odometry", profile=profile, robot=loaded.robot, pipe=loaded.pipe
-    )
+    says = detecting("odometry", "odometry", Asked(profile, loaded.robot, loaded.pipe))
     beside = Beside(loaded.pipe, lambda: bay.truth.arcs_m)
     companions: list[Companion] = [*says.companions, FirstChoice()]
     engine = Engine(loaded.robot, loaded.program, nominal=False)

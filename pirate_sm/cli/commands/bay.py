@@ -19,7 +19,7 @@ from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import DIMENSIONLESS, read_quantity
-from pirate_sm.wiring import COMPILING, start_values
+from pirate_sm.wiring.sim import COMPILING, start_values
 
 if TYPE_CHECKING:
     from pirate_sm.bay.switches import Switches, Topic

@@ -92,7 +92,7 @@ def _run(
         tap=calls,
         companions=(*prepared.companions, FirstChoice(), _Patience(requests)),
     )
-    calls.follow(run)
+    calls.follow(lambda: run.state)
     result = run.execute()
     if result.error is not None:
         raise result.error

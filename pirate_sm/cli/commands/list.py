@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from pirate_sm.cli.options.files import ListOptions
 from pirate_sm.errors import PirateError
@@ -16,6 +16,7 @@ from pirate_sm.loading.validate import validate
 from pirate_sm.model.base import Frozen
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import Pipe
+from pirate_sm.registry import Registry
 from pirate_sm.units import describe
 from pirate_sm.visible import visible
 
@@ -91,6 +92,25 @@ def _pipes(_: Iterable[Path]) -> None:
     _table("pipes", rows)
 
 
+def _backends(_: Iterable[Path]) -> None:
+    from pirate_sm.wiring import BACKENDS
+
+    _table("backends", _plugins(BACKENDS))
+
+
+def _detectors(_: Iterable[Path]) -> None:
+    from pirate_sm.detectors.choice import DETECTORS
+
+    _table("detectors", _plugins(DETECTORS))
+
+
+def _plugins(registry: Registry[Any]) -> Iterable[Row]:
+    """Yield each name with its package, and why what cannot be used cannot."""
+    for each in registry.listed():
+        about = f"cannot be used: {each.fault}" if each.fault else each.about
+        yield each.name, each.package or "pirate-sm", about
+
+
 def _read(path: Path, model: type[M]) -> M | str:
     """Return the model, or the first line of what is wrong with its file."""
     try:
@@ -116,4 +136,6 @@ _LISTS: dict[str, Callable[[Iterable[Path]], None]] = {
     "defects": _defects,
     "missions": _missions,
     "pipes": _pipes,
+    "backends": _backends,
+    "detectors": _detectors,
 }

@@ -20,8 +20,9 @@ from pirate_sm.cli.output.json_lines import JsonLines
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.cli.output.terminal import agree, is_terminal
 from pirate_sm.cli.run_recording import Kept, RecordingOptions, recorded
+from pirate_sm.companion import Companion
 from pirate_sm.errors import UsageError
-from pirate_sm.runtime.companions import Companion, Firing, FirstChoice, LoopWatch, TriggerScript
+from pirate_sm.runtime.companions import Firing, FirstChoice, LoopWatch, TriggerScript
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.observing import Observer, Watcher
 from pirate_sm.runtime.outcome import BUG, Result
@@ -110,7 +111,6 @@ def _shown(
         companions = _companions(prepared, kept, people, yes=options.yes)
         run = _mission_run(prepared, kept, output, companions, manner, requests)
         observed.run = run
-        prepared.follow(run)
         kept.follow(run)
         if not _begun(output):
             return None

@@ -26,28 +26,21 @@ Version = Annotated[
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
 
-BACKENDS = ("serial", "sim", "trace")
-"""Those that are part of this package; other packages may add some."""
 
+def _backends() -> list[str]:
+    """Return the names that a shell may complete."""
+    from pirate_sm.wiring import BACKENDS
 
-def backend_name(name: str) -> str:
-    """Return the name of a backend, if there is one of that name."""
-    if name not in BACKENDS:
-        from importlib.metadata import entry_points
-
-        known = {*BACKENDS, *entry_points(group="pirate_sm.backends").names}
-        if name not in known:
-            raise ValueError(f"{name!r} is not one of {', '.join(map(repr, sorted(known)))}.")
-    return name
+    return BACKENDS.names
 
 
 Backend = Annotated[
     str,
     typer.Option(
-        metavar=f"<{'|'.join(BACKENDS)}>",
-        parser=backend_name,
-        autocompletion=lambda: list(BACKENDS),
-        help="sim: the kinematic simulator; trace: nothing moves; serial: the real robot.",
+        metavar="NAME",
+        autocompletion=_backends,
+        help="sim: the kinematic simulator; trace: nothing moves; serial: the real robot; "
+        "others: pirate list backends.",
     ),
 ]
 RobotOfMission = Annotated[
@@ -103,7 +96,7 @@ GuardFor = Annotated[
 Detector = Annotated[
     str | None,
     typer.Option(
-        metavar="sim|odometry|operator|socket:ADDRESS",
+        metavar="sim|odometry|operator|socket:ADDRESS|NAME",
         help="Who says where the robot is. For sim: sim, for serial: odometry.",
     ),
 ]

@@ -13,10 +13,20 @@ from pirate_sm.cli.options import common
 
 @dataclass(frozen=True, kw_only=True)
 class ListOptions:
-    """Show robots, commands, signals, defects, missions and pipes."""
+    """Show robots, commands, signals, defects, missions, pipes, backends and detectors."""
 
     what: Annotated[
-        Literal["robots", "commands", "signals", "defects", "missions", "pipes"] | None,
+        Literal[
+            "robots",
+            "commands",
+            "signals",
+            "defects",
+            "missions",
+            "pipes",
+            "backends",
+            "detectors",
+        ]
+        | None,
         typer.Argument(help="All of them when nothing is named."),
     ] = None
     robot: Annotated[

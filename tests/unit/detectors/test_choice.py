@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.detectors.choice import detecting
+from pirate_sm.detectors.choice import Asked, Places, detecting
 from pirate_sm.detectors.odometry import Odometry
 from pirate_sm.detectors.outside import OutsideWords
 from pirate_sm.errors import UsageError
@@ -14,18 +14,14 @@ from pirate_sm.wiring import Order, load
 
 def choose(text: str | None, usual: str = "sim", *, piped: bool = True, **rest: Any):
     loaded = load(Order("mitre_bend"))
-    return detecting(
-        text,
-        usual=usual,  # type: ignore[arg-type]
-        profile=loaded.loaded_robot.profile,
-        robot=rest.pop("robot", loaded.robot),
-        pipe=loaded.pipe if piped else None,
-        **rest,
-    )
+    robot, pipe = rest.pop("robot", loaded.robot), loaded.pipe if piped else None
+    asked = Asked(loaded.loaded_robot.profile, robot, pipe, **rest)
+    return detecting(text, usual, asked)
 
 
 def test_what_is_usual_needs_no_word() -> None:
-    assert choose(None) == ("sim", (), ())
+    chosen = choose(None, places=Places((0.5,), lambda: (0.1, 0.2)))
+    assert (chosen.kind, chosen.notices) == ("sim", ())
     assert choose(None, "odometry").kind == "odometry"
     assert choose(None, "odometry", piped=False).kind == "none"
 
@@ -46,6 +42,7 @@ def test_a_person_is_told_the_keys() -> None:
         "operator",
         (),
         ("detector: the keys [a] close  [b] in  [c] past",),
+        None,
     )
 
 
@@ -58,9 +55,9 @@ def test_the_place_is_told() -> None:
     ("text", "options", "why"),
     [
         ("odometri", {}, "did you mean 'odometry'"),
-        ("radar", {}, "expected one of sim, odometry, operator, socket"),
-        ("odometry:3", {}, "no such detector"),
-        ("sim", {"usual": "odometry"}, "only --backend sim knows"),
+        ("radar", {}, "expected one of odometry, operator, sim, socket"),
+        ("odometry:3", {}, "takes no argument"),
+        ("sim", {}, "only --backend sim knows"),
         ("odometry", {"piped": False}, "--pipe"),
         ("operator", {"first_wheel_m": 0.7}, "--start-at"),
         (None, {"first_wheel_m": 0.7}, "--start-at"),

@@ -5,11 +5,11 @@ from typing import Literal
 
 import pytest
 
+from pirate_sm.companion import Counting, Onlooker
 from pirate_sm.detectors.true_places import TruePlaces
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.runtime.companions import Counting, Onlooker
 from pirate_sm.wiring import Order, load
 
 Polarity = Literal["normal", "mirrored"]

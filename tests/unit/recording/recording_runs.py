@@ -11,7 +11,7 @@ from pirate_sm.backends.pico.virtual_port import VirtualPort
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.detectors.choice import detecting
+from pirate_sm.detectors.choice import Asked, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.recording.file import DiskFile, RecordingFile
@@ -20,7 +20,8 @@ from pirate_sm.recording.reader import Recording, read_recording
 from pirate_sm.recording.recorder import Recorder
 from pirate_sm.runtime.companions import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.wiring import Order, prepare, start_values
+from pirate_sm.wiring import Order, prepare
+from pirate_sm.wiring.sim import start_values
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -66,7 +67,7 @@ def record_serial(path: Path, mission: str, switches: Switches, seed: int = 0) -
     )
     backend = SerialBackend(read_plan(folder, profile, robot), VirtualPort(bay))
     engine = Engine(robot, loaded.program, nominal=False)
-    says = detecting(None, usual="odometry", profile=profile, robot=robot, pipe=loaded.pipe)
+    says = detecting(None, "odometry", Asked(profile, robot, loaded.pipe))
     header = header_of(
         loaded,
         began=datetime(2026, 1, 2, 3, 4, 5, tzinfo=UTC),

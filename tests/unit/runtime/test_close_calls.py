@@ -47,7 +47,7 @@ class Run:
         self._run: Any = SimpleNamespace(
             state=Engine(loaded.robot, loaded.program, nominal=False).start(body=body)[0]
         )
-        self.calls.follow(self._run)
+        self.calls.follow(lambda: self._run.state)
 
     @property
     def state(self) -> Any:

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import pytest
 
+from pirate_sm.companion import Companion
 from pirate_sm.model.effects import Effect, Ended, TriggerFired
-from pirate_sm.runtime.companions import Companion, Firing, FirstChoice, TriggerScript
+from pirate_sm.runtime.companions import Firing, FirstChoice, TriggerScript
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import FAILED
 from pirate_sm.wiring import Order, prepare

@@ -11,7 +11,7 @@ from pirate_sm.backends.pico.backend import SerialBackend
 from pirate_sm.backends.pico.virtual_port import VirtualPort
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.detectors.choice import detecting
+from pirate_sm.detectors.choice import Asked, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.runtime.companions import FirstChoice, Holder
 from pirate_sm.runtime.loop import MissionRun
@@ -47,14 +47,10 @@ def run_on(switch: bool) -> tuple[float, VirtualBay]:
     backend = SerialBackend(plan, port)
     holder = Holder(backend.hold)
     engine = Engine(loaded.robot, loaded.program, nominal=False)
-    detector = detecting(
-        None, usual="odometry", profile=loaded.loaded_robot.profile, robot=loaded.robot,
-        pipe=loaded.pipe,
-    )  # fmt: skip
+    asked = Asked(loaded.loaded_robot.profile, loaded.robot, loaded.pipe)
+    detector = detecting(None, "odometry", asked)
     companions = (holder, *detector.companions, FirstChoice())
-    run = MissionRun(engine, backend, companions=companions)
-    holder.follow(run)
-    result = run.execute()
+    result = MissionRun(engine, backend, companions=companions).execute()
     assert result.ended.message.startswith("link.lost")
     assert port.now() > port.cut_s + AFTER_S
     return degrees(abs(bay.truth.bends_rad[JOINT] - port.then[JOINT])), bay

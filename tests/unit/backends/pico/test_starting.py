@@ -15,7 +15,7 @@ from pirate_sm.loading.mission import load_mission
 from pirate_sm.model import effects as fx
 from pirate_sm.model.effects import Effect
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.wiring import start_values
+from pirate_sm.wiring.sim import start_values
 
 ROOT = Path(__file__).resolve().parents[4]
 MISSION = """

@@ -11,7 +11,7 @@ import jsonschema
 import pytest
 
 from pirate_sm.backends.simulated import SimulatorBackend
-from pirate_sm.wiring import COMPILING
+from pirate_sm.wiring.sim import COMPILING
 
 from ..conftest import NEWT, ROOT
 

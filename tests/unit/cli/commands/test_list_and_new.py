@@ -19,6 +19,7 @@ def test_everything_is_listed(pirate: Any) -> None:
     for word in (
         "robots:", "pirate_ii", "ClampFront", "also UnclampFront", "gamma_1", "an angle",
         "detector", "close | in | past", "gamma_2_stiff", "mitre_bend", "mitre_90",
+        "backends:", "the kinematic simulator", "detectors:", "dead reckoning",
     ):  # fmt: skip
         assert word in result.stdout
 

@@ -1,0 +1,39 @@
+"""The public Python API, for notebooks, scripts and tests; ``pirate_sm`` itself hands it out.
+
+Everything here does what the command line does, with the package's own exceptions.
+"""
+
+from __future__ import annotations
+
+from pirate_sm.api.asked import Mission, check, load
+from pirate_sm.api.result import Columns, Page, Run, read
+from pirate_sm.api.running import run
+from pirate_sm.api.stepping import Session, session
+from pirate_sm.api.sweeping import sweep
+from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.gate import CheckError
+from pirate_sm.errors import BackendError, PirateError, RecordingError, UsageError
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.problems import LoadError
+
+__all__ = [
+    "BackendError",
+    "CheckError",
+    "Columns",
+    "Finding",
+    "LoadError",
+    "LoadedMission",
+    "Mission",
+    "Page",
+    "PirateError",
+    "RecordingError",
+    "Run",
+    "Session",
+    "UsageError",
+    "check",
+    "load",
+    "read",
+    "run",
+    "session",
+    "sweep",
+]

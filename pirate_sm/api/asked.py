@@ -1,0 +1,189 @@
+"""Reads what a caller of the API names: a mission and the options that change it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from os import PathLike, fspath
+from typing import Any, TypeAlias, TypedDict, Unpack, cast
+
+from pirate_sm import wiring
+from pirate_sm.checking.allowances import settle
+from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.mission import check_loaded
+from pirate_sm.checking.project import Wishes, check_paths
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.wiring import Order, Prepared
+
+Mission: TypeAlias = str | PathLike[str] | LoadedMission
+"""A shipped mission's name, the path of a file, or what :func:`load` has returned."""
+
+
+class Options(TypedDict, total=False):
+    """Options that ``run``, ``session`` and ``sweep`` share; all may be left out.
+
+    Attributes:
+        robot: Name or path of a robot, in place of the mission's own.
+        pipe: Name or path of a pipe, in place of the mission's own.
+        set: Values of parameters by name, as a mission writes them: ``{"give_up": "30 s"}``.
+        start_phase: The phase to begin with, in place of the mission's own.
+        states: State names by region that the robot is in, in place of ``starts_in``.
+        defects: Names of known defects of the simulated robot.
+        start_jitter_m: How far a simulated robot may start from its place; likewise
+            ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
+        detector: Name of a detector, in place of the backend's usual one.
+        start_at_m: Where odometry takes the first wheel to begin, in place of the pipe's own.
+        port: Where a real robot is, a device or a URL of pyserial; ``baud`` in place of its rate.
+    """
+
+    robot: str | None
+    pipe: str | None
+    set: Mapping[str, object] | None
+    start_phase: str | None
+    states: Mapping[str, str] | None
+    defects: Iterable[str]
+    start_jitter_m: float
+    diameter_jitter_m: float
+    friction_jitter: float
+    detector: str | None
+    start_at_m: float | None
+    port: str | None
+    baud: int | None
+
+
+def load(
+    mission: str | PathLike[str],
+    *,
+    robot: str | None = None,
+    pipe: str | None = None,
+    set: Mapping[str, object] | None = None,
+) -> LoadedMission:
+    """Return a mission with its robot and its pipe, ready to be run any number of times.
+
+    Args:
+        mission: A shipped mission's name, or the path of a file.
+        robot: Name or path of a robot, in place of the mission's own.
+        pipe: Name or path of a pipe, in place of the mission's own.
+        set: Values of parameters by name, as a mission writes them: ``{"give_up": "30 s"}``.
+
+    Raises:
+        LoadError: Everything that is wrong with the files; ``problems`` has each with its place.
+        UsageError: An argument does not fit.
+    """
+    return wiring.load(Order(fspath(mission), robot=robot, pipe=pipe, settings=texts(set)))
+
+
+def check(
+    mission: Mission,
+    *,
+    robot: str | None = None,
+    pipe: str | None = None,
+    set: Mapping[str, object] | None = None,
+) -> tuple[Finding, ...]:
+    """Return what is wrong with a mission, by place, without what its files allow.
+
+    Faults of a file are findings like all others: nothing is raised for them.
+
+    Args:
+        mission: The mission; also a robot's folder, a pipe or a project's folder.
+        robot: Name or path of a robot, in place of the mission's own.
+        pipe: Name or path of a pipe, in place of the mission's own.
+        set: Values of parameters by name.
+
+    Raises:
+        UsageError: A path leads nowhere, or an argument does not fit.
+    """
+    if isinstance(mission, LoadedMission):
+        _refuse_options(robot=robot, pipe=pipe, set=set)
+        files = {document.name: document.text for document in mission.documents}
+        return tuple(f for f in settle(check_loaded(mission).findings, files) if not f.allowed)
+    wishes = Wishes(robot=robot, pipe=pipe, settings=texts(set), keep_going=False)
+    return check_paths([fspath(mission)], wishes).open
+
+
+def prepared(
+    mission: Mission,
+    backend: str,
+    seed: int,
+    *,
+    check: bool,
+    yes: bool,
+    **options: Unpack[Options],
+) -> Prepared:
+    """Return what a run of the mission needs; nothing has moved.
+
+    Args:
+        mission: The mission.
+        backend: Name of the backend.
+        seed: Of everything random.
+        check: Whether a mission with something certainly wrong is refused.
+        yes: Whether the caller agrees that a real robot moves.
+        options: All others.
+
+    Raises:
+        LoadError: Everything that is wrong with the files.
+        CheckError: The mission is refused.
+        UsageError: An argument does not fit, or nobody has agreed that a robot moves.
+    """
+    loaded = mission if isinstance(mission, LoadedMission) else None
+    order = _order(mission, backend, seed, check=check, **options)
+    found = wiring.prepare(order, loaded)
+    if found.confirmation and not yes:
+        raise UsageError(f"{found.confirmation}: agree to it with yes=True")
+    if found.detector == "operator":
+        raise UsageError("the detector 'operator' needs a person at a keyboard")
+    return found
+
+
+def _order(
+    mission: Mission, backend: str, seed: int, *, check: bool, **options: Unpack[Options]
+) -> Order:
+    """Return the order that the arguments of an API function make.
+
+    Raises:
+        UsageError: The mission is loaded already and an option would have to change that.
+    """
+    rest: dict[str, Any] = dict(options)
+    settings, defects = texts(rest.pop("set", None)), rest.pop("defects", ())
+    if isinstance(mission, LoadedMission):
+        _refuse_options(robot=rest.get("robot"), pipe=rest.get("pipe"), set=settings)
+        if any(map(rest.get, _OF_START)):
+            raise UsageError("start_phase and states need the mission by its name or file")
+        name = mission.documents[0].name
+    else:
+        name = fspath(mission)
+    defects = (defects,) if isinstance(defects, str) else tuple(defects)
+    return Order(name, backend, seed=seed, settings=settings, defects=defects, check=check, **rest)
+
+
+def loaded_once(mission: Mission, **options: Unpack[Options]) -> tuple[Mission, Options]:
+    """Return the mission loaded, where one can be run with these options, and the other options.
+
+    Raises:
+        LoadError: Everything that is wrong with the files.
+        UsageError: An argument does not fit.
+    """
+    if isinstance(mission, LoadedMission) or any(map(options.get, _OF_START)):
+        return mission, options
+    rest: dict[str, Any] = dict(options)
+    of_loading = {name: rest.pop(name, None) for name in _OF_LOADING}
+    return load(mission, **of_loading), cast(Options, rest)
+
+
+_OF_LOADING = ("robot", "pipe", "set")
+_OF_START = ("start_phase", "states")
+"""Where a mission begins is written into a recording with the options, not with the mission."""
+
+
+def texts(values: Mapping[str, object] | None) -> dict[str, str]:
+    """Return values of parameters as a command line would give them."""
+    return {
+        name: str(value).lower() if isinstance(value, bool) else str(value)
+        for name, value in (values or {}).items()
+    }
+
+
+def _refuse_options(**options: object) -> None:
+    given = [name for name, value in options.items() if value]
+    if given:
+        raise UsageError(f"the mission is loaded already: give {', '.join(given)} to load()")

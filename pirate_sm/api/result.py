@@ -1,0 +1,229 @@
+"""A run that is over, or a part of one: how it ended, its tables and its report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from html import escape
+from os import PathLike
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from pirate_sm.engine.engine import Engine
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.effects import Ended
+from pirate_sm.recording.header import RunHeader
+from pirate_sm.recording.reader import Step, read_recording
+from pirate_sm.recording.reloading import recorded_mission
+from pirate_sm.recording.replay import rerun_steps
+from pirate_sm.recording.rows import SIGNALS, Row, rows_of
+from pirate_sm.report.poses import Poses
+
+Columns: TypeAlias = dict[str, list[Any]]
+"""A table: values by the name of their column, which says the unit. Unknown numbers are NaN.
+
+``pandas.DataFrame(columns)`` and ``polars.DataFrame(columns)`` take it as it is.
+"""
+
+_FRAME = '<iframe style="width:100%;height:48em;border:0" srcdoc="{}"></iframe>'
+
+
+@dataclass(frozen=True)
+class Page:
+    """A report as one page of HTML, which a notebook shows."""
+
+    html: str = field(repr=False)
+
+    def write(self, path: str | PathLike[str]) -> None:
+        """Write the page to a file.
+
+        Raises:
+            UsageError: The file cannot be written.
+        """
+        try:
+            Path(path).write_text(self.html, encoding="utf-8")
+        except OSError as error:
+            raise UsageError(f"{path} cannot be written: {error.strerror}") from None
+
+    def _repr_html_(self) -> str:
+        return _FRAME.format(escape(self.html))
+
+
+@dataclass(frozen=True)
+class Run:
+    """What happened in a run.
+
+    Attributes:
+        loaded: The mission as it was run.
+        header: What was run, and with which options.
+        steps: Returns what the engine was given and what came of it, in order.
+        poses: Returns where the wheels really were; None where nobody knew.
+        notices: What a reader must know, such as that a recording ends early.
+        sha256: Hash of the recording that it was read from; empty without one.
+        origin_s: When the run began, by the engine's clock; its own times count from there.
+    """
+
+    loaded: LoadedMission = field(repr=False)
+    header: RunHeader = field(repr=False)
+    steps: Callable[[], Iterable[Step]] = field(repr=False)
+    poses: Callable[[], Poses | None] = field(repr=False)
+    notices: tuple[str, ...] = ()
+    sha256: str = ""
+    origin_s: float = 0.0
+
+    @property
+    def ended(self) -> Ended | None:
+        """How the run ended, as the engine says it; None where no end is known."""
+        return self._last[0]
+
+    @property
+    def outcome(self) -> str:
+        """``succeeded``, ``failed``, ``fault`` or ``interrupted``; empty where no end is known."""
+        return self.ended.outcome if self.ended else ""
+
+    @property
+    def message(self) -> str:
+        """Why it ended so, for people; empty where no end is known."""
+        return self.ended.message if self.ended else ""
+
+    @property
+    def duration_s(self) -> float:
+        """Mission time of the last thing that happened, s."""
+        return max(self._last[1] - self.origin_s, 0.0)
+
+    @property
+    def signals(self) -> Columns:
+        """Every signal at each frame of a board: ``time_s`` and a column for each."""
+        return self.table(SIGNALS)
+
+    @property
+    def commands(self) -> Columns:
+        """What became of commands: ``time_s``, ``name``, ``status``, ``reason``, ``place``."""
+        return self.table("commands")
+
+    @property
+    def states(self) -> Columns:
+        """The robot's states after each change: ``time_s`` and a column for each region."""
+        return self.table("states")
+
+    @property
+    def faults(self) -> Columns:
+        """Faults: ``time_s``, ``code``, ``message`` and ``handling``."""
+        return self.table("faults")
+
+    def table(self, name: str) -> Columns:
+        """Return one table by its name, as ``pirate export --csv`` names its files.
+
+        It has no columns where nothing of the kind has happened.
+        """
+        return self._tables.get(name, {})
+
+    @property
+    def tables(self) -> tuple[str, ...]:
+        """Names of the tables that have rows."""
+        return tuple(self._tables)
+
+    def report(self) -> Page:
+        """Return the report: what happened in words, the robot in its pipe, timeline and plots.
+
+        Raises:
+            UsageError: The extra ``report`` is not installed.
+        """
+        from pirate_sm.report.gathering import gather
+        from pirate_sm.report.page import html
+        from pirate_sm.report.recorded import about_run
+
+        about = about_run(self.header, self.loaded, self.notices)
+        again = rerun_steps(self._engine, self.steps(), origin_s=self.origin_s)
+        report = gather(self.loaded, about, again, self.poses())
+        return Page(html(replace(report, recording=self.sha256)))
+
+    def show(self) -> None:
+        """Show the report below the cell of a notebook.
+
+        Raises:
+            UsageError: This is no notebook, or the extra ``report`` is not installed.
+        """
+        try:
+            from IPython.display import display
+        except ModuleNotFoundError:
+            raise UsageError(
+                "show() is for notebooks; report().write(FILE) writes a page"
+            ) from None
+        display(self.report())  # type: ignore[no-untyped-call]
+
+    def __repr__(self) -> str:
+        what = f"{self.header.mission} on {self.header.backend}"
+        return f"<Run of {what}: {self.outcome or 'no end'} after {self.duration_s:.2f} s>"
+
+    def _repr_html_(self) -> str:
+        facts = {
+            "mission": self.header.mission,
+            "backend": self.header.backend,
+            "outcome": self.outcome or "unknown",
+            "message": self.message,
+            "duration": f"{self.duration_s:.2f} s",
+            "faults": ", ".join(dict.fromkeys(self.faults.get("code", ()))) or "none",
+        }
+        rows = "".join(
+            f"<tr><th>{name}</th><td>{escape(text)}</td></tr>" for name, text in facts.items()
+        )
+        return f"<table>{rows}</table>"
+
+    @property
+    def _engine(self) -> Engine:
+        return Engine(self.loaded.robot, self.loaded.program, nominal=self.header.nominal)
+
+    @cached_property
+    def _last(self) -> tuple[Ended | None, float]:
+        """How it ended, and the time of the last thing that happened."""
+        end, last_s = None, 0.0
+        for step in self.steps():
+            last_s = max(last_s, step.at_s)
+            for effect in step.effects:
+                if isinstance(effect, Ended):
+                    end = effect
+        return end, last_s
+
+    @cached_property
+    def _tables(self) -> dict[str, Columns]:
+        """Every table, made by giving the engine again what it was given."""
+        tables: dict[str, Columns] = {}
+        engine = self._engine
+        again = rerun_steps(engine, self.steps(), origin_s=self.origin_s)
+        for row in rows_of(engine, again, self.origin_s):
+            _add(tables, row)
+        return tables
+
+
+def _add(tables: dict[str, Columns], row: Row) -> None:
+    if row.table not in tables:
+        tables[row.table] = {name: [] for name in row.header}
+    for column, value in zip(tables[row.table].values(), row.values, strict=True):
+        column.append(value)
+
+
+def read(recording: str | PathLike[str]) -> Run:
+    """Return the run that a recording holds; it stays on the disk and is read when needed.
+
+    Args:
+        recording: Path of the ``.mcap`` file.
+
+    Raises:
+        RecordingError: It cannot be read, or is of a version that cannot be used any more.
+    """
+    from pirate_sm.report.recorded import known_poses
+
+    found = read_recording(Path(recording))
+    with recorded_mission(found.header) as loaded:
+        return Run(
+            loaded,
+            found.header,
+            steps=found.steps,
+            poses=lambda: known_poses(found, loaded),
+            notices=found.notices,
+            sha256=found.sha256,
+            origin_s=found.origin_s,
+        )

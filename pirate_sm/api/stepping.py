@@ -1,0 +1,277 @@
+"""A session: a robot under the caller's own commands, one step at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack
+from os import PathLike
+from types import TracebackType
+from typing import Self, Unpack
+
+from pirate_sm.api.asked import Mission, Options, prepared
+from pirate_sm.api.noting import Notes, noted
+from pirate_sm.api.result import Run
+from pirate_sm.engine.operating import why_not_command
+from pirate_sm.engine.state import EngineState
+from pirate_sm.errors import BackendError, UsageError
+from pirate_sm.expressions import Expression, compile_condition
+from pirate_sm.model.effects import CommandStatus, Effect, Ended
+from pirate_sm.model.events import Answer, Event, OperatorCommand, Pause, Resume
+from pirate_sm.runtime.pump import BackendRaisedError, Pump, described
+from pirate_sm.spelling import nearest, one_of
+from pirate_sm.wiring import Prepared
+
+CLOSED = "the session was closed"
+
+
+class Session:
+    """A robot under the caller's commands, with a mission that waits; made by :func:`session`.
+
+    It begins when it is entered (``with``), the mission paused. When the block is left, however
+    that happens, the robot is brought to its safe state and the backend closed. The engine guards
+    every command as it guards an operator's.
+
+    Attributes:
+        status: What became of the newest command: its name, status and reason; None before one.
+    """
+
+    def __init__(self, ready: Prepared, record: str | PathLike[str] | None = None) -> None:
+        self.status: CommandStatus | None = None
+        self._ready = ready
+        self._record = record
+        self._stack = ExitStack()
+        self._pump: Pump | None = None
+        self._notes: Notes | None = None
+
+    def __enter__(self) -> Self:
+        """Open the backend and start the mission, paused.
+
+        Raises:
+            BackendError: The backend cannot be opened.
+            RecordingError: The recording cannot be begun.
+        """
+        if self._pump is not None:
+            raise UsageError("a session can be entered once")
+        ready = self._ready
+        with self._stack as stack:
+            self._notes = stack.enter_context(noted(ready, self._record, lambda: pump.state))
+            for companion in ready.companions:
+                if isinstance(companion, AbstractContextManager):
+                    stack.enter_context(companion)
+            self._pump = pump = Pump(
+                ready.engine,
+                ready.backend,
+                companions=ready.companions,
+                tell=self._tell,
+                tap=self._notes,
+            )
+            stack.callback(pump.close)
+            with _Guarded(pump, ready.backend.name):
+                pump.start(paused=True)
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Bring the robot to its safe state and close the backend."""
+        with self._stack:
+            pump = self._opened
+            if pump.ended is None:
+                with _Guarded(pump, self._ready.backend.name):
+                    pump.abort(CLOSED)
+                    while pump.ended is None:
+                        pump.take(*pump.wait())
+
+    @property
+    def now_s(self) -> float:
+        """Mission time, s."""
+        return self._opened.now_s
+
+    @property
+    def ended(self) -> Ended | None:
+        """How the run has ended; None while it goes on."""
+        return self._opened.ended
+
+    @property
+    def state(self) -> Mapping[str, str]:
+        """The state of each region of the robot's chart, by the region's name."""
+        robot, body = self._ready.engine.robot, self._engine_state.robot
+        states = robot.table.configurations[body.configuration]
+        return dict(zip(robot.regions, states, strict=True))
+
+    @property
+    def signals(self) -> Mapping[str, float]:
+        """Every signal in SI units by its name; NaN where it is unknown."""
+        return self._ready.engine.signals(self._engine_state)
+
+    @property
+    def run(self) -> Run:
+        """The run as far as it has come, with its tables and its report."""
+        if self._notes is None:
+            raise UsageError("the session has not been entered")
+        return self._notes.run("" if self._opened.open else self._ready.parting())
+
+    def why_not(self, command: str) -> str:
+        """Return why a command would be refused now; empty where it would be taken.
+
+        Raises:
+            UsageError: The robot has no such command.
+        """
+        robot = self._ready.engine.robot
+        index = robot.table.command_index[self._name(command)]
+        return why_not_command(robot, self._engine_state, index)
+
+    def submit(self, command: str) -> None:
+        """Give a command, as an operator would; :meth:`advance` waits until it is done.
+
+        Raises:
+            UsageError: The robot has no such command, or it is refused; says why.
+            BackendError: The backend has failed; the safe setpoints were its last.
+        """
+        reason = self.why_not(command)
+        if reason:
+            raise UsageError(f"{command} is refused: {reason}")
+        self._give(OperatorCommand(self._name(command)))
+
+    def resume(self) -> None:
+        """Let the mission go on from where it waits."""
+        self._give(Resume())
+
+    def pause(self) -> None:
+        """Stop the wheels and freeze the mission, which gives the robot to the caller."""
+        self._give(Pause())
+
+    def answer(self, choice: str) -> None:
+        """Answer the question that the mission asks."""
+        self._give(Answer(choice))
+
+    def advance(self, until: float | str | None = None, *, within_s: float = 60.0) -> bool:
+        """Let time pass; return whether that has come which was waited for.
+
+        Args:
+            until: A mission time in s; a condition as missions write it, such as
+                ``"odometry >= 200 mm"``; None: until a command can be given, which is when the
+                newest one is done or has failed (:attr:`status` says which).
+            within_s: So much time passes at most.
+
+        Returns:
+            True when it has come; False when time ran out or the run has ended before.
+
+        Raises:
+            ExpressionError: The condition has a fault.
+            BackendError: The backend has failed; the safe setpoints were its last.
+        """
+        pump = self._opened
+        limit_s = pump.now_s + within_s if isinstance(until, str | None) else float(until)
+        robot = self._ready.engine.robot
+        condition = compile_condition(until, robot.vocabulary) if isinstance(until, str) else None
+        with _Guarded(pump, self._ready.backend.name):
+            while pump.ended is None:
+                if isinstance(until, str | None) and self._holds(condition):
+                    return True
+                if pump.now_s >= limit_s:
+                    return not isinstance(until, str | None)
+                pump.take(*pump.wait(limit_s))
+        return False
+
+    def _holds(self, condition: Expression | None) -> bool:
+        state = self._engine_state
+        if condition is not None:
+            return condition.evaluate(state.sensing.numbers, state.words) is True
+        busy = state.robot.motion is not None and not state.mission.suspended
+        return not busy and state.robot.flight is None and state.look is None
+
+    def _give(self, event: Event) -> None:
+        with _Guarded(self._opened, self._ready.backend.name):
+            self._opened.give(event)
+
+    def _tell(self, effects: Sequence[Effect], now_s: float) -> None:
+        for effect in effects:
+            if isinstance(effect, CommandStatus):
+                self.status = effect
+
+    def _name(self, command: str) -> str:
+        """Return the name of a command that may be given by its alias."""
+        name = self._ready.loaded.loaded_robot.profile.aliases.get(command, command)
+        known = self._ready.engine.robot.table.command_index
+        if name not in known:
+            close = nearest(command, known)
+            hint = f"did you mean '{close}'?" if close else f"expected {one_of(sorted(known))}"
+            raise UsageError(f"there is no command '{command}': {hint}")
+        return name
+
+    @property
+    def _opened(self) -> Pump:
+        if self._pump is None:
+            raise UsageError("the session has not been entered: use it as 'with session(…) as s:'")
+        return self._pump
+
+    @property
+    def _engine_state(self) -> EngineState:
+        state = self._opened.state
+        if state is None:
+            raise UsageError("the backend has not been opened")
+        return state
+
+
+class _Guarded:
+    """Sends the safe array past the engine when a step breaks, and says so by our own errors."""
+
+    def __init__(self, pump: Pump, backend: str) -> None:
+        self._pump = pump
+        self._backend = backend
+
+    def __enter__(self) -> None:
+        """Begin."""
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Abandon the run if anything was raised.
+
+        Raises:
+            BackendError: It was the backend that raised.
+        """
+        if error is None or self._pump.ended is not None:
+            return
+        if isinstance(error, BackendRaisedError):
+            message = f"the {self._backend} backend failed: {described(error.__cause__)}"
+            self._pump.abandon(Ended("fault", message))
+            raise BackendError(message) from error.__cause__
+        self._pump.abandon(Ended("interrupted", described(error)))
+
+
+def session(
+    mission: Mission,
+    backend: str = "sim",
+    *,
+    seed: int = 0,
+    record: str | PathLike[str] | None = None,
+    check: bool = False,
+    yes: bool = False,
+    **options: Unpack[Options],
+) -> Session:
+    """Return a session with the robot and the pipe of a mission, which is paused at first.
+
+    Args:
+        mission: A shipped mission's name, the path of a file, or what :func:`load` has returned.
+        backend: Name of a backend: ``sim``, ``trace``, ``serial``, or another package's.
+        seed: Of everything random.
+        record: A file for a recording, which must not exist yet.
+        check: Whether a mission with something certainly wrong is refused.
+        yes: Whether you agree that a real robot moves.
+        options: :class:`pirate_sm.api.asked.Options`, such as ``pipe``, ``defects``, ``set``.
+
+    Raises:
+        LoadError: Everything that is wrong with the files; ``problems`` has each with its place.
+        CheckError: The mission is refused; ``findings`` has why, each with its place.
+        UsageError: An argument does not fit, or an extra is not installed.
+    """
+    return Session(prepared(mission, backend, seed, check=check, yes=yes, **options), record)

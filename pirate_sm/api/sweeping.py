@@ -1,0 +1,96 @@
+"""Runs one mission with many seeds, in several processes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from multiprocessing import get_context
+from multiprocessing.reduction import ForkingPickler
+from os import cpu_count
+from types import MappingProxyType
+from typing import Any, NamedTuple, Unpack
+
+from pirate_sm.api.asked import Mission, Options, loaded_once, prepared
+from pirate_sm.api.result import Columns
+from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.runtime.outcome import BUG, INTERRUPTED
+
+
+def _read_only(values: dict[Any, Any]) -> MappingProxyType[Any, Any]:
+    return MappingProxyType(values)
+
+
+def _reduced(it: MappingProxyType[Any, Any]) -> tuple[Any, ...]:
+    return _read_only, (dict(it),)
+
+
+# A loaded mission goes to other processes; Python itself cannot send the read-only views in it.
+ForkingPickler.register(MappingProxyType, _reduced)
+
+
+class _Ended(NamedTuple):
+    """How one run ended: a row of the table."""
+
+    seed: int
+    outcome: str
+    end: str
+    message: str
+    duration_s: float
+
+
+def sweep(
+    mission: Mission,
+    seeds: Iterable[int] = range(100),
+    *,
+    backend: str = "sim",
+    workers: int | None = None,
+    check: bool = True,
+    **options: Unpack[Options],
+) -> Columns:
+    """Run a mission once with each seed; return a table with a row for each, in their order.
+
+    The columns are ``seed``, ``outcome``, ``end``, ``message`` and ``duration_s``. They are the
+    same for any number of processes. A script that calls this with several of them must do so
+    under ``if __name__ == "__main__":``, for they import it.
+
+    Args:
+        mission: A shipped mission's name, the path of a file, or what :func:`load` has returned.
+        seeds: The seeds.
+        backend: Name of a backend that can run many times at once.
+        workers: How many processes share the work; 1: this one does all. One for each processor
+            by default.
+        check: Whether a mission with something certainly wrong is refused.
+        options: :class:`pirate_sm.api.asked.Options`, such as ``pipe``, ``defects``, ``set``.
+
+    Raises:
+        LoadError: Everything that is wrong with the files; ``problems`` has each with its place.
+        CheckError: The mission is refused; ``findings`` has why, each with its place.
+        UsageError: An argument does not fit, or an extra is not installed.
+    """
+    wanted = list(seeds)
+    loaded, rest = loaded_once(mission, **options)
+    # Compiles the simulator before the others need it, and finds whatever does not fit.
+    prepared(loaded, backend, 0, check=check, yes=False, **rest)
+    one = partial(_run, loaded, backend, rest)
+    count = min(workers or cpu_count() or 1, len(wanted))
+    if count <= 1:
+        ended = [one(seed) for seed in wanted]
+    else:
+        with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+            ended = list(pool.map(one, wanted, chunksize=-(-len(wanted) // (4 * count))))
+    return {name: [row[n] for row in ended] for n, name in enumerate(_Ended._fields)}
+
+
+def _run(mission: Mission, backend: str, options: Options, seed: int) -> _Ended:
+    """Return how the mission ends with one seed."""
+    ready = prepared(mission, backend, seed, check=False, yes=False, **options)
+    companions = ready.companions if ready.attended else (*ready.companions, FirstChoice())
+    result = MissionRun(ready.engine, ready.backend, companions=companions).execute()
+    if result.error is not None and result.exit_code == BUG:
+        raise result.error
+    if result.exit_code == INTERRUPTED:
+        raise KeyboardInterrupt(result.ended.message)
+    ended = result.ended
+    return _Ended(seed, ended.outcome, ended.end, ended.message, result.now_s)

@@ -1,0 +1,147 @@
+"""Names that choose a part of a run, and the functions that make it: ours and other packages'.
+
+A package adds a part by an entry point in its pyproject.toml; the entry point leads to a
+:class:`Plugin`. Ours are written in a table as the same kind of reference (docs/decisions).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.metadata import EntryPoint, entry_points
+from typing import Generic, NamedTuple, TypeVar
+
+from pirate_sm.errors import UsageError
+from pirate_sm.spelling import nearest, one_of
+
+F = TypeVar("F")
+
+
+@dataclass(frozen=True)
+class Plugin(Generic[F]):
+    """What an entry point leads to.
+
+    Attributes:
+        about: One line for ``pirate list``.
+        make: Makes the part; what it receives and returns the registry's protocol says. Imports
+            that take long belong into it, so that a list of names does not wait for them.
+    """
+
+    about: str
+    make: F
+
+
+class Listed(NamedTuple):
+    """One name of a registry.
+
+    Attributes:
+        name: How users choose it.
+        package: Who adds it; empty where it is ours.
+        about: What its package says of it.
+        fault: Why it cannot be used; empty where it can.
+    """
+
+    name: str
+    package: str
+    about: str = ""
+    fault: str = ""
+
+
+class Registry(Generic[F]):
+    """Finds the parts of one kind by their names.
+
+    Args:
+        kind: What they are, in the singular, and the option that chooses one: ``backend``.
+        group: Of the entry points with which other packages add some.
+        ours: Where our own are, ``package.module:NAME`` by name. Nobody else can take these names.
+    """
+
+    def __init__(self, kind: str, group: str, ours: Mapping[str, str]) -> None:
+        self._kind = kind
+        self._group = group
+        self._ours = {name: EntryPoint(name, value, group) for name, value in ours.items()}
+
+    def find(self, name: str) -> F:
+        """Return the function that makes the part of this name.
+
+        Raises:
+            UsageError: There is none, or its package cannot be used.
+        """
+        point = self._ours.get(name)  # ours need no search through what is installed
+        if point is None:
+            point = self._others.get(name)
+        if point is None:
+            close = nearest(name, self.names)
+            hint = f"did you mean '{close}'?" if close else f"expected {one_of(self.names)}"
+            raise UsageError(f"--{self._kind} {name}: there is no such {self._kind}: {hint}")
+        try:
+            return self._load(point).make
+        except UsageError as error:
+            raise UsageError(f"--{self._kind} {name} cannot be used: {error}") from error
+
+    def package_of(self, name: str) -> str:
+        """Return the package that adds the name; empty where it is ours."""
+        return "" if name in self._ours else _package(self._others[name])
+
+    @property
+    def names(self) -> list[str]:
+        """Every name that can be chosen, in alphabetical order."""
+        return sorted({*self._ours, *self._others})
+
+    def listed(self) -> Iterator[Listed]:
+        """Yield every name with what its package says of it, and whatever cannot be used.
+
+        A package that fails while it is imported is reported and does not disturb the others.
+        """
+        for name in self.names:
+            point = self._ours.get(name) or self._others[name]
+            try:
+                yield Listed(name, self.package_of(name), self._load(point).about)
+            except UsageError as error:
+                yield Listed(name, self.package_of(name), fault=str(error))
+        for point in self._taken:
+            yield Listed(point.name, _package(point), fault="the name is taken")
+
+    def forget(self) -> None:
+        """Look anew for what is installed, when it is asked for the next time."""
+        self.__dict__.pop("_found", None)
+        self.__dict__.pop("_others", None)
+
+    @cached_property
+    def _found(self) -> list[EntryPoint]:
+        """What packages add, in an order that does not depend on the order of installation."""
+        return sorted(entry_points(group=self._group), key=lambda each: (each.name, _package(each)))
+
+    @cached_property
+    def _others(self) -> dict[str, EntryPoint]:
+        first = {point.name: point for point in reversed(self._found)}
+        return {name: point for name, point in first.items() if name not in self._ours}
+
+    @property
+    def _taken(self) -> list[EntryPoint]:
+        return [point for point in self._found if self._others.get(point.name) is not point]
+
+    def _load(self, point: EntryPoint) -> Plugin[F]:
+        """Return what an entry point leads to.
+
+        Raises:
+            UsageError: It cannot be imported, or is something else; says which package is at fault.
+        """
+        try:
+            plugin = point.load()
+        except (Exception, SystemExit) as error:  # whatever another package does at its import
+            if point.name in self._ours:
+                raise
+            what = f"{point.value} fails with {type(error).__name__}: {error}"
+            raise UsageError(f"package {_package(point)}: {what}") from error
+        if not isinstance(plugin, Plugin):
+            found = f"{point.value} is a {type(plugin).__name__}"
+            raise UsageError(
+                f"package {_package(point)}: {found}, expected a pirate_sm.registry.Plugin"
+            )
+        return plugin
+
+
+def _package(point: EntryPoint) -> str:
+    return point.dist.name if point.dist is not None else "unknown"

@@ -1,0 +1,290 @@
+"""One step of a run at a time: the backend's events go to the engine, its effects to the backend.
+
+A pump knows no signals, no wall clock and nobody who looks on. Whoever drives it decides when the
+next step comes, and hears through ``tell`` what has happened; see :mod:`pirate_sm.runtime.loop`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import inf
+from typing import TYPE_CHECKING
+
+from pirate_sm.companion import Companion, Counting, Following, Onlooker
+from pirate_sm.errors import BackendError
+from pirate_sm.model.effects import Effect, Ended, Fault, Setpoints, WakeAt
+from pirate_sm.model.events import Abort, Event, SensorFrame, SignalReport, Tick
+from pirate_sm.runtime.observing import Tap
+
+if TYPE_CHECKING:
+    from pirate_sm.backends.protocol import Backend
+    from pirate_sm.engine.engine import Engine
+    from pirate_sm.engine.state import EngineState
+
+UNCONFIRMED = "the safe setpoints were not confirmed"
+
+_MOST_IDLE_TURNS = 10_000
+"""So many turns within ``_MOMENT_S`` of mission time only a fault of ours can explain."""
+
+_MOMENT_S = 1e-4
+
+_NUDGE_S = 1e-9
+"""A deadline that rounding has put a hair later than ``wake_at`` said comes with this step."""
+
+Tell = Callable[[Sequence[Effect], float], None]
+
+
+class BackendRaisedError(Exception):
+    """The backend has raised; the cause is what it raised."""
+
+
+class Pump:
+    """Moves events and effects between one backend and one engine.
+
+    Args:
+        engine: What decides.
+        backend: What moves.
+        companions: Who speaks up.
+        tell: Is called with the effects of each step of the engine, once they have been performed,
+            and the mission time.
+        tap: Who keeps what the engine is given and gives back.
+        after: The pump that went before on this backend and has left it open: the robot is as that
+            one left it, and time goes on.
+
+    Attributes:
+        state: The engine's state now; None before the start.
+        now_s: Mission time now.
+        ended: The last effect, once there is one.
+        fault: Code of the fault that ended the mission; empty without one.
+        listening: Whether a companion waits for a person, so that time must not run ahead.
+        aborting: Whether the mission has been aborted; companions are not heard any more.
+        open: Whether the backend can still be used.
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        backend: Backend,
+        *,
+        companions: Sequence[Companion] = (),
+        tell: Tell = lambda effects, now_s: None,
+        tap: Tap | None = None,
+        after: Pump | None = None,
+    ) -> None:
+        self.state: EngineState | None = None
+        self.now_s: float = after.now_s if after else 0.0
+        self.ended: Ended | None = None
+        self.fault = ""
+        self.listening = False
+        self.aborting = False
+        self.open = True
+        self._engine = engine
+        self._backend = backend
+        self._companions = tuple(companions)
+        self._onlookers = tuple(c if isinstance(c, Onlooker) else None for c in companions)
+        self._tell = tell
+        self._tap = tap
+        self._after = after
+        self._heard: dict[int, SensorFrame] = after._heard if after else {}
+        self._last_id: int = after._last_id if after else 0
+        self._wake_s = self._until_s = inf
+        self._kept_s = -inf
+        self._idle_turns = 0
+        for companion in companions:
+            if isinstance(companion, Following):
+                companion.follow(engine, lambda: self.state)
+
+    def start(self, *, paused: bool = False) -> None:
+        """Open the backend and start the engine.
+
+        Args:
+            paused: Whether the operator has the robot first.
+
+        Raises:
+            BackendRaisedError: The backend cannot be opened or takes no array.
+        """
+        before = self._after.state if self._after else None
+        events: Sequence[Event] = tuple(self._heard.values())
+        if before is None:
+            try:
+                events = self._backend.open()
+            except Exception as error:
+                raise BackendRaisedError from error
+        else:
+            for companion in self._companions:
+                if isinstance(companion, Counting):
+                    companion.restart(self._engine.robot)
+        body = before and before.robot._replace(flight=None, motion=None, loops=())
+        seen = [event for event in events if isinstance(event, SensorFrame | SignalReport)]
+        self._heard.update((each.board, each) for each in seen if isinstance(each, SensorFrame))
+        self.state, effects = self._engine.start(self.now_s, seen, body=body, paused=paused)
+        if self._tap is not None:
+            self._tap.start(seen, self.now_s, effects, body=body, paused=paused)
+        self._perform(effects)
+        for event in events:
+            if not isinstance(event, SensorFrame | SignalReport):
+                self.give(event)
+
+    def wait(self, until_s: float = inf) -> tuple[float, Sequence[Event]]:
+        """Let the world run until something has happened or somebody wants to be woken.
+
+        Args:
+            until_s: Mission time at which the wait ends at the latest.
+
+        Returns:
+            The time reached and the events of that moment, which :meth:`take` must be given.
+
+        Raises:
+            BackendRaisedError: The backend has raised.
+        """
+        try:
+            return self._backend.advance(min(self._until_s, until_s))
+        except Exception as error:
+            raise BackendRaisedError from error
+
+    def take(self, now_s: float, events: Sequence[Event]) -> None:
+        """Give the engine what has happened, and whoever wants to be woken by now a turn.
+
+        Raises:
+            BackendRaisedError: The backend has raised.
+        """
+        self.now_s = now_s
+        for event in events:
+            self.give(event)
+        if now_s >= self._until_s or not events:
+            self._keep_time()
+
+    def give(self, event: Event) -> None:
+        """Give the engine one event and perform its effects; after the end nothing happens.
+
+        Raises:
+            BackendRaisedError: The backend has raised.
+        """
+        if type(event) is SensorFrame:
+            self._heard[event.board] = event
+        if self.ended is None and self.state is not None:
+            effects: tuple[Effect, ...] = ()
+            try:
+                self.state, effects = self._engine.step(self.state, event, self.now_s)
+            finally:  # the step that broke the engine is the one to keep
+                if self._tap is not None:
+                    self._tap.take(event, self.now_s, effects)
+            if effects:
+                self._perform(effects)
+
+    def abort(self, reason: str) -> None:
+        """Send the engine on its way to the safe stop; steps must follow until it has ended."""
+        self.aborting = True
+        self.listening = False
+        self.give(Abort(reason))
+        self._plan()
+
+    def abandon(self, ended: Ended, *before: Effect) -> tuple[Effect, ...]:
+        """Send the safe array past the engine, if anything ever was sent, and close the backend.
+
+        This is the last resort when no step can be made any more. It never raises.
+
+        Args:
+            ended: How the run ends; what could not be done is added to its message.
+            before: Effects that go before it.
+
+        Returns:
+            All that was done, with the end as its last.
+        """
+        effects: list[Effect] = list(before)
+        if self.state is not None and self._last_id > 0:
+            try:
+                safe = Setpoints(self._last_id + 1, self._engine.safe_values(self.state))
+                effects.append(safe)
+                failure = self._submit(safe)
+            except Exception as error:
+                failure = error
+            if failure is not None:
+                note = f"{ended.message}; the safe array could not be sent: {described(failure)}"
+                ended = ended._replace(message=note)
+            self.close()
+            if not getattr(self._backend, "confirmed", True):
+                ended = ended._replace(message=f"{ended.message} ({UNCONFIRMED})")
+        self.ended = ended
+        done = (*effects, ended)
+        if self._tap is not None:
+            self._tap.abandon(self.now_s, done)
+        return done
+
+    def close(self) -> None:
+        """Close the backend, once."""
+        if self.open:
+            self.open = False
+            self._backend.close()
+
+    def _keep_time(self) -> None:
+        """Wake whoever wanted to be woken by now."""
+        now_s = self.now_s
+        if now_s > self._kept_s + _MOMENT_S:
+            self._kept_s, self._idle_turns = now_s, 0
+        else:
+            self._idle_turns += 1
+            if self._idle_turns > _MOST_IDLE_TURNS:
+                raise RuntimeError(f"mission time stands still at {now_s:g} s")
+        if now_s >= self._wake_s:
+            self.give(Tick())
+            if now_s >= self._wake_s:
+                self._wake_s = now_s + _NUDGE_S
+        if not self.aborting:
+            for companion, onlooker in zip(self._companions, self._onlookers, strict=True):
+                if now_s >= companion.due_s:
+                    self._hear(companion, onlooker)
+        self._plan()
+
+    def _hear(self, companion: Companion, onlooker: Onlooker | None) -> None:
+        """Give the engine what the companion has to say."""
+        if self.state is not None and onlooker is not None:
+            told = onlooker.look(self.state, self.now_s)
+            if told:
+                self._tell(told, self.now_s)
+        for event in companion.speak(self.now_s):
+            self.give(event)
+
+    def _perform(self, effects: Sequence[Effect]) -> None:
+        """Give the robot its setpoints, and tell everybody what happened."""
+        failure: Exception | None = None
+        for effect in effects:
+            if isinstance(effect, Setpoints):
+                failure = self._submit(effect) or failure
+            elif isinstance(effect, WakeAt):
+                self._wake_s = effect.at_s
+            elif isinstance(effect, Fault) and effect.handling == "stop":
+                self.fault = self.fault or effect.code  # the first one ended the mission
+            elif isinstance(effect, Ended):
+                self.ended = effect
+        self._tell(effects, self.now_s)
+        for companion in self._companions:
+            companion.react(effects, self.now_s)
+        self._plan()
+        if failure is not None:
+            raise BackendRaisedError from failure
+
+    def _submit(self, setpoints: Setpoints) -> Exception | None:
+        self._last_id = max(self._last_id, setpoints.setpoint_id)
+        try:
+            self._backend.submit(setpoints.setpoint_id, setpoints.values)
+        except Exception as error:
+            return error
+        return None
+
+    def _plan(self) -> None:
+        """Find out until when the world may run, and whether a person is waited for."""
+        until_s = self._wake_s
+        if not self.aborting:
+            listening = False
+            for companion in self._companions:
+                until_s = min(until_s, companion.due_s)
+                listening = listening or companion.listening
+            self.listening = listening
+        self._until_s = until_s
+
+
+def described(error: BaseException | None) -> str:
+    """Return one line about an error: its words alone where they are meant for people."""
+    text = " ".join(str(error).split())
+    return text if isinstance(error, BackendError) else f"{type(error).__name__}: {text}"

@@ -1,0 +1,24 @@
+"""Contracts that hold a backend or a detector to what the rest of the package relies on.
+
+A package that adds one derives a test class, and pytest finds the tests in it:
+
+    from pirate_sm.testing import BackendContract, Candidate
+
+    class TestRig(BackendContract):
+        @pytest.fixture
+        def candidate(self) -> Candidate:
+            return Candidate(make_rig, still=…, moving=…, mission=load("mission.yaml"))
+
+Only this package needs pytest.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.register_assert_rewrite("pirate_sm.testing.backends", "pirate_sm.testing.detectors")
+
+from pirate_sm.testing.backends import BackendContract, Candidate  # noqa: E402 - rewritten first
+from pirate_sm.testing.detectors import DetectorContract, Subject  # noqa: E402
+
+__all__ = ["BackendContract", "Candidate", "DetectorContract", "Subject"]

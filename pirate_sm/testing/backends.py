@@ -1,0 +1,209 @@
+"""What every backend must do, whatever is behind it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import dist, inf
+from random import Random
+from typing import Any, get_args
+
+import pytest
+
+from pirate_sm.backends.protocol import Backend, Completion
+from pirate_sm.engine.engine import Engine
+from pirate_sm.errors import BackendError
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.events import Event, SubmitResult
+from pirate_sm.runtime.companions import FirstChoice, TriggerScript
+from pirate_sm.runtime.loop import MissionRun
+
+MOST_CALLS = 10_000
+
+Values = tuple[float, ...]
+Told = list[tuple[float, Event]]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A way to make a backend, and what to try it with.
+
+    Attributes:
+        make: Makes one that has not been opened, from a seed; equal seeds give equal ones.
+        still: An array of setpoints with which the robot stays where it is.
+        moving: Another array of setpoints, with which something moves.
+        mission: A mission that succeeds on the backend.
+        places: Returns where the robot of a backend is, m; empty: nobody knows.
+    """
+
+    make: Callable[[int], Backend]
+    still: Values
+    moving: Values
+    mission: LoadedMission
+    places: Callable[[Any], Sequence[tuple[float, float]]] = lambda backend: ()
+
+
+class BackendContract:
+    """Tests that every backend must pass; a class derived from it gives the candidate."""
+
+    @pytest.fixture
+    def candidate(self) -> Candidate:
+        """Return what is to be tested."""
+        raise NotImplementedError("a class derived from BackendContract needs a fixture candidate")
+
+    @pytest.fixture
+    def backend(self, candidate: Candidate) -> Backend:
+        """Return a backend that has not been opened."""
+        return candidate.make(0)
+
+    def test_it_says_what_it_is(self, backend: Backend) -> None:
+        """A name, how commands are completed and whether time passes by itself are known."""
+        assert backend.name
+        assert backend.completion in get_args(Completion)
+        assert backend.real_time in (True, False)
+
+    def test_nothing_moves_before_the_first_array(
+        self, candidate: Candidate, backend: Backend
+    ) -> None:
+        """Opening a backend and letting time pass moves no robot and gives no result."""
+        backend.open()
+        before = candidate.places(backend)
+        told = run_until(backend, 3.0)
+
+        assert results(told) == {}
+        for place, now in zip(before, candidate.places(backend), strict=True):
+            assert dist(place, now) < 1e-4
+
+    def test_an_array_meets_exactly_one_fate(self, candidate: Candidate, backend: Backend) -> None:
+        """Each array gets one result, however much time passes."""
+        backend.open()
+        told: Told = []
+        for number in range(1, 6):
+            backend.submit(number, candidate.moving)
+            told += run_until(backend, number * 2.0)
+
+        assert results(told) == dict.fromkeys(range(1, 6), 1)
+
+    def test_arrays_in_quick_succession_meet_one_fate_each_and_the_last_is_not_superseded(
+        self, candidate: Candidate, backend: Backend
+    ) -> None:
+        """Only an array that a newer one has overtaken may be superseded."""
+        backend.open()
+        for number in range(1, 4):
+            backend.submit(number, candidate.moving if number % 2 else candidate.still)
+        told = run_until(backend, 3.0)
+
+        fates = {e.setpoint_id: e.status for _, e in told if isinstance(e, SubmitResult)}
+        assert results(told) == {1: 1, 2: 1, 3: 1}
+        assert fates[3] != "superseded"
+
+    def test_the_same_array_may_be_submitted_again(
+        self, candidate: Candidate, backend: Backend
+    ) -> None:
+        """An array that is submitted twice gets two results."""
+        backend.open()
+        backend.submit(1, candidate.moving)
+        told = run_until(backend, 2.0)
+        backend.submit(1, candidate.moving)
+        told += run_until(backend, 4.0)
+
+        assert results(told) == {1: 2}
+
+    def test_a_result_comes_even_if_one_asks_without_a_limit(
+        self, candidate: Candidate, backend: Backend
+    ) -> None:
+        """A result does not wait for the end of an infinite ``advance``."""
+        backend.open()
+        backend.submit(1, candidate.moving)
+        for _ in range(MOST_CALLS):
+            now_s, events = backend.advance(inf)
+            if any(isinstance(event, SubmitResult) for event in events):
+                return
+        raise AssertionError(f"no result by {now_s} s")
+
+    @pytest.mark.parametrize("number", range(15))
+    def test_time_neither_goes_back_nor_past_what_was_asked(
+        self, candidate: Candidate, number: int
+    ) -> None:
+        """The time that ``advance`` returns lies between the last one and its limit."""
+        chance, backend = Random(number), candidate.make(0)
+        backend.open()
+        now_s = until_s = 0.0
+        for step in range(chance.randint(1, 12)):
+            if chance.random() < 0.5:
+                backend.submit(step + 1, candidate.moving)
+            until_s += chance.choice([0.0, 1e-9, chance.uniform(0.0, 0.02), chance.random() / 2])
+            reached_s, _ = backend.advance(until_s)
+            assert now_s <= reached_s <= until_s
+            now_s = reached_s
+
+    def test_time_asked_for_that_has_passed_already_stands_still(self, backend: Backend) -> None:
+        """A limit in the past is no error, and nothing happens then."""
+        backend.open()
+        run_until(backend, 1.0)
+
+        now_s, events = backend.advance(0.5)
+
+        assert (now_s, list(events)) == (1.0, [])
+
+    def test_equal_seeds_give_equal_events(self, candidate: Candidate) -> None:
+        """A run can be repeated to the bit."""
+        told = []
+        for _ in range(2):
+            backend = candidate.make(7)
+            opened = list(backend.open())
+            backend.submit(1, candidate.moving)
+            first = run_until(backend, 2.0)
+            backend.submit(2, candidate.still)
+            told.append((opened, first, run_until(backend, 4.0)))
+
+        assert repr(told[0]) == repr(told[1])
+
+    def test_it_may_be_closed_at_any_time_and_more_than_once(self, candidate: Candidate) -> None:
+        """Closing never raises, also before opening and with an array on its way."""
+        unopened = candidate.make(0)
+        unopened.close()
+        backend = candidate.make(0)
+        backend.open()
+        backend.submit(1, candidate.moving)
+        backend.close()
+        backend.close()
+
+    def test_a_closed_one_takes_nothing_more_and_can_be_closed_again(
+        self, candidate: Candidate, backend: Backend
+    ) -> None:
+        """An array for a closed backend is an error."""
+        backend.open()
+        backend.close()
+        with pytest.raises(BackendError):
+            backend.submit(1, candidate.still)
+        backend.close()
+
+    def test_a_mission_runs_on_it_to_its_end(self, candidate: Candidate) -> None:
+        """The engine and the loop can use it."""
+        backend, loaded = candidate.make(0), candidate.mission
+        nominal = backend.completion == "nominal"
+        engine = Engine(loaded.robot, loaded.program, nominal=nominal)
+
+        companions = (TriggerScript(loaded.program), FirstChoice())
+        result = MissionRun(engine, backend, companions=companions).execute()
+
+        assert (result.ended.outcome, result.exit_code) == ("succeeded", 0), result.ended.message
+
+
+def run_until(backend: Backend, until_s: float) -> Told:
+    """Return everything that is said up to this time, however often one must ask."""
+    told: Told = []
+    for _ in range(MOST_CALLS):
+        now_s, events = backend.advance(until_s)
+        assert now_s <= until_s
+        told += [(now_s, event) for event in events]
+        if now_s >= until_s and not events:
+            return told
+    raise AssertionError(f"{until_s} s are never reached")
+
+
+def results(told: Sequence[tuple[float, Event]]) -> Counter[int]:
+    """Return how many results each array has got."""
+    return Counter(event.setpoint_id for _, event in told if isinstance(event, SubmitResult))

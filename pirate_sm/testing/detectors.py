@@ -1,0 +1,143 @@
+"""What every detector must do, however it knows its words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, ExitStack
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+
+from pirate_sm.companion import Companion, Counting, Onlooker
+from pirate_sm.detectors.choice import Asked, Detecting, MakeDetector
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.effects import Effect
+from pirate_sm.model.events import DetectorWord, EnvironmentReport, Event
+from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.wiring import Order, Prepared, prepare
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A detector's factory, and what to try it with.
+
+    Attributes:
+        make: The factory, as the entry point's plugin has it.
+        mission: A mission, in the robot and the pipe of which the detector stands.
+        backend: Name of the backend that the mission runs on: ``sim`` or ``trace``.
+        argument: What stands after a colon behind the detector's name; None without.
+        words: Whether the mission must hear at least one word.
+    """
+
+    make: MakeDetector
+    mission: LoadedMission
+    backend: str = "sim"
+    argument: str | None = None
+    words: bool = True
+
+
+@dataclass
+class _Heard:
+    """A companion around another one: it checks what that one says and when."""
+
+    inner: Companion
+    words: Sequence[str]
+    said: list[Event] = field(default_factory=list)
+
+    @property
+    def due_s(self) -> float:
+        return self.inner.due_s
+
+    @property
+    def listening(self) -> bool:
+        return self.inner.listening
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        self.inner.react(effects, now_s)
+
+    def look(self, state: Any, now_s: float) -> Sequence[Any]:
+        return self.inner.look(state, now_s) if isinstance(self.inner, Onlooker) else ()
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        said = self.inner.speak(now_s)
+        assert self.inner.due_s > now_s, "speak() must move due_s on, or time stands still"
+        for event in said:
+            assert isinstance(event, DetectorWord | EnvironmentReport)
+            if isinstance(event, DetectorWord):
+                assert event.word in self.words, "the robot's profile has no such word"
+                assert event.valid_for_s > 0.0
+        self.said += said
+        return said
+
+
+class _NoTime:
+    """A clock on which waiting takes no time; for companions that listen to a person."""
+
+    def __init__(self) -> None:
+        self._now_s = 0.0
+
+    def now(self) -> float:
+        return self._now_s
+
+    def sleep(self, seconds: float) -> None:
+        self._now_s += seconds
+
+
+class DetectorContract:
+    """Tests that every detector must pass; a class derived from it gives the subject."""
+
+    @pytest.fixture
+    def subject(self) -> Subject:
+        """Return what is to be tested."""
+        raise NotImplementedError("a class derived from DetectorContract needs a fixture subject")
+
+    def test_it_says_who_it_is(self, subject: Subject) -> None:
+        """It has a name, and it is made without opening anything."""
+        _, found = made(subject)
+        assert found.kind
+
+    def test_a_mission_hears_words_that_the_robot_knows_at_times_that_go_on(
+        self, subject: Subject
+    ) -> None:
+        """What it says has a meaning for the robot, and mission time never stands still."""
+        said = heard(subject, *made(subject))
+
+        assert said or not subject.words, "no word was said"
+
+    def test_it_can_begin_again_for_another_mission(self, subject: Subject) -> None:
+        """One that counts from the beginning of a mission can be restarted at any time."""
+        ready, found = made(subject)
+        for companion in found.companions:
+            if isinstance(companion, Counting):
+                companion.restart(subject.mission.robot)
+
+        said = heard(subject, ready, found)
+
+        assert said or not subject.words, "no word was said after a restart"
+
+
+def made(subject: Subject) -> tuple[Prepared, Detecting]:
+    """Return a run of the mission and the detector for it, made as a run makes it."""
+    loaded = subject.mission
+    ready = prepare(Order(loaded.documents[0].name, subject.backend), loaded)
+    profile, robot = loaded.loaded_robot.profile, loaded.robot
+    asked = Asked(profile, robot, loaded.pipe, places=ready.places, argument=subject.argument)
+    return ready, subject.make(asked)
+
+
+def heard(subject: Subject, ready: Prepared, found: Detecting) -> list[Event]:
+    """Return what the detector says in the run."""
+    words = subject.mission.robot.detector_words
+    watched = [_Heard(companion, words) for companion in found.companions]
+    with ExitStack() as stack:
+        for companion in found.companions:
+            if isinstance(companion, AbstractContextManager):
+                stack.enter_context(companion)
+        companions: list[Companion] = [*watched, FirstChoice()]
+        run = MissionRun(ready.engine, ready.backend, companions=companions, clock=_NoTime())
+        result = run.execute()
+    if result.error is not None:
+        raise result.error
+    return [event for each in watched for event in each.said]

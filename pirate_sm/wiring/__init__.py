@@ -1,0 +1,138 @@
+"""Puts mission, engine, backend and detector together: the only place that picks a backend."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+
+from pirate_sm.detectors.choice import Asked, Detecting, detecting
+from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.program import Wait
+from pirate_sm.errors import BackendError, PirateError, UsageError
+from pirate_sm.loading import library
+from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.registry import Registry
+from pirate_sm.wiring.order import Order
+from pirate_sm.wiring.prepared import Equipment, MakeBackend, Prepared, Say
+from pirate_sm.wiring.serial import calibrated
+
+__all__ = ["BACKENDS", "Order", "Prepared", "again", "answers", "load", "prepare"]
+
+BACKENDS: Registry[MakeBackend] = Registry(
+    "backend",
+    "pirate_sm.backends",
+    {name: f"pirate_sm.wiring.{name}:BACKEND" for name in ("serial", "sim", "trace")},
+)
+
+
+def load(order: Order) -> LoadedMission:
+    """Read the files that the order names.
+
+    Raises:
+        LoadError: Everything that is wrong with them.
+        UsageError: An argument does not fit.
+    """
+    return load_mission(
+        library.find_mission(order.mission),
+        robot=order.robot,
+        pipe=order.pipe,
+        settings=order.settings,
+        start_phase=order.start_phase,
+        states=order.states,
+    )
+
+
+def prepare(
+    order: Order, loaded: LoadedMission | None = None, say: Say = lambda text: None
+) -> Prepared:
+    """Return mission, engine and backend, ready to run; nothing has moved.
+
+    Args:
+        order: What is wanted.
+        loaded: What :func:`load` made of it, where that has been done before.
+        say: Takes what a person should know while this takes longer than a moment.
+
+    Raises:
+        LoadError: Everything that is wrong with the files.
+        UsageError: An argument does not fit, or an optional part is not installed.
+        CheckError: The mission is refused.
+        BackendError: The backend is another package's, which has a fault.
+    """
+    make = BACKENDS.find(order.backend)
+    loaded = loaded or load(order)
+    if order.check:
+        from pirate_sm.checking.gate import pass_or_raise
+
+        pass_or_raise(loaded)
+    made = _made(make, order, loaded, say)
+    loaded = made.loaded or loaded
+    found = _detecting(order, loaded, made)
+    nominal = made.backend.completion == "nominal"
+    given = {each.name: getattr(made, each.name) for each in fields(Equipment)}
+    return Prepared(
+        **{
+            **given,
+            "loaded": loaded,
+            "companions": (*made.companions, *found.companions),
+            "notices": (*loaded.notices, *made.notices, *found.notices),
+        },
+        order=order,
+        engine=Engine(loaded.robot, loaded.program, nominal=nominal),
+        reckoned=None if made.truth else found.reckoned,
+        detector=found.kind,
+    )
+
+
+def _made(make: MakeBackend, order: Order, loaded: LoadedMission, say: Say) -> Equipment:
+    """Return what the backend's factory makes; a fault of another package's says whose it is."""
+    package = BACKENDS.package_of(order.backend)
+    try:
+        return make(order, loaded, say)
+    except Exception as error:
+        if isinstance(error, PirateError) or not package:
+            raise
+        what = f"{type(error).__name__}: {error}"
+        raise BackendError(
+            f"the backend '{order.backend}' of package {package} fails: {what}"
+        ) from error
+
+
+def _detecting(order: Order, loaded: LoadedMission, made: Equipment) -> Detecting:
+    """Return who says the detector's words."""
+    if made.usual_detector is None:
+        if order.detector is not None or order.start_at_m is not None:
+            raise UsageError(f"--backend {order.backend} takes no --detector and no --start-at")
+        return Detecting("none")
+    profile, robot = loaded.loaded_robot.profile, loaded.robot
+    asked = Asked(profile, robot, loaded.pipe, order.start_at_m, made.places, order.seed)
+    return detecting(order.detector, made.usual_detector, asked)
+
+
+def again(prepared: Prepared, loaded: LoadedMission) -> Prepared:
+    """Return another mission on the same open backend; the robot is where the last one left it.
+
+    Raises:
+        UsageError: It is a mission for another robot.
+    """
+    before = prepared.loaded
+    if loaded.loaded_robot.folder != before.loaded_robot.folder:
+        name = before.loaded_robot.profile.robot
+        raise UsageError(f"{loaded.mission.mission} is for {loaded.robot.name}, this is {name}")
+    order = replace(prepared.order, mission=loaded.mission.mission)
+    if order.backend == "serial":
+        loaded, _ = calibrated(order, loaded)
+    # The robot stays in the pipe that it is in, whatever the mission was written for.
+    program = replace(loaded.program, diameter_m=before.program.diameter_m)
+    loaded = replace(loaded, program=program, pipe=before.pipe, pipe_name=before.pipe_name)
+    engine = Engine(loaded.robot, loaded.program, nominal=prepared.engine.nominal)
+    return replace(prepared, order=order, loaded=loaded, engine=engine, notices=())
+
+
+def answers(loaded: LoadedMission) -> dict[str, tuple[str, ...]]:
+    """Return the operator's words that the wait of each phase listens to."""
+    heard: dict[str, tuple[str, ...]] = {}
+    for instruction in loaded.program.instructions:
+        if isinstance(instruction, Wait):
+            words = tuple(each.answer for each in instruction.triggers if each.answer)
+            if words:
+                heard[instruction.phase] = words
+    return heard

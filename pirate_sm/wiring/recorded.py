@@ -1,0 +1,50 @@
+"""What a recording is told of a run that has been prepared."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from math import isinf
+from typing import TYPE_CHECKING, Any
+
+from pirate_sm.engine.state import EngineState
+from pirate_sm.wiring.prepared import Prepared
+
+if TYPE_CHECKING:
+    from pirate_sm.recording.header import RunHeader
+    from pirate_sm.recording.viewing import Snapshot
+
+
+def run_header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
+    """Return what the recording of a run begins with.
+
+    Args:
+        prepared: The run.
+        factor: Mission seconds per second of the wall.
+        began: When the run began.
+    """
+    from pydantic_core import to_jsonable_python
+
+    from pirate_sm.recording.header import header_of
+
+    options: dict[str, Any] = to_jsonable_python(prepared.order)
+    options["speed"] = "max" if isinf(factor) else factor
+    return header_of(
+        prepared.loaded,
+        backend=prepared.order.backend,
+        nominal=prepared.engine.nominal,
+        detector=prepared.detector,
+        options=options,
+        began=began,
+    )
+
+
+def shown_to_viewers(prepared: Prepared, state: EngineState | None) -> Snapshot | None:
+    """Return what viewers are shown of this moment; None before the engine has started."""
+    from pirate_sm.recording.viewing import Snapshot
+
+    if state is None:
+        return None
+    if prepared.wheels is not None:
+        return Snapshot(state, prepared.wheels(), True)
+    taken = prepared.reckoned() if prepared.reckoned else None
+    return Snapshot(state, taken.wheels if taken else None, False)

@@ -1,0 +1,60 @@
+"""Makes the backend ``serial``: the real robot, or an emulated one, behind a serial port."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.registry import Plugin
+from pirate_sm.runtime.companions import Holder, Messenger
+from pirate_sm.wiring.order import Order
+from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
+
+
+def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
+    """Return the link to the robot at the order's port; the port is not opened.
+
+    Raises:
+        UsageError: There is no port, or an option is for another backend.
+    """
+    if not order.port:
+        raise UsageError("--backend serial needs a port: --port /dev/ttyACM0, or a pyserial URL")
+    if order.defects:
+        raise UsageError("a real robot has the defects that it has: --defect is for --backend sim")
+    if order.firings or order.course:
+        raise UsageError("triggers can be fired in a trace only: use --backend trace")
+    from pirate_sm.backends.pico.assembly import STAY_S, read_plan, serial_backend
+
+    loaded, notices = calibrated(order, loaded)
+    profile = loaded.loaded_robot.profile
+    plan = read_plan(loaded.loaded_robot.folder, profile, loaded.robot)
+    stay_s = STAY_S if order.guard_for_s is None else order.guard_for_s
+    backend = serial_backend(plan, order.port, order.baud, stay_s)
+    return Equipment(
+        backend=backend,
+        loaded=loaded,
+        companions=(Holder(backend.hold), Messenger(backend.remark)),
+        notices=notices,
+        usual_detector="odometry",
+        link=lambda: backend.health,
+        parting=backend.parting,
+        confirmation=f"{profile.robot} on {order.port} is about to move",
+    )
+
+
+def calibrated(order: Order, loaded: LoadedMission) -> tuple[LoadedMission, tuple[str, ...]]:
+    """Return the mission with the joint zeros of its robot, and a line that says so.
+
+    It is returned as it was, without a line, where the order wants no zeros or there are none.
+    """
+    from pirate_sm.loading.calibration import newest_calibration, summary, with_zeros
+
+    calibration = newest_calibration(loaded.loaded_robot) if order.calibration else None
+    if calibration is None:
+        return loaded, ()
+    robot = with_zeros(loaded.robot, calibration.zeros)
+    return replace(loaded, robot=robot), (summary(calibration),)
+
+
+BACKEND: Plugin[MakeBackend] = Plugin("the real robot, at the port given with --port", make)

@@ -1,0 +1,82 @@
+"""Makes the backend ``sim``: the kinematic simulator with the mission's pipe and robot."""
+
+from __future__ import annotations
+
+from pirate_sm.detectors.choice import Places
+from pirate_sm.engine.robot_state import at_rest_in
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.registry import Plugin
+from pirate_sm.wiring.order import Order
+from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
+
+COMPILING = (
+    "Compiling the simulator to machine code for this processor, so that it runs hundreds of "
+    "times faster than real time: some ten seconds, once ..."
+)
+
+_COMPILED = {"llvmlite", "numba", "numpy"}
+"""What the extra `sim` installs."""
+
+
+def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
+    """Return the simulator with the robot where the mission begins.
+
+    Raises:
+        UsageError: There is no pipe, an option is for another backend, or the extra ``sim`` is not
+            installed.
+    """
+    if loaded.pipe is None:
+        raise UsageError("the mission names no pipe to simulate: give one with --pipe NAME")
+    if order.firings or order.course:
+        raise UsageError("triggers can be fired in a trace only: use --backend trace")
+    try:
+        from pirate_sm.backends.simulated import SimulatorBackend
+        from pirate_sm.simulation.surroundings import Jitter
+        from pirate_sm.simulation.xpbd.world import is_compiled
+    except ModuleNotFoundError as error:
+        if error.name not in _COMPILED:
+            raise
+        raise UsageError(
+            f"the simulator needs {error.name}, which is not installed: "
+            "pip install 'pirate-sm[sim]' (or use --backend trace)"
+        ) from None
+    if not is_compiled():
+        say(COMPILING)
+    backend = SimulatorBackend(
+        loaded.loaded_robot.profile,
+        loaded.pipe,
+        seed=order.seed,
+        start_values=start_values(loaded),
+        jitter=Jitter(order.start_jitter_m, order.friction_jitter, order.diameter_jitter_m),
+        defects=order.defects,
+    )
+    return Equipment(
+        backend=backend,
+        usual_detector="sim",
+        places=Places(backend.crossings_m, lambda: backend.arcs_m),
+        truth=lambda: backend.truth,
+        wheels=lambda: backend.wheels,
+    )
+
+
+def start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
+    """Return setpoints that hold a simulated robot where its mission says it is; None at its rest.
+
+    Only joints of held parts are driven. A part that is bending is not in a bend yet: pushed in a
+    straight pipe it would lever the held part off the wall before the first command.
+    """
+    configuration, robot = loaded.program.start_configuration, loaded.robot
+    if configuration == robot.table.initial:
+        return None
+    profile = loaded.loaded_robot.profile
+    held = {robot.parts[part] for part in robot.held[configuration]}
+    free = {joint.name for joint in profile.body.joints if joint.part not in held}
+    values = at_rest_in(robot, configuration).values
+    return tuple(
+        0.0 if slot.joint in free else value
+        for slot, value in zip(profile.slots, values, strict=True)
+    )
+
+
+BACKEND: Plugin[MakeBackend] = Plugin("the kinematic simulator", make)

@@ -1,0 +1,82 @@
+"""Makes the backend ``trace``: nothing moves, a script or the first trigger decides."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+from pirate_sm.backends.trace import IDEAL, SCRIPTED, TraceBackend, Verdicts
+from pirate_sm.engine.program import Wait
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.course import played
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.registry import Plugin
+from pirate_sm.runtime.companions import Firing, LoopWatch, TriggerScript
+from pirate_sm.runtime.course import CoursePlayer, longest_s
+from pirate_sm.spelling import nearest, one_of
+from pirate_sm.wiring.order import Order
+from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
+
+
+def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
+    """Return a trace, with who fires triggers in it.
+
+    Raises:
+        UsageError: An option is for another backend, or nothing waits for what shall be fired.
+    """
+    if order.defects:
+        raise UsageError("--defect needs a robot that moves: use --backend sim")
+    if order.detector is not None or order.start_at_m is not None:
+        raise UsageError("--detector needs a robot that moves: use --backend sim")
+    if order.course:
+        return _course(order, loaded)
+    _check_firings(order.firings, loaded)
+    script = TriggerScript(loaded.program, order.firings)
+    watch = LoopWatch(lambda: len(script.unused))
+    return Equipment(backend=TraceBackend(), companions=(watch, script), notices=(IDEAL,))
+
+
+def _course(order: Order, loaded: LoadedMission) -> Equipment:
+    """Return a trace in which what happens is laid down."""
+    if order.firings:
+        raise UsageError("a course of events and --fire exclude each other")
+    events = played(order.course, loaded.robot)
+    known = [each.report for each in events if each.happening.happens == "start" and each.report]
+    later = [each for each in events if each.happening.happens != "start"]
+    verdicts = Verdicts(scripted=True)
+    program = loaded.program
+    player = CoursePlayer(later, program, verdicts.decide, verdicts.release)
+    # How long commands take in a trace is nothing that a time limit could be held against.
+    limit_s = program.time_limit_s + longest_s(order.course, loaded.robot, program)
+    return Equipment(
+        backend=TraceBackend(verdicts, known),
+        loaded=replace(loaded, program=replace(program, time_limit_s=limit_s)),
+        companions=(player,),
+        notices=(SCRIPTED,),
+        attended=True,
+    )
+
+
+def _check_firings(firings: tuple[Firing, ...], loaded: LoadedMission) -> None:
+    waits = [each for each in loaded.program.instructions if isinstance(each, Wait)]
+    phases = {wait.phase for wait in waits}
+    for firing in firings:
+        if firing.phase and firing.phase not in phases:
+            raise UsageError(
+                f"no phase '{firing.phase}' waits for anything: {_meant(firing.phase, phases)}"
+            )
+        here = [wait for wait in waits if firing.phase in ("", wait.phase)]
+        triggers = {trigger.name for wait in here for trigger in wait.triggers} | {"within"}
+        if firing.trigger not in triggers:
+            raise UsageError(
+                f"nothing waits for a trigger '{firing.trigger}': "
+                f"{_meant(firing.trigger, triggers)}"
+            )
+
+
+def _meant(word: str, known: Collection[str]) -> str:
+    close = nearest(word, known)
+    return f"did you mean '{close}'?" if close else f"expected {one_of(sorted(known))}"
+
+
+BACKEND: Plugin[MakeBackend] = Plugin("nothing moves; shows what would be sent", make)

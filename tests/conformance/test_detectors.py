@@ -1,0 +1,25 @@
+"""Every detector of this package keeps the contract that other packages' detectors are held to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.detectors.choice import DETECTORS
+from pirate_sm.loading.mission import load_mission
+from pirate_sm.testing import DetectorContract, Subject
+
+from .candidates import NEWT
+
+# What nobody says is heard in no test: a person at the keyboard, a program outside.
+SILENT = ("operator", "socket")
+
+
+class TestDetectors(DetectorContract):
+    @pytest.fixture(params=["sim", "odometry", *SILENT])
+    def subject(self, request: pytest.FixtureRequest, tmp_path: Path) -> Subject:
+        name = request.param
+        argument = str(tmp_path / "words") if name == "socket" else None
+        mission = load_mission(NEWT / "patrol.yaml")
+        return Subject(DETECTORS.find(name), mission, argument=argument, words=name not in SILENT)

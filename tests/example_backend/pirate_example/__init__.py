@@ -1,0 +1,1 @@
+"""A backend and a detector of another package."""

@@ -1,0 +1,88 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.errors import UsageError
+from pirate_sm.registry import Plugin, Registry
+
+FIRST = Plugin("ours", lambda: 1)
+MODULE = "from pirate_sm.registry import Plugin\nTHING = Plugin('theirs', lambda: 2)\n"
+
+
+@pytest.fixture
+def registry() -> Registry[object]:
+    return Registry("thing", "pirate_sm.test_things", {"first": f"{__name__}:FIRST"})
+
+
+def installed(folder: Path, package: str, points: dict[str, str]) -> None:
+    """A package of this name has these entry points, as pip leaves it."""
+    (folder / "theirs.py").write_text(MODULE)
+    metadata = folder / f"{package.replace('-', '_')}-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1.0\n")
+    lines = [f"{name} = {value}" for name, value in points.items()]
+    (metadata / "entry_points.txt").write_text("\n".join(["[pirate_sm.test_things]", *lines]))
+
+
+def test_ours_are_found_without_a_search_through_what_is_installed(
+    registry: Registry[object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def searched(**groups: str) -> None:
+        raise AssertionError("metadata was read")
+
+    monkeypatch.setattr("pirate_sm.registry.entry_points", searched)
+
+    assert registry.find("first") is FIRST.make
+
+
+def test_a_list_of_ours_loads_neither_the_simulator_nor_the_serial_link() -> None:
+    code = (
+        "import sys; from pirate_sm.wiring import BACKENDS; "
+        "from pirate_sm.detectors.choice import DETECTORS; "
+        "print(len([*BACKENDS.listed(), *DETECTORS.listed()])); print(*sys.modules)"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    count, modules = told.stdout.splitlines()
+
+    assert int(count) >= 7
+    assert not {"numba", "numpy", "serial", "rosbags", "rich"} & set(modules.split())
+
+
+def test_another_package_adds_a_name(
+    registry: Registry[object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    installed(tmp_path, "their-things", {"second": "theirs:THING"})
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    assert registry.names == ["first", "second"]
+    assert registry.find("second")() == 2  # type: ignore[operator]
+    assert registry.package_of("second") == "their-things"
+    assert registry.package_of("first") == ""
+    assert [(each.name, each.about) for each in registry.listed()] == [
+        ("first", "ours"),
+        ("second", "theirs"),
+    ]
+
+
+def test_our_names_cannot_be_taken_and_of_two_others_the_first_package_has_it(
+    registry: Registry[object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    installed(tmp_path, "zebra", {"first": "theirs:THING", "second": "nowhere:THING"})
+    installed(tmp_path, "ant", {"second": "theirs:THING"})
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    assert registry.find("first") is FIRST.make
+    assert registry.package_of("second") == "ant"
+    taken = [(each.name, each.package) for each in registry.listed() if "taken" in each.fault]
+    assert taken == [("first", "zebra"), ("second", "zebra")]
+
+
+def test_a_name_that_is_not_there_is_refused_with_what_was_meant(
+    registry: Registry[object],
+) -> None:
+    with pytest.raises(UsageError, match=r"--thing frist: .* did you mean 'first'"):
+        registry.find("frist")
