@@ -7,8 +7,7 @@ else: the command line must answer at once. A name is imported when it is first 
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING
+TYPE_CHECKING = False  # importing typing would take half of the time of a help text
 
 if TYPE_CHECKING:
     from pirate_sm.api import (
@@ -60,6 +59,8 @@ def __getattr__(name: str) -> object:
     """Import a name of the API when it is first used."""
     if name not in __all__:
         raise AttributeError(f"module 'pirate_sm' has no attribute '{name}'")
+    from importlib import import_module
+
     value = globals()[name] = getattr(import_module("pirate_sm.api"), name)
     return value
 

@@ -20,7 +20,7 @@ SOURCES = [
     *sorted((PACKAGE / "loading").glob("*.py")),
     *sorted((PACKAGE / "checking").rglob("*.py")),
     *sorted((PACKAGE / "model").glob("*.py")),
-    PACKAGE / "cli" / "script.py",
+    PACKAGE / "cli" / "order.py",
 ]
 ENTRIES = catalogue.entries()
 GROUPS = {code.partition(".")[0] for code in ENTRIES if "." in code}

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from pirate_sm.cli.script import read_script
 
 from checking.small_missions import checked, only, write
 from pirate_sm.checking.counterexamples import write_counterexample
@@ -15,6 +14,7 @@ from pirate_sm.checking.exploring.explorer import Exploration, explore
 from pirate_sm.checking.exploring.ledger import Waiting, ledger
 from pirate_sm.checking.exploring.story import story
 from pirate_sm.checking.mission import check_mission, conditions_of
+from pirate_sm.cli.order import read_script
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model.effects import CommandStatus, Effect
 from pirate_sm.runtime.loop import MissionRun
