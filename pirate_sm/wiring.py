@@ -21,8 +21,8 @@ from pirate_sm.runtime.companions import Companion, Firing, LoopWatch, TriggerSc
 from pirate_sm.spelling import nearest, one_of
 
 if TYPE_CHECKING:
-    from pirate_sm.backends.pico.health import LinkHealth
     from pirate_sm.backends.protocol import Backend
+    from pirate_sm.backends.serial.health import LinkHealth
     from pirate_sm.runtime.loop import MissionRun
 
 _Say = Callable[[str], None]
@@ -287,7 +287,7 @@ def _serial(order: Order, loaded: LoadedMission, say: _Say) -> Prepared:
         raise UsageError("a real robot has the defects that it has: --defect is for --backend sim")
     if order.firings or order.course:
         raise UsageError("triggers can be fired in a trace only: use --backend trace")
-    from pirate_sm.backends.pico.assembly import STAY_S, read_plan, serial_backend
+    from pirate_sm.backends.serial.assembly import STAY_S, read_plan, serial_backend
     from pirate_sm.runtime.companions import Holder, Messenger
 
     notices: tuple[str, ...] = ()

@@ -11,14 +11,17 @@ from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
 
-from pirate_sm.bay.conversation import Conversation, Message, log_message
-from pirate_sm.bay.frames import Frame, Reception
 from pirate_sm.bay.line import Line
+from pirate_sm.bay.node_handle import NodeHandle
+from pirate_sm.bay.reception import Reception
 from pirate_sm.bay.robot import Robot
 from pirate_sm.bay.switches import Switches
-from pirate_sm.bay.wire import Array, Wire
+from pirate_sm.bay.wire import Wire
+from pirate_sm.rosserial.frames import Frame
+from pirate_sm.rosserial.messages import Array
+from pirate_sm.rosserial.topics import LOG, LogLine, log_payload
 
-READY = "bay ready"
+_READY = Frame(LOG, log_payload(LogLine(1, "bay ready")))
 _CASES = 4
 
 
@@ -81,7 +84,7 @@ class Firmware:
         self._tell = tell
         self._case_for_s = cycle_s / _CASES
         self._echo_delay_s = echo_delay_s
-        self._talk = Conversation(wire.publishers, wire.subscribers)
+        self._node = NodeHandle(wire.publishers, wire.subscribers)
         self._reception = Reception()
         self._turns = robot.turns(wire.one_value)
         self._turn = 0
@@ -91,7 +94,7 @@ class Firmware:
         self._free_s = now_s
         self._to_write: list[Array] = []
         self._echoes: deque[tuple[float, Array]] = deque()
-        self._state: Message | None = None
+        self._state: Frame | None = None
         self._stop_after_s = stop_after_s
         self._stop_s = math.inf  # until an array has come there is nothing to stop
         self._in_force: Array | None = None
@@ -99,7 +102,7 @@ class Firmware:
     @property
     def configured(self) -> bool:
         """Whether it publishes."""
-        return self._talk.configured
+        return self._node.configured
 
     @property
     def turn(self) -> int:
@@ -120,7 +123,7 @@ class Firmware:
 
     def forget(self) -> None:
         """It is unconfigured; it still obeys."""
-        self._talk.configured = False
+        self._node.configured = False
 
     def step(self) -> None:
         """The next thing has been done."""
@@ -170,7 +173,7 @@ class Firmware:
         array = waiting[-1]
         self._robot.set_values(self._wire.values(array))
         self._in_force = array
-        self._tell(Record(now_s, "applied", array.setpoint_id, array.counts))
+        self._tell(Record(now_s, "applied", array.number, array.counts))
 
     def _stop(self, now_s: float) -> None:
         """No valid array has come for too long: what is not held is zero, and the host hears it.
@@ -183,43 +186,43 @@ class Firmware:
             return
         self._in_force = array = self._in_force.tripped
         self._robot.set_values(self._wire.values(array))
-        self._tell(Record(now_s, "tripped", array.setpoint_id, array.counts))
+        self._tell(Record(now_s, "tripped", array.number, array.counts))
         self._say_echo(now_s, array)
 
     def _publish(self, now_s: float) -> None:
         state, self._state = self._state, None
-        if state is not None and self._talk.configured:
+        if state is not None and self._node.configured:
             self._say(now_s, state)
 
     def _say_echo(self, now_s: float, array: Array) -> None:
-        if self._talk.configured and now_s < self._switches.no_echo_at_s:
+        if self._node.configured and now_s < self._switches.no_echo_at_s:
             self._say(now_s, self._wire.echo(array))
-            self._tell(Record(now_s, "echoed", array.setpoint_id, array.counts))
+            self._tell(Record(now_s, "echoed", array.number, array.counts))
 
-    def _say(self, now_s: float, message: Message) -> None:
-        """The message is on its way; the loop goes on when the send ring has taken it."""
-        self._free_s = self._line.write(message, max(now_s, self._free_s))
+    def _say(self, now_s: float, frame: Frame) -> None:
+        """Send the frame; the loop goes on when the send ring has taken it."""
+        self._free_s = self._line.write(frame, max(now_s, self._free_s))
 
     def _poll(self, now_s: float) -> None:
         arrivals, overrun = self._line.read(now_s)
         if overrun and self._switches.old_client:
-            self._talk.configured = False
+            self._node.configured = False
         for frame in self._reception.feed(arrivals):
             if self._line.lets_in(frame.topic):
                 self._take(now_s, frame)
-        was = self._talk.configured
-        for message in self._talk.tick(now_s):
-            self._say(now_s, message)
-        if was and not self._talk.configured:
+        was = self._node.configured
+        for due in self._node.tick(now_s):
+            self._say(now_s, due)
+        if was and not self._node.configured:
             self._tell(Record(now_s, "unconfigured", detail="no answer to its time requests"))
 
     def _take(self, now_s: float, frame: Frame) -> None:
-        was = self._talk.configured
-        answer = self._talk.take(frame, now_s)
-        for message in answer.says:
-            self._say(now_s, message)
-        if self._talk.configured and not was:
-            self._say(now_s, log_message(READY))
+        was = self._node.configured
+        answer = self._node.take(frame, now_s)
+        for due in answer.says:
+            self._say(now_s, due)
+        if self._node.configured and not was:
+            self._say(now_s, _READY)
         if answer.fault:
             self._tell(Record(now_s, "fault", detail=answer.fault))
         if answer.delivered is not None:
@@ -231,7 +234,7 @@ class Firmware:
         if array is None:
             self._tell(Record(now_s, "fault", detail="a payload that is no array of setpoints"))
             return
-        self._tell(Record(now_s, "received", array.setpoint_id, array.counts))
+        self._tell(Record(now_s, "received", array.number, array.counts))
         arrives, echoes = self._robot.delivery(now_s)
         if arrives:
             self._stop_s = now_s + self._stop_after_s

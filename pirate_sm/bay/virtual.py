@@ -11,10 +11,11 @@ from pirate_sm.bay.firmware import Firmware, Record
 from pirate_sm.bay.line import Line
 from pirate_sm.bay.robot import Robot, Truth
 from pirate_sm.bay.switches import Occasions, Switches
-from pirate_sm.bay.wire import Array, Wire, serial_of
+from pirate_sm.bay.wire import Wire
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
+from pirate_sm.rosserial.messages import Array, serial_of
 
 _SHORTEST_BOOT = 0.75
 """Share of the profile's boot time that a quick start takes: 1.5 to 2 s for an Arduino Mega."""

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from math import isnan, nan
 
-from pirate_sm.backends.pico.port import PortLostError
+from pirate_sm.backends.serial.ports.protocol import PortLostError
 from pirate_sm.diagnosis.facts import MoveFact, TurnFact
 from pirate_sm.diagnosis.listening import Listening
 

@@ -12,7 +12,7 @@ from pirate_sm.model import effects as fx
 from pirate_sm.runtime.companions import Answered
 
 if TYPE_CHECKING:
-    from pirate_sm.backends.pico.health import LinkHealth
+    from pirate_sm.backends.serial.health import LinkHealth
 
 
 class Line(NamedTuple):

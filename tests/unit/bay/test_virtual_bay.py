@@ -6,16 +6,16 @@ import math
 
 import pytest
 
-from pirate_sm.bay.frames import encode
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.bay.wire import Array
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.source import read_document
 from pirate_sm.loading.validate import validate
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.wire import Serial
+from pirate_sm.rosserial.frames import encode
+from pirate_sm.rosserial.messages import Array
 
 from .conftest import (
     ECHO,
@@ -303,13 +303,13 @@ def test_what_does_not_fit_together_is_refused(
     profile: Profile, texts: dict[str, str], pipe: Pipe
 ) -> None:
     bare = profile.model_copy(update={"serial": None})
-    with pytest.raises(UsageError, match="no serial link"):
+    with pytest.raises(UsageError, match="no section 'serial'"):
         VirtualBay(bare, pipe, texts)
-    with pytest.raises(UsageError, match="no message text of newt/Is"):
+    with pytest.raises(UsageError, match=r"Is\.msg is missing: put the text"):
         VirtualBay(other(), elbow(), {"newt/Go": TEXTS["newt/Go"]})
-    with pytest.raises(UsageError, match="has room for 5 numbers, and the robot has"):
+    with pytest.raises(UsageError, match="'to' must be 7 integers, one for each slot"):
         VirtualBay(other(), elbow(), {**TEXTS, "newt/Go": "uint32 number\nint16[5] to"})
-    with pytest.raises(UsageError, match="has room for 1 numbers, and a board has"):
+    with pytest.raises(UsageError, match="has room for 1 values, and a board has"):
         VirtualBay(other(), elbow(), {**TEXTS, "newt/Is": "uint8 board\nint32[1] values"})
     with pytest.raises(UsageError, match="there is no defect 'nonsense'"):
         VirtualBay(profile, pipe, texts, Switches(defects=("nonsense",)))
