@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from copy import copy
 from functools import cache
 from pathlib import Path
@@ -213,8 +214,9 @@ def _field(node: Any) -> Field:
 
 def _held(values: Sequence[float], dtype: np.dtype[Any]) -> np.ndarray[Any, Any]:
     """Return the numbers as elements of this type can hold them."""
-    if dtype.kind not in "iu":
-        return np.array(values, dtype=dtype)
+    with suppress(OverflowError):
+        if dtype.kind not in "iu" or all(isinstance(value, int) for value in values):
+            return np.array(values, dtype=dtype)
     low, high = _limits(dtype)
     return np.array([min(max(round(value), low), high) for value in values], dtype=dtype)
 

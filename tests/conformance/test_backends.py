@@ -22,6 +22,8 @@ from pirate_sm.runtime.loop import MissionRun
 from .candidates import CANDIDATES, CLAMPING, NEWT, STILL, Candidate, LateBackend
 
 MOST_CALLS = 10_000
+SEND_AT_ONCE = {"trace", "late"}
+"""Backends on which an array is never still to be sent."""
 
 
 @pytest.fixture(params=CANDIDATES, scope="module")
@@ -87,6 +89,36 @@ def test_arrays_in_quick_succession_meet_one_fate_each_and_the_last_is_not_super
     fates = {e.setpoint_id: e.status for _, e in told if isinstance(e, SubmitResult)}
     assert results(told) == {1: 1, 2: 1, 3: 1}
     assert fates[3] != "superseded"
+
+
+def test_a_newer_array_supersedes_one_that_has_not_been_sent(backend: Backend) -> None:
+    backend.open()
+    backend.submit(1, CLAMPING)
+    backend.submit(2, STILL)
+    told = run_until(backend, 3.0)
+
+    first = "accepted" if backend.name in SEND_AT_ONCE else "superseded"
+    assert [(e.setpoint_id, e.status) for _, e in told if isinstance(e, SubmitResult)] == [
+        (1, first),
+        (2, "accepted"),
+    ]
+
+
+def test_of_a_stream_each_array_meets_one_fate_and_none_is_accepted_after_a_newer_one(
+    backend: Backend,
+) -> None:
+    backend.open()
+    told = []
+    for number in range(1, 41):
+        backend.submit(number, CLAMPING if number % 2 else STILL)
+        told += run_until(backend, number * 0.016)
+    told += run_until(backend, 3.0)
+
+    fates = [(e.setpoint_id, e.status) for _, e in told if isinstance(e, SubmitResult)]
+    accepted = [number for number, status in fates if status == "accepted"]
+    assert results(told) == dict.fromkeys(range(1, 41), 1)
+    assert accepted == sorted(accepted)
+    assert accepted[-1] == 40
 
 
 def test_the_same_array_may_be_submitted_again(backend: Backend) -> None:

@@ -40,6 +40,12 @@ def test_a_value_is_packed_as_captured() -> None:
     assert raw.hex() == "04030080c943"
 
 
+@pytest.mark.parametrize("value", [300, 300.0, 254.6, 255])
+def test_what_an_integer_cannot_hold_becomes_the_nearest_that_it_can(value: float) -> None:
+    assert kind("uint8[] values").pack({"values": [value]}) == b"\x01\0\0\0\xff"
+    assert kind("uint8 value").pack({"value": value}) == b"\xff"
+
+
 def test_what_is_not_named_is_zero() -> None:
     it = kind("std_msgs/Header header\nuint8 board\nfloat32[4] values\nstring note\nint16[] more")
 

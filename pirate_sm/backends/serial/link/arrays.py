@@ -1,4 +1,8 @@
-"""Arrays of setpoints until they are echoed: one under way, none lost, none older after a newer.
+"""Arrays of setpoints from their submission to their echo: a stream in which the newest wins.
+
+One array is under way at a time, and the newest of those submitted meanwhile waits. It is written
+as soon as the one under way has been echoed, or its echo is overdue; nothing older is written
+after it.
 
 Each writing of an array has a number of its own (its *wire id*), so that an echo tells which one
 it answers. An echo with other values, or with a number that nobody wrote, means damage on one of
@@ -17,6 +21,7 @@ from typing import NamedTuple
 
 from pirate_sm.backends.serial.link.line_quality import NEVER, LineQuality, Refreshing
 from pirate_sm.model.events import FaultReport, SubmitResult, SubmitStatus
+from pirate_sm.rosserial.messages import Array
 
 Integers = tuple[int, ...]
 
@@ -76,19 +81,16 @@ class _Flight:
     again: bool = True
 
 
-class _Written(NamedTuple):
-    """What was written under one number, and when."""
+class _Unanswered(NamedTuple):
+    """A writing whose echo is not waited for; it still tells how good the line is.
 
-    counts: Integers
-    hold: int
+    Attributes:
+        at_s: When it was written.
+        overtaken: Whether a newer array has taken its place; else it was a refresh.
+    """
+
     at_s: float
-
-    @property
-    def tripped(self) -> Integers:
-        """What the firmware's dead man's switch makes of it."""
-        return tuple(
-            count if self.hold >> slot & 1 else 0 for slot, count in enumerate(self.counts)
-        )
+    overtaken: bool = False
 
 
 class SetpointLink:
@@ -133,9 +135,9 @@ class SetpointLink:
         self._latest: _Order | None = None
         self._sent_s = -inf
         self.quality = LineQuality(echo_within_s)
-        self._recent: dict[int, _Written] = {}
+        self._recent: dict[int, tuple[Array, float]] = {}
         self._refreshing = refreshing
-        self._unanswered: dict[int, float] = {}
+        self._unanswered: dict[int, _Unanswered] = {}
         self._tripped = False
         self._results: list[SubmitResult | FaultReport] = []
         self.applied: Integers | None = None
@@ -149,7 +151,11 @@ class SetpointLink:
     # --- what is wanted ---------------------------------------------------------------------
 
     def submit(self, setpoint_id: int, values: Sequence[float], now: float) -> None:
-        """The array waits to be written, in place of one that waited; or it is rejected."""
+        """Let the array wait to be written, in place of one that waits; or reject it.
+
+        The one that waited ends as ``superseded``. An array under way goes on until its echo comes
+        or is overdue: then it ends as ``accepted`` or ``unknown``, and the newest is written.
+        """
         refusal = self.refusal(values)
         if refusal:
             self._tell(setpoint_id, "rejected", refusal)
@@ -254,7 +260,7 @@ class SetpointLink:
         if flight is not None and flight.numbers and now >= flight.sent_s + self._patience_s:
             patience_s = budget_s * (_REPEAT_BUDGET if flight.needed else 1)
             if waiting is not None:
-                self._end(flight, f"array {waiting.setpoint_id} came before its echo")
+                self._overtake(flight, waiting)
             elif now >= flight.began_s + patience_s:
                 self.quality.lose(1.0)
                 self._end(flight, f"no echo after {len(flight.numbers)} copies")
@@ -275,7 +281,7 @@ class SetpointLink:
         flight = self._flight
         if flight is not None and flight.again and self._waiting is not None:
             # A repeat would come after something newer is wanted.
-            self._end(flight, f"array {self._waiting.setpoint_id} came before its echo")
+            self._overtake(flight, self._waiting)
             flight = None
         if flight is None and self._waiting is not None and now >= self._sent_s + self._gap_s:
             flight = self._flight = _Flight(self._waiting, now)
@@ -297,13 +303,13 @@ class SetpointLink:
             return b""
         self.refreshes += 1
         payload = self._write(self._latest, now)
-        self._unanswered[self._number] = now
+        self._unanswered[self._number] = _Unanswered(now)
         return payload
 
     def _write(self, order: _Order, now: float) -> bytes:
         """The payload of this array under a number of its own."""
         self._number = self._number % (self._ids - 1) + 1
-        self._recent[self._number] = _Written(order.counts, self.hold, now)
+        self._recent[self._number] = Array(self._number, order.counts, self.hold), now
         if len(self._recent) > min(_REMEMBERED, self._ids // 2):
             del self._recent[next(iter(self._recent))]
         self._sent_s, self._tripped = now, False
@@ -311,9 +317,9 @@ class SetpointLink:
         return self._pack(self._number, order.counts, self.hold)
 
     def _miss(self, now: float) -> None:
-        """Refreshes whose echo is overdue count as lost."""
-        overdue = [n for n, at_s in self._unanswered.items() if now >= at_s + self._longest_s]
-        for number in overdue:
+        """Count writings as lost whose echo is overdue and is not waited for."""
+        limit_s = now - self._longest_s
+        for number in [n for n, each in self._unanswered.items() if each.at_s <= limit_s]:
             del self._unanswered[number]
             self.quality.lose(1.0)
 
@@ -329,24 +335,27 @@ class SetpointLink:
             hold: The mask that came with it; None where the echo has no field for it.
         """
         flight = self._flight
-        written = self._recent.get(number)
+        written, at_s = self._recent.get(number, (None, now))
         if written is None or (hold is not None and hold != written.hold):
             self._correct(now)
             return
         if written.counts != counts:
-            if counts == written.tripped:
+            if counts == written.tripped.counts:
                 self.trips += 1
                 self._tripped = True  # written again as soon as the line allows
             else:
                 self._correct(now)
             return
-        if self._unanswered.pop(number, None) is not None:
+        unanswered = self._unanswered.pop(number, None)
+        if unanswered is not None:
             self.quality.lose(0.0)
+            if unanswered.overtaken:
+                self.quality.learn(now - at_s)
         if flight is None or number not in flight.numbers:
             return  # of an array that has been given up, or one more copy of one accepted
         self.applied = counts
         place = flight.numbers.index(number)
-        self.quality.learn(now - written.at_s)
+        self.quality.learn(now - at_s)
         self.quality.lose(place / (place + 1))
         if not flight.told:
             flight.told, flight.began_s = True, now
@@ -372,6 +381,13 @@ class SetpointLink:
             self._flight.again = True
         else:
             self.reassert(now)
+
+    def _overtake(self, flight: _Flight, newer: _Order) -> None:
+        """Give an array up because a newer one waits; its echo may still come."""
+        for number in flight.numbers:
+            if number in self._recent:
+                self._unanswered[number] = _Unanswered(self._recent[number][1], overtaken=True)
+        self._end(flight, f"array {newer.setpoint_id} came before its echo")
 
     def _end(self, flight: _Flight, reason: str) -> None:
         self._flight = None

@@ -30,6 +30,8 @@ class Line:
             refreshing=refreshing,
         )  # fmt: skip
         self.now_s = 0.0
+        self.round_trip_s = ROUND_TRIP_S
+        self.number = 0
         self.written: list[tuple[float, int, tuple[int, ...]]] = []
         self.echoes: list[tuple[float, int, tuple[int, ...]]] = []
         self.fates: dict[int, str] = {}
@@ -47,7 +49,7 @@ class Line:
                 number, *counts = struct.unpack("<Ih", payload)
                 self.written.append((self.now_s, number, tuple(counts)))
                 if arriving:
-                    self.echoes.append((self.now_s + ROUND_TRIP_S, number, tuple(counts)))
+                    self.echoes.append((self.now_s + self.round_trip_s, number, tuple(counts)))
             for result in self.link.take():
                 self.fates[result.setpoint_id] = result.status
 
@@ -147,6 +149,65 @@ def test_nothing_older_is_written_after_something_newer(line: Line) -> None:
     written = [counts[0] for *_, counts in line.written]
     assert written == sorted(written)
     assert line.fates == {1: "unknown", 2: "accepted"}
+
+
+# --- a stream: arrays are submitted faster than echoes come ---------------------------------
+
+
+def test_of_the_arrays_submitted_during_a_round_trip_only_the_newest_is_written(
+    line: Line,
+) -> None:
+    line.link.submit(1, (0.1,), line.now_s)
+    line.run(0.01)
+    for number in (2, 3, 4):
+        line.link.submit(number, (number / 10,), line.now_s)
+        line.run(line.now_s + 0.01)
+
+    assert line.fates == {2: "superseded", 3: "superseded"}
+    line.run(ROUND_TRIP_S + 3 * TICK_S)
+    assert line.fates == {1: "accepted", 2: "superseded", 3: "superseded"}
+    assert [counts for *_, counts in line.written] == [(100,), (400,)]
+    line.run(0.3)
+    assert line.fates[4] == "accepted"
+
+
+def test_a_newer_array_does_not_wait_longer_than_for_an_overdue_echo(line: Line) -> None:
+    stream(line, until_s=1.0)
+    line.written.clear()
+    stream(line, until_s=2.0, arriving=False)
+
+    gaps_s = [late - early for (early, *_), (late, *_) in pairwise(line.written)]
+    assert max(gaps_s) < 0.15
+    assert len(line.written) == len({counts for *_, counts in line.written}), "none is repeated"
+
+
+def test_a_stream_without_echoes_tells_of_a_bad_line(line: Line) -> None:
+    stream(line, until_s=1.0)
+    assert not line.link.quality.bad
+    stream(line, until_s=2.0, arriving=False)
+
+    assert line.link.quality.bad
+
+
+def test_echoes_that_come_after_a_newer_array_was_written_are_no_loss_and_are_learned_from(
+    line: Line,
+) -> None:
+    stream(line, until_s=1.0)
+    line.round_trip_s = 0.14
+    stream(line, until_s=3.0)
+
+    assert not line.link.quality.bad
+    assert line.link.quality.lost_one_way < 0.01
+    assert line.link.quality.patience_s > 0.14
+    assert list(line.fates.values())[-20:].count("unknown") == 0
+
+
+def stream(line: Line, until_s: float, arriving: bool = True) -> None:
+    """A loop submits another array every 16 ms."""
+    while line.now_s < until_s:
+        line.number += 1
+        line.link.submit(line.number, (line.number / 1000,), line.now_s)
+        line.run(line.now_s + 0.016, arriving)
 
 
 def test_while_a_last_copy_is_awaited_the_firmware_hears_as_much_as_from_refreshes() -> None:
