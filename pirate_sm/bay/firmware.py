@@ -1,4 +1,4 @@
-"""The firmware's loop: four cases to a bus cycle, a serial port in between, one thing at a time.
+"""The firmware's loop: four cases in each bus cycle, with the serial port in between.
 
 idle (look for bytes), write setpoints, read a board, publish (thesis section 4-2). A write to a
 full send ring holds the whole loop up, as on the real controller; cases do not catch up.
@@ -26,7 +26,7 @@ _CASES = 4
 
 
 class Record(NamedTuple):
-    """Something that happened in the bay.
+    """An event in the bay.
 
     Attributes:
         at_s: When.
@@ -51,7 +51,7 @@ Tell = Callable[[Record], None]
 
 
 class Firmware:
-    """What runs on the controller between two restarts.
+    """The program of the controller between two restarts.
 
     Args:
         wire: The robot's messages.
@@ -106,27 +106,27 @@ class Firmware:
 
     @property
     def turn(self) -> int:
-        """Which turn is read next."""
+        """The turn that is read next."""
         return self._turn
 
     @property
     def due_s(self) -> float:
-        """When it does the next thing."""
+        """When the loop acts next, s."""
         due = min(self._case_s, self._poll_s, self._stop_s)
         if self._echoes and self._echoes[0][0] < due:
             due = self._echoes[0][0]
         return max(due, self._free_s)
 
     def stall(self, until_s: float) -> None:
-        """The loop stands still until then."""
+        """Make the loop stand still until then."""
         self._free_s = max(self._free_s, until_s)
 
     def forget(self) -> None:
-        """It is unconfigured; it still obeys."""
+        """Become unconfigured: publish nothing, still obey arrays."""
         self._node.configured = False
 
     def step(self) -> None:
-        """The next thing has been done."""
+        """Do what is due next."""
         now = self.due_s
         if self._echoes and self._echoes[0][0] <= now:
             self._say_echo(now, self._echoes.popleft()[1])
@@ -153,7 +153,7 @@ class Firmware:
             self._publish(now_s)
 
     def _read(self, now_s: float) -> None:
-        """The board whose turn it is has been read."""
+        """Read the board whose turn it is."""
         turn = self._turns[self._turn]
         self._turn = (self._turn + 1) % len(self._turns)
         counts = (
@@ -166,7 +166,7 @@ class Firmware:
         )
 
     def _write_setpoints(self, now_s: float) -> None:
-        """The last array that came is in force; those that it overtook never were."""
+        """Apply the last array that came; those that it overtook are never applied."""
         waiting, self._to_write = self._to_write, []
         if not waiting or not self._switches.motors_started:
             return
@@ -176,7 +176,7 @@ class Firmware:
         self._tell(Record(now_s, "applied", array.number, array.counts))
 
     def _stop(self, now_s: float) -> None:
-        """No valid array has come for too long: what is not held is zero, and the host hears it.
+        """Trip the dead man's switch: no valid array has come for too long.
 
         The echo is that of the last array with the values that are in force now. It may be lost,
         so it is said again for as long as nothing comes.
@@ -229,7 +229,7 @@ class Firmware:
             self._obey(now_s, answer.delivered)
 
     def _obey(self, now_s: float, buffer: bytes) -> None:
-        """The array that the buffer begins with will be written, and echoed later."""
+        """Take the array that the buffer begins with, to be applied and echoed later."""
         array = self._wire.array(buffer)
         if array is None:
             self._tell(Record(now_s, "fault", detail="a payload that is no array of setpoints"))

@@ -250,11 +250,16 @@ class Listening:
             info = offered.pop((wanted.direction, name), None)
             found.append(
                 TopicFact(
-                    name, wanted.direction, info.number if info else None,
-                    info.type if info else "", wanted.type, info.md5 if info else "", wanted.md5,
+                    name,
+                    wanted.direction,
+                    info.number if info else None,
+                    info.type if info else "",
+                    wanted.type,
+                    info.md5 if info else "",
+                    wanted.md5,
                     self._counts[info.number] / elapsed_s if info else 0.0,
                 )
-            )  # fmt: skip
+            )
         for info in offered.values():
             rate = self._counts[info.number] / elapsed_s
             found.append(

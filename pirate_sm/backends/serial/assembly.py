@@ -1,4 +1,4 @@
-"""A robot's files and the name of a port become a backend."""
+"""Makes the serial backend from a robot's files and the name of a port."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ STAY_S = 600.0
 
 
 def read_plan(folder: Path, profile: Profile, robot: RobotSpec) -> LinkPlan:
-    """The robot on its wire.
+    """Return the robot's link plan, from its profile and its message texts.
 
     Args:
         folder: The robot's, with its message texts.

@@ -32,7 +32,7 @@ _SAMPLE_BYTES = 4096
 
 
 class SerialBackend:
-    """The robot at the other end of a serial port.
+    """The backend whose world is the robot at the other end of a serial port.
 
     Args:
         plan: The robot on its wire.
@@ -76,7 +76,7 @@ class SerialBackend:
     # --- the protocol -----------------------------------------------------------------------
 
     def open(self) -> Sequence[Event]:
-        """The robot has been understood, its sensors speak, nothing has moved.
+        """Open the port, learn the topics, and return what every board measures; nothing moves.
 
         Raises:
             BackendError: One sentence that says what to do.
@@ -97,13 +97,13 @@ class SerialBackend:
         return events
 
     def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
-        """The array is on its way; its fate comes from ``advance``."""
+        """Hand an array over; its result comes from ``advance``."""
         if self._closed or not self._open:
             raise BackendError("the port is closed")
         self.exchange.submit(setpoint_id, values, self.port.now())
 
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
-        """Time has passed until there was something to say, or ``until_s``, or for a moment.
+        """Run until an event, until ``until_s`` or for a tenth of a second; return time and events.
 
         While the link is silent mission time stands still: no deadline passes, nothing goes on.
         """
@@ -134,7 +134,7 @@ class SerialBackend:
         return self._now_s, events
 
     def close(self) -> None:
-        """The last array has gone out, the device has been told to be quiet, the port is free."""
+        """Send the last array, tell the device to stop publishing, and free the port."""
         if self._closed:
             return
         self._closed = True
@@ -153,7 +153,7 @@ class SerialBackend:
     # --- beyond it --------------------------------------------------------------------------
 
     def hold(self, values: tuple[float, ...], seeking: Collection[int] = ()) -> None:
-        """Whoever survives this process sends this array, with the safe state's zeros, at once.
+        """Set the array that the guardian sends, with the safe state's zeros, if this process dies.
 
         Args:
             values: The safe array.
@@ -163,7 +163,7 @@ class SerialBackend:
 
     @property
     def health(self) -> LinkHealth:
-        """How the link is at this moment."""
+        """The state of the link now, in numbers."""
         return health_of(self.exchange, self.port.now())
 
     def parting(self) -> str:
@@ -193,7 +193,7 @@ class SerialBackend:
     # --- inside -----------------------------------------------------------------------------
 
     def _keep_time(self, now: float) -> None:
-        """Mission time stands still while the mission is held.
+        """Stop mission time while the mission is held.
 
         It catches up with a silence that was none, but for what this program stood still for in it,
         and leaves out one that is reported as a fault.
@@ -210,7 +210,7 @@ class SerialBackend:
             self._held_s = inf
 
     def _turn(self, until_s: float) -> None:
-        """Everything due has been written, and what came by then has been taken in."""
+        """Write everything that is due, and take in what comes by ``until_s``."""
         if self._lost_s < inf:
             self._retry(self.port.now())
         now = self.port.now()
@@ -232,7 +232,7 @@ class SerialBackend:
         self._heed_guardian()
 
     def _heed_guardian(self) -> None:
-        """Whoever has been overruled says so."""
+        """Report a fault if the guardian has stopped the robot in place of this program."""
         try:
             overruled = self.port.overruled()
         except PortLostError as error:
@@ -255,7 +255,7 @@ class SerialBackend:
             self.exchange.lost(reason, now)
 
     def _retry(self, now: float) -> None:
-        """A port that comes back is opened, negotiated with, and told the last array again."""
+        """Try to open a lost port; the exchange then asks for topics and sends the array."""
         if now < self._retry_s:
             return
         self._retry_s = now + _REOPEN_EVERY_S
@@ -281,7 +281,7 @@ class SerialBackend:
                 raise BackendError(unanswered(name, self._baud, conversation, self._sample, usual))
 
     def _hear_sensors(self) -> list[Event]:
-        """The last frame of every board, and a fault for those that say nothing.
+        """Return the last frame of every board, and a fault for boards that do not report.
 
         Raises:
             BackendError: None says anything.
@@ -305,7 +305,7 @@ class SerialBackend:
         return [*frames.values(), *told]
 
     def _put(self, data: bytes) -> None:
-        """The bytes are written, once they no longer push others out of the device's ring."""
+        """Write the bytes as soon as the device's ring has room for them."""
         free_s = self.exchange.room_s(len(data), self.port.now())
         while self.port.now() < free_s:
             self.port.wait(free_s)

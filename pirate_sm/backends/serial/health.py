@@ -1,4 +1,4 @@
-"""How the link is, in numbers that a person can follow while it works."""
+"""The state of the link in numbers, for a person to follow."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 class LinkHealth(NamedTuple):
-    """What the link has seen so far, and how it is now.
+    """What has happened on the link so far, and its state now.
 
     Attributes:
         received: Frames that came; ``damaged`` of them were of no use, among them echoes of
@@ -39,7 +39,7 @@ class LinkHealth(NamedTuple):
 
 
 def health_of(exchange: Exchange, now: float) -> LinkHealth:
-    """The health of a link at this moment of its port's clock."""
+    """Return the state of a link at this time of its port's clock."""
     counts, outage = exchange.counts, exchange.outage
     trips = exchange.link.quality.round_trips
     trouble = ""

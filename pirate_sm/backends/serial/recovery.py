@@ -1,4 +1,4 @@
-"""A link that fell silent is waited for and brought back to a known state, or given up.
+"""Decides how a silent link is brought back to a known state, or when it is given up.
 
 Pure: what is heard goes in with the time, what is wanted and what has come of it come out.
 """
@@ -29,7 +29,7 @@ _IN_ALL = 3
 
 @dataclass
 class Outage:
-    """What is known of a silence; the mission is held meanwhile.
+    """What is known of a silence, during which the mission is held.
 
     Attributes:
         heard_s: When the last frame before it had come.
@@ -67,13 +67,13 @@ class Outage:
         return self.back_s < inf
 
     def relapse(self) -> None:
-        """It has fallen silent again: nothing that was known of it holds."""
+        """Note that it has fallen silent again: nothing that was known of it holds."""
         self.back_s = self.safe_s = inf
         self.wrote_s = -inf
         self.frames.clear()
 
     def return_(self, now: float, boards: Set[int], safe_needed: bool) -> None:
-        """The controller speaks again; what it does and where it is remains to be seen."""
+        """Note that the controller speaks again; its boards and the safe array are awaited."""
         self.back_s = now
         self.answered_s = min(self.answered_s, now)
         self.silence_s = self.silence_s or now - self.heard_s
@@ -81,7 +81,7 @@ class Outage:
         self.missing = set(boards)
 
     def confirm(self, now: float) -> None:
-        """The safe array is in force."""
+        """Note that the safe array is in force."""
         if self.back:
             self.safe_s, self.stopped = min(self.safe_s, now), True
 
@@ -91,7 +91,7 @@ class Outage:
         return bool(self.missing) and not self.frames
 
     def report(self, frame: SensorFrame) -> None:
-        """A board has said where the robot is."""
+        """Take in what a board has measured since the controller speaks again."""
         self.frames[frame.board] = frame
         self.missing.discard(frame.board)
 
@@ -111,7 +111,7 @@ class Recovery:
         self._within_s = within_s
 
     def is_brief(self, outage: Outage, awake_s: float) -> bool:
-        """Whether nothing has happened but a silence too short to matter.
+        """Return whether this was only a silence too short to matter.
 
         Args:
             outage: What is known of it.
@@ -120,11 +120,11 @@ class Recovery:
         return not (outage.gone or outage.anew) and awake_s < self.brief_s
 
     def wants_safe(self, outage: Outage, now: float) -> bool:
-        """Whether the safe array is to be written now."""
+        """Return whether the safe array is to be written now."""
         return outage.back and outage.safe_s == inf and now >= outage.wrote_s + _SAFE_AGAIN_S
 
     def due_s(self, outage: Outage) -> float:
-        """When there is something to do or to decide, if nothing is heard before."""
+        """Return when there is something to do or to decide, if nothing is heard before."""
         if not outage.back:
             return min(self.gives_up_s(outage), outage.answered_s + self._within_s)
         if outage.safe_s == inf:
@@ -134,7 +134,7 @@ class Recovery:
         return outage.safe_s + _BOARDS_WITHIN_S if outage.missing else -inf
 
     def verdict(self, outage: Outage, now: float, stopped: bool) -> FaultReport | None:
-        """What the outage has been, once that is clear.
+        """Return the fault that the outage has been, once that is clear; else None.
 
         Args:
             outage: What is known of it.
@@ -186,7 +186,7 @@ class Recovery:
 
 
 def was_reset(silence_s: float) -> str:
-    """What has happened to a controller that speaks again.
+    """Return a sentence on what has happened to a controller that speaks again.
 
     Whether the answer to our question made it speak or it went on by itself cannot be told where
     answers are lost; and what a reset asks for is right after any silence.

@@ -1,4 +1,4 @@
-"""What the guardian of a port decides: when the runner falls silent, it stops the robot itself.
+"""The guardian's decisions: when the runner falls silent, the guardian stops the robot itself.
 
 Pure: what comes from the runner and from the port goes in with the time, what is to be done comes
 out. The process around it is :mod:`pirate_sm.backends.serial.guardian.process`.
@@ -38,17 +38,17 @@ class ToPort(NamedTuple):
 
 
 class ToRunner(NamedTuple):
-    """A note to be passed on."""
+    """A note to be passed on to the runner."""
 
     note: Note
 
 
 class Reopen(NamedTuple):
-    """The port is to be opened again."""
+    """An order to open the port again."""
 
 
 class Finish(NamedTuple):
-    """The guardian ends.
+    """An order to end the guardian.
 
     Attributes:
         stopped: Whether the robot is known to be stopped, or was never set in motion.
@@ -61,7 +61,7 @@ Action: TypeAlias = ToPort | ToRunner | Reopen | Finish
 
 
 class Guard:
-    """Relays, and acts when it must.
+    """Relays between runner and port, and stops the robot when the runner is gone or silent.
 
     The port is closed until :meth:`opened`.
 
@@ -100,7 +100,7 @@ class Guard:
 
     @property
     def due_s(self) -> float:
-        """When it wants to be asked, if nothing comes before."""
+        """When :meth:`tick` is to be called, if nothing comes before."""
         if not self.acting:
             watch_s = self._patience.due_s(self._silence_s) if self.payload else inf
             return min(self._retry_s, watch_s)
@@ -115,7 +115,7 @@ class Guard:
     # --- the runner -------------------------------------------------------------------------
 
     def hear(self, note: Note, now: float) -> list[Action]:
-        """What a note of the runner makes it do."""
+        """Return what is to be done about a note of the runner."""
         self._patience.hear(now)
         match note.kind:
             case Kind.LEAVE if not self.acting or self.confirmed:
@@ -136,7 +136,7 @@ class Guard:
         return []
 
     def bereave(self, now: float) -> list[Action]:
-        """The runner has gone for good, or this process is told to end."""
+        """Return what is to be done now that the runner is gone, or this process is told to end."""
         if not self.payload or (self.acting and self.confirmed):
             return [*self._farewell(), Finish()]
         if not self.alone:
@@ -158,25 +158,25 @@ class Guard:
     # --- the port ---------------------------------------------------------------------------
 
     def opened(self, now: float) -> list[Action]:
-        """The port is open; the device may be another one, or have been reset by it."""
+        """Note that the port is open; the device may be another one, or have been reset by it."""
         self._plugged, self._opened_s, self._retry_s = True, now, inf
         if self.acting:
             self._conversation = self._meet(now)
         return [ToRunner(Note(Kind.OPENED))]
 
     def refused(self, reason: str, now: float) -> list[Action]:
-        """The port could not be opened."""
+        """Note that the port could not be opened."""
         self._retry_s = now + REOPEN_EVERY_S
         return [ToRunner(Note(Kind.REFUSED, reason.encode()))]
 
     def lost(self, reason: str, now: float) -> list[Action]:
-        """The port has gone."""
+        """Note that the port has gone."""
         self._plugged, self._retry_s = False, now + REOPEN_EVERY_S
         self._number = None
         return [ToRunner(Note(Kind.LOST, reason.encode()))]
 
     def receive(self, data: bytes, now: float) -> list[Action]:
-        """What has come from the port."""
+        """Return what is to be done about bytes from the port."""
         actions: list[Action] = [] if self.alone else [ToRunner(Note(Kind.DATA, data))]
         if not self.acting or self.confirmed:
             return actions
@@ -191,7 +191,7 @@ class Guard:
         return actions
 
     def _is_echo(self, frame: Frame, now: float) -> bool:
-        """Whether this answers our own writing, and not one of the runner's shortly before."""
+        """Return whether this echoes our own writing, not one of the runner's shortly before."""
         if frame.payload != self.payload or frame.topic < FIRST_OF_THE_DEVICE:
             return False
         return self._written not in (-1, frame.topic) and now > self._alike_s + _LATE_ECHO_S
@@ -199,7 +199,7 @@ class Guard:
     # --- time -------------------------------------------------------------------------------
 
     def tick(self, now: float) -> list[Action]:
-        """What the time makes it do."""
+        """Return what is to be done at this time."""
         actions: list[Action] = []
         if not self.acting and self.payload and self._patience.look(now) >= self._silence_s:
             self._take_over(now)
@@ -231,7 +231,7 @@ class Guard:
         return Conversation(self._instructions.wanted, now, self._epoch_s, boot_s)
 
     def _insist(self, now: float) -> list[Action]:
-        """The next frame on the way to a confirmed stop, if one may be written now."""
+        """Return the next frame towards a confirmed stop, if one may be written now."""
         if not self._plugged or now < self._wrote_s + AFTER_A_WRITE_S:
             return []
         data = self._safe_frame() if now >= self._safe_due_s else b""

@@ -167,7 +167,7 @@ class GuardedPort:
         return True
 
     def close(self, stopped: bool = False) -> None:
-        """The guardian has ended, or it stays because the robot has not confirmed its stop."""
+        """End the guardian; it stays if the robot has not confirmed its stop."""
         self._remark = self._leave(dismissed=stopped or not self._safe_frame)
 
     def remark(self) -> str:
@@ -227,7 +227,7 @@ class GuardedPort:
         return True
 
     def _kill(self) -> None:
-        """The guardian is dead, so that the next one can open the port."""
+        """Kill the guardian, so that the next one can open the port."""
         process = self._process
         if process is not None:
             process.kill()
@@ -236,11 +236,11 @@ class GuardedPort:
     # --- what a port does -------------------------------------------------------------------
 
     def write(self, data: bytes) -> None:
-        """The guardian has been given the bytes in one piece."""
+        """Give the bytes to the guardian in one piece."""
         self._say(Note(Kind.WRITE, data))
 
     def read(self, until_s: float) -> bytes:
-        """What has come, as soon as anything has."""
+        """Return what has come, as soon as anything has; empty when nothing had by ``until_s``."""
         if not self._data:
             self._listen(until_s)
         if self._lost and not self._data:
@@ -248,11 +248,11 @@ class GuardedPort:
         return self._data.popleft() if self._data else b""
 
     def wait(self, until_s: float) -> None:
-        """It is that time."""
+        """Sleep until that time."""
         time.sleep(max(0.0, until_s - self.now()))
 
     def beat(self, safe_frame: bytes) -> None:
-        """The guardian knows that we live, and what to send when we do not.
+        """Tell the guardian that this program lives, and which frame to send when it does not.
 
         A guardian that hangs is killed; :meth:`reopen` starts another.
         """
@@ -270,7 +270,7 @@ class GuardedPort:
             raise PortLostError(_HUNG)
 
     def overruled(self) -> bool:
-        """Whether the guardian has acted since this was last asked; it obeys again from now on."""
+        """Return whether the guardian has acted since the last call; then let it relay again."""
         overruled, self._overruled = self._overruled, False
         if overruled:
             self._say(Note(Kind.HEED))
@@ -301,7 +301,7 @@ class GuardedPort:
         return self._pipe is not None
 
     def _listen(self, until_s: float) -> None:
-        """What the guardian has said by then has been heard, the first of it at once."""
+        """Take in what the guardian says by then; return as soon as it has said something."""
         if self._pipe is None:
             raise PortLostError(_DIED)
         ready, _, _ = select.select([self._pipe], [], [], max(0.0, until_s - self.now()))
@@ -317,7 +317,7 @@ class GuardedPort:
             self._hear(note)
 
     def _bury(self) -> None:
-        """The guardian has closed the pipe; it may go on until the robot has stopped."""
+        """Give up a guardian that has closed the pipe; it may go on until the robot has stopped."""
         process = self._process
         if not self._hang_up() and process is not None:
             _left.append(process)

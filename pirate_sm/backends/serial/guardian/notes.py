@@ -1,4 +1,4 @@
-"""What the runner and the guardian of a port say to each other over their pipe."""
+"""The notes that runner and guardian exchange over their pipe."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _LONGEST = 1 << 20
 
 
 class Kind(IntEnum):
-    """What a note is. The runner sends the first group, the guardian the second."""
+    """Kinds of notes. The runner sends the first group, the guardian the second."""
 
     WRITE = 1
     BEAT = 2
@@ -32,7 +32,7 @@ class Kind(IntEnum):
 
 
 class Note(NamedTuple):
-    """One thing that one of the two says.
+    """One message between runner and guardian.
 
     Attributes:
         kind: ``WRITE``: this frame is to be written. ``BEAT``: the runner lives, and this frame is
@@ -54,7 +54,7 @@ class Note(NamedTuple):
 
 
 class NoteReader:
-    """Finds the notes in what comes through the pipe."""
+    """Finds the notes in the bytes that come through the pipe."""
 
     def __init__(self) -> None:
         self._pending = b""
@@ -80,7 +80,7 @@ class NoteReader:
 
 
 class Instructions(NamedTuple):
-    """What a guardian is told once, when it is started.
+    """What a guardian is given when it is started.
 
     Attributes:
         silence_s: It stops the robot when it has not heard the runner for this long.

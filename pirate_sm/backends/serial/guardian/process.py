@@ -38,7 +38,7 @@ STOPPED, GAVE_UP = 0, 1
 
 
 class Guardian:
-    """The guard with its hands on a port and a pipe.
+    """Carries out what the guard decides, on a port and a pipe to the runner.
 
     Args:
         port: The serial port.
@@ -117,7 +117,7 @@ class Guardian:
         return readable
 
     def _heed(self, numbers: bytes) -> None:
-        """Obey signals."""
+        """Act on signals."""
         alone = self._guard.alone
         if alone:  # an operator or a new run wants the port
             self._finish = Finish(stopped=False)
@@ -139,7 +139,7 @@ class Guardian:
             self._orphan()
 
     def _orphan(self) -> None:
-        """There is no runner any more."""
+        """Close the pipe and let the guard act: there is no runner any more."""
         if self._pipe is None:
             return
         self._pipe.close()
@@ -170,7 +170,7 @@ class Guardian:
                 self._lose(error)
 
     def _say(self, note: Note) -> None:
-        """Tell the runner as soon as it listens; of the port's bytes only so many are kept."""
+        """Queue a note for the runner; only so many bytes of the port are kept."""
         if self._pipe is None or (note.kind == Kind.DATA and len(self._waiting) > _MOST_WAITING):
             return
         self._waiting += note.to_bytes()

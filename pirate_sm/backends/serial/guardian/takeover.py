@@ -1,4 +1,4 @@
-"""Guardians that stay behind their runner, and how a new run takes the port over from one.
+"""How a new run takes the port over from a guardian that has outlived its runner.
 
 Each such guardian keeps a file, locked as long as it lives, in the user's runtime folder. It says
 which port the guardian holds and which array would stop the robot. SIGUSR1 asks for the port.
@@ -53,7 +53,7 @@ class LeftBehind(NamedTuple):
 
 
 class Registration:
-    """The file of this process, as a guardian that has no runner any more.
+    """The file that registers this process as a guardian without a runner.
 
     Where no file can be written nothing is registered; then the port can only be waited for.
     """
@@ -79,7 +79,7 @@ class Registration:
 
 
 def take_over(url: str, md5: str) -> LeftBehind | None:
-    """Make the guardian that was left on this port give it up; None where there is none.
+    """Make the guardian on this port give it up, and return it; None where there is none.
 
     A guardian that does not answer is killed. One whose arrays have another definition is left
     alone: whoever asks could not go on with what it does.

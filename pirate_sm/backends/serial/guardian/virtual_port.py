@@ -1,4 +1,4 @@
-"""A port to an emulated device in virtual time, its guardian's logic included: nobody waits."""
+"""A port to an emulated device in virtual time, with the guardian's decisions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _EPOCH_S = 1.7e9
 
 
 class Device(Protocol):
-    """What is at the other end; calls come in order of time."""
+    """The device at the other end; calls come in order of time."""
 
     @property
     def due_s(self) -> float:
@@ -24,24 +24,24 @@ class Device(Protocol):
         ...
 
     def open(self, now_s: float) -> None:
-        """Its port has been opened."""
+        """Note that its port has been opened."""
         ...
 
     def close(self, now_s: float) -> None:
-        """Its port has been closed."""
+        """Note that its port has been closed."""
         ...
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """The host has written this in one call."""
+        """Take in bytes that the host has written in one call."""
         ...
 
     def advance(self, now_s: float) -> bytes:
-        """What has come to the host since the last call."""
+        """Return what has come to the host since the last call."""
         ...
 
 
 class VirtualPort:
-    """Driver, guardian's logic and device in one process and one time.
+    """A port whose guardian and device run in this process, in one virtual time.
 
     Args:
         device: What is at the other end.
@@ -70,42 +70,42 @@ class VirtualPort:
         self.plugged = True
 
     def now(self) -> float:
-        """The device's time."""
+        """Return the device's time, s."""
         return self._now_s
 
     def open(self) -> None:
-        """It is ours."""
+        """Open the port."""
         self._do([Reopen()])
 
     def reopen(self) -> bool:
-        """Whether the cable is in again."""
+        """Open the port if the cable is in again; return whether it is."""
         self._notice_cable()
         if self.plugged and not self._connected:
             self.open()
         return self.plugged
 
     def write(self, data: bytes) -> None:
-        """The device has it on its line, unless the guardian is acting."""
+        """Put the bytes on the device's line, unless the guardian is acting."""
         self._need_cable()
         self._do(self._guard.hear(Note(Kind.WRITE, data), self._now_s))
 
     def read(self, until_s: float) -> bytes:
-        """What has come, as soon as anything has."""
+        """Return what has come, as soon as anything has."""
         self._need_cable()
         self._run(until_s, stop_at_data=True)
         return self._data.popleft() if self._data else b""
 
     def wait(self, until_s: float) -> None:
-        """It is that time; what came is still to be read."""
+        """Pass the time until then; what comes meanwhile is still to be read."""
         self._run(until_s, stop_at_data=False)
 
     def beat(self, safe_frame: bytes) -> None:
-        """The guardian knows."""
+        """Give the guardian a sign of life and the safe frame."""
         self._do(self._guard.hear(Note(Kind.BEAT, safe_frame), self._now_s))
         self._need_cable()  # as one hears from a guardian without a port
 
     def overruled(self) -> bool:
-        """Whether the guardian has acted; it obeys again from now on."""
+        """Return whether the guardian has acted; it relays again from now on."""
         overruled, self._overruled = self._overruled, False
         if overruled:
             self._do(self._guard.hear(Note(Kind.HEED), self._now_s))
@@ -116,7 +116,7 @@ class VirtualPort:
         return ""
 
     def close(self, stopped: bool = False) -> None:
-        """What was written has arrived; a guardian that stays acts while :meth:`wait` goes on."""
+        """Let what was written arrive; a guardian that stays acts while :meth:`wait` goes on."""
         if not stopped:
             self._do(self._guard.bereave(self._now_s))
         self.wait(self._now_s + 0.1)
@@ -124,7 +124,7 @@ class VirtualPort:
             self.device.close(self._now_s)
 
     def die(self, until_s: float) -> None:
-        """The runner has been killed; the guardian has had until then to act."""
+        """Kill the runner, and give the guardian until then to act."""
         self._do(self._guard.bereave(self._now_s))
         self.wait(until_s)
 

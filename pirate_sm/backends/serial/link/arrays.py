@@ -16,14 +16,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import inf, isfinite
+from math import inf
 from typing import NamedTuple
 
 from pirate_sm.backends.serial.link.line_quality import NEVER, LineQuality, Refreshing
+from pirate_sm.backends.serial.link.wire_slots import (
+    Integers,
+    WireSlot,
+    to_counts,
+    why_refused,
+)
 from pirate_sm.model.events import FaultReport, SubmitResult, SubmitStatus
 from pirate_sm.rosserial.messages import Array
-
-Integers = tuple[int, ...]
 
 BUDGET = 8
 """Times the longest wait for an echo: after this long an array's fate is called unknown."""
@@ -35,27 +39,13 @@ _HURRY = 0.6
 """Copies of one array follow each other after this share of the time between two arrays."""
 
 _REMEMBERED = 64
-_ROUNDING = 1e-6
 
 NO_ECHO = "link.no_echo"
 
 
-class WireSlot(NamedTuple):
-    """How one setpoint is written and what it may be, checked here independently.
-
-    Attributes:
-        resolution: Value of one count.
-        limit: Largest magnitude, in the slot's own unit.
-    """
-
-    name: str
-    resolution: float
-    limit: float
-
-
 @dataclass
 class _Order:
-    """An array that somebody wants in force."""
+    """An array that is to be in force."""
 
     setpoint_id: int
     counts: Integers
@@ -94,7 +84,7 @@ class _Unanswered(NamedTuple):
 
 
 class SetpointLink:
-    """Brings arrays to the device.
+    """Writes arrays until the device has echoed them.
 
     Args:
         slots: In the order of the wire.
@@ -156,7 +146,7 @@ class SetpointLink:
         The one that waited ends as ``superseded``. An array under way goes on until its echo comes
         or is overdue: then it ends as ``accepted`` or ``unknown``, and the newest is written.
         """
-        refusal = self.refusal(values)
+        refusal = why_refused(self._slots, values)
         if refusal:
             self._tell(setpoint_id, "rejected", refusal)
             return
@@ -165,26 +155,10 @@ class SetpointLink:
             self._tell(
                 older.setpoint_id, "superseded", f"array {setpoint_id} came before it was sent"
             )
-        self._waiting = _Order(setpoint_id, self.counts(values), now)
-
-    def refusal(self, values: Sequence[float]) -> str:
-        """Why this array must not be sent; empty where it may (thesis section 4-2-1)."""
-        if len(values) != len(self._slots):
-            return f"{len(values)} values for {len(self._slots)} slots"
-        for slot, value in zip(self._slots, values, strict=True):
-            if not isfinite(value):
-                return f"{slot.name} is no number"
-            if abs(value) > slot.limit + _ROUNDING:
-                return f"{slot.name} = {value:g} is beyond its limit of {slot.limit:g}"
-        return ""
-
-    def counts(self, values: Sequence[float]) -> Integers:
-        """The array as the wire carries it."""
-        pairs = zip(self._slots, values, strict=True)
-        return tuple(round(value / slot.resolution) for slot, value in pairs)
+        self._waiting = _Order(setpoint_id, to_counts(self._slots, values), now)
 
     def reassert(self, now: float) -> None:
-        """What was written last will be written again: the device may have forgotten it."""
+        """Have the last array written again: the device may have forgotten it."""
         if self._flight is not None:
             self._flight.again, self._flight.began_s = True, now
         elif self._latest is not None and self._waiting is None:
@@ -200,14 +174,14 @@ class SetpointLink:
 
     @property
     def in_force(self) -> Integers | None:
-        """What the device has, as far as can be told: the last confirmed, else what was tried."""
+        """The array that the device has, as far as is known: last confirmed, else last written."""
         if self.applied is not None:
             return self.applied
         return self._latest.counts if self._latest is not None else None
 
     @property
     def due_s(self) -> float:
-        """When something is to be written, or given up."""
+        """When an array is to be written or given up."""
         flight, waiting = self._flight, self._waiting
         if flight is not None and not (flight.told and waiting is not None):
             return -inf if flight.again else flight.sent_s + self._patience_s
@@ -247,7 +221,7 @@ class SetpointLink:
         return min(self.quality.patience_s, self._refresh_every_s)
 
     def expire(self, now: float, able: bool = True) -> None:
-        """Whatever has been awaited for long enough is given up or will be written again.
+        """Give up, or have written again, what has been awaited for long enough.
 
         Args:
             now: The time.
@@ -277,7 +251,7 @@ class SetpointLink:
             self._tell(waiting.setpoint_id, "unknown", "the link is down")
 
     def next_payload(self, now: float) -> bytes:
-        """The payload to be written now, counted as written; empty when there is none."""
+        """Return the payload to be written now, counted as written; empty when there is none."""
         flight = self._flight
         if flight is not None and flight.again and self._waiting is not None:
             # A repeat would come after something newer is wanted.
@@ -298,7 +272,7 @@ class SetpointLink:
         return payload
 
     def _refresh(self, now: float) -> bytes:
-        """The array in force once more, if that is due."""
+        """Return the payload of the array in force once more, if that is due."""
         if self._latest is None or now < self._refresh_s:
             return b""
         self.refreshes += 1
@@ -307,7 +281,7 @@ class SetpointLink:
         return payload
 
     def _write(self, order: _Order, now: float) -> bytes:
-        """The payload of this array under a number of its own."""
+        """Return the payload of this array, under a number of its own."""
         self._number = self._number % (self._ids - 1) + 1
         self._recent[self._number] = Array(self._number, order.counts, self.hold), now
         if len(self._recent) > min(_REMEMBERED, self._ids // 2):
@@ -326,7 +300,7 @@ class SetpointLink:
     # --- what is answered -------------------------------------------------------------------
 
     def echoed(self, number: int, counts: Integers, now: float, hold: int | None = None) -> None:
-        """The device has said what it applied.
+        """Take in an echo: the device says what it has applied.
 
         Args:
             number: Of the writing that it answers.
@@ -366,16 +340,16 @@ class SetpointLink:
             del flight.numbers[: place + 1]  # only later copies can still say something new
 
     def unreadable(self, now: float) -> None:
-        """An echo has come that nobody can read."""
+        """Take in an echo that cannot be read."""
         self._correct(now)
 
     def take(self) -> list[SubmitResult | FaultReport]:
-        """What has become of arrays since it was last asked."""
+        """Return what has become of arrays since the last call."""
         results, self._results = self._results, []
         return results
 
     def _correct(self, now: float) -> None:
-        """Something else may be in force than what was written last."""
+        """Have the array written again: something else may be in force."""
         self.damaged += 1
         if self._flight is not None:
             self._flight.again = True

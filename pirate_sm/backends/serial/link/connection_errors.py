@@ -15,7 +15,7 @@ _SHOWN = 40
 def unanswered(
     port: str, baud: int, conversation: Conversation, sample: bytes, usual_baud: int | None = None
 ) -> str:
-    """Why nobody has introduced the topics that are needed.
+    """Return why the topics that are needed have not been introduced.
 
     Args:
         port: Name of the port.
@@ -62,16 +62,16 @@ def _incomplete(port: str, conversation: Conversation) -> str:
 
 
 def no_sensors(advice: str) -> str:
-    """Why nothing is measured; ``advice`` is the robot's own, or empty."""
+    """Return why nothing is measured; ``advice`` is the robot's own, or empty."""
     return f"{NO_SENSORS}: {sensors_off(advice)}"
 
 
 def sensors_off(advice: str) -> str:
-    """What a person can do when no board reports; ``advice`` is the robot's own, or empty."""
+    """Return what a person can do when no board reports; ``advice`` may be empty."""
     return advice or "are the sensors switched on, are the boards powered?"
 
 
 def mute(modules: Mapping[int, str], silent: Iterable[int]) -> str:
-    """Which boards say nothing."""
+    """Return which boards do not report."""
     names = ", ".join(f"{board} ({modules[board]})" for board in sorted(silent))
     return f"no values come from board {names}"

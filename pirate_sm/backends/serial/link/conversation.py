@@ -1,4 +1,4 @@
-"""Talking rosserial as the host: topics learned and checked, the time told, silence noticed.
+"""The host's side of rosserial: learns and checks topics, tells the time, notices silence.
 
 Pure: bytes come in with the time, frames to be written come out. What an 8-bit sum lets through
 is met here by believing an introduction only when it has come twice in the same words.
@@ -78,7 +78,7 @@ class Message(NamedTuple):
 
 
 class Known(NamedTuple):
-    """All wanted topics are known.
+    """Reports that all wanted topics are known.
 
     Attributes:
         again: They had been before: the device had to be asked anew.
@@ -90,7 +90,7 @@ class Known(NamedTuple):
 
 
 class Refused(NamedTuple):
-    """The device means something else by one of the topics, which is not used therefore."""
+    """Reports a topic that is not used because the device defines it differently."""
 
     reason: str
 
@@ -119,7 +119,7 @@ class Conversation:
         boot_s: float = 0.0,
         silent_s: float = SILENT_AFTER_S,
     ) -> None:
-        """Nothing has been said.
+        """Begin a connection on which nothing has been said.
 
         Args:
             wanted: The topics that are needed.
@@ -171,18 +171,18 @@ class Conversation:
 
     @property
     def missing(self) -> tuple[Wanted, ...]:
-        """What the device has not introduced in the right words."""
+        """The wanted topics that the device has not introduced as they are defined here."""
         known = set(self._numbers.values())
         return tuple(each for at, each in enumerate(self._wanted) if at not in known)
 
     @property
     def due_s(self) -> float:
-        """When there will be something to write, if nothing comes before."""
+        """When there is something to write, if nothing comes before."""
         due = self._ask_s if self.asking else self._patience.due_s(self._silent_s)
         return min(due, self._time_s)
 
     def write(self, now: float) -> bytes:
-        """The next frame to be written at this time; empty when there is none."""
+        """Return the next frame to be written at this time; empty when there is none."""
         silent = self._patience.look(now) >= self._silent_s
         if now >= self._time_s:
             return self._tell_time()
@@ -196,7 +196,7 @@ class Conversation:
         return b""
 
     def frame(self, which: int, payload: bytes) -> bytes:
-        """The frame that carries a payload on a wanted topic; empty where it must not be sent.
+        """Return the frame with a payload on a wanted topic; empty where it must not be sent.
 
         A device writes a payload that is too long, or for a topic that it does not have, over its
         own memory.
@@ -207,11 +207,11 @@ class Conversation:
         return b""
 
     def farewell(self) -> bytes:
-        """The frame after which the device stops publishing."""
+        """Return the frame after which the device stops publishing."""
         return encode(TX_STOP)
 
     def receive(self, data: bytes, now: float) -> Iterator[Heard]:
-        """What these bytes say; taken in as it is asked for."""
+        """Yield what these bytes say; each is taken in when it is asked for."""
         self._decoder.longest = self._longest
         for frame in self._decoder.feed(data):
             yield from self._take(frame, now)
@@ -231,7 +231,7 @@ class Conversation:
         return max((_ROOM_FOR_WORDS, *published))
 
     def _tell_time(self) -> bytes:
-        """The time at which the device asked for it, which adds what has passed since.
+        """Return the answer about the time, as of the device's request; it adds what has passed.
 
         It is told more than once, and also when a request must have been lost: a device that
         is not answered for long stops publishing.
@@ -276,7 +276,7 @@ class Conversation:
                 self.words.append(line)
 
     def _meet(self, info: TopicInfo | None) -> Iterator[Heard]:
-        """The device has introduced one of its topics."""
+        """Take in that the device has introduced one of its topics."""
         if info is None:
             return
         self._unproven[info] += 1
@@ -307,7 +307,7 @@ class Conversation:
 
 
 def _difference(wanted: Wanted, info: TopicInfo) -> str:
-    """In what the device and our definition do not agree, for a person to compare."""
+    """Return how the device's definition differs from ours, for a person to compare."""
     if wanted.type != info.type:
         return (
             f"the device says that topic '{info.name}' carries {info.type}, "

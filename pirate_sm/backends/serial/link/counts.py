@@ -1,4 +1,4 @@
-"""How often what has happened on a link."""
+"""Counts of what has happened on a link."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Counts(NamedTuple):
-    """What the link has seen, for people.
+    """Counts of what has happened on a link, for people.
 
     Attributes:
         dropped: Bytes that belonged to no frame.

@@ -1,4 +1,4 @@
-"""The driver without its port: bytes in with the time, events and bytes to be written out."""
+"""The driver without its port: takes bytes and the time, gives events and bytes to write."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from pirate_sm.backends.serial.link.link_plan import ECHO, SETPOINTS, STATE, Lin
 from pirate_sm.backends.serial.link.measurements import Measurements
 from pirate_sm.backends.serial.link.stop_confirmation import StopConfirmation
 from pirate_sm.backends.serial.link.throttle import Throttle
+from pirate_sm.backends.serial.link.wire_slots import to_counts, why_refused
 from pirate_sm.backends.serial.recovery import BRIEF, RESET, Outage, Recovery, was_reset
 from pirate_sm.model.events import Event, FaultReport
 from pirate_sm.rosserial.frames import OVERHEAD_BYTES
@@ -43,7 +44,7 @@ _SILENT_SHARE = 0.4
 
 
 class Exchange:
-    """Everything between the engine and the bytes on the wire.
+    """Turns setpoints into bytes and bytes into events, and holds the mission during silences.
 
     Args:
         plan: The robot on its wire.
@@ -111,24 +112,24 @@ class Exchange:
     # --- the link itself --------------------------------------------------------------------
 
     def watch(self) -> None:
-        """From now on a silence holds the mission until it is clear what has happened."""
+        """Hold the mission from now on in every silence, until it is clear what has happened."""
         self._watching = True
 
     def lost(self, reason: str, now: float) -> None:
-        """The port has gone."""
+        """Note that the port has gone."""
         outage = self._hold(now)
         if outage is not None:
             outage.relapse()
             outage.gone = outage.gone or reason
 
     def connected(self, now: float) -> None:
-        """The port has been opened again: topics are asked for as at the beginning."""
+        """Note that the port is open again, and ask for topics as at the beginning."""
         self.conversation = self._begin(now)
         if self.outage is not None:
             self.outage.sign_s = now
 
     def resume(self, now: float) -> None:
-        """Whoever was told of an outage has had a say: the newest array is to be in force."""
+        """Send the newest array: the engine has had its say about an outage."""
         if self.aside and self.outage is None:
             self.aside = False
             self.link.reassert(now)
@@ -136,7 +137,7 @@ class Exchange:
     # --- in ---------------------------------------------------------------------------------
 
     def submit(self, setpoint_id: int, values: tuple[float, ...], now: float) -> None:
-        """The array is on its way."""
+        """Hand an array over."""
         self.newer = True
         self.link.submit(setpoint_id, values, now)
         self._events += self.link.take()
@@ -149,13 +150,13 @@ class Exchange:
             seeking: Slots that a position loop drives. The firmware's switch stops them, if the
                 message can tell it which they are.
         """
-        if not self.link.refusal(values):
-            self._held = self.link.counts(values)
+        if not why_refused(self._plan.slots, values):
+            self._held = to_counts(self._plan.slots, values)
         loose = seeking if self._plan.messages.setpoints.holds else ()
         self.link.hold = self._kept & ~sum(1 << at for at in loose)
 
     def receive(self, data: bytes, now: float) -> None:
-        """The bytes have had their consequences."""
+        """Take in bytes from the port."""
         dropped = self.conversation.dropped
         for heard in self.conversation.receive(data, now):
             if isinstance(heard, Known):
@@ -169,7 +170,7 @@ class Exchange:
         self._events += self.link.take()
 
     def take(self) -> list[Event]:
-        """What has happened since it was last asked, oldest first."""
+        """Return what has happened since the last call, oldest first."""
         events, self._events = self._events, []
         return events
 
@@ -185,7 +186,7 @@ class Exchange:
     # --- out --------------------------------------------------------------------------------
 
     def due_s(self, now: float) -> float:
-        """When there will be something to do, if nothing comes before."""
+        """Return when there is something to do, if nothing comes before."""
         due = self.conversation.due_s
         if due <= now:
             due = self._throttle.free_s(_GREETING_BYTES, now)
@@ -204,7 +205,7 @@ class Exchange:
         return min(due, link_due)
 
     def write(self, now: float, able: bool = True) -> bytes:
-        """The next frame to be written now, to be written in one call; empty when there is none.
+        """Return the frame to be written now, in one call; empty when there is none.
 
         Args:
             now: The time.
@@ -230,15 +231,15 @@ class Exchange:
         return data
 
     def room_s(self, size: int, now: float) -> float:
-        """When this many bytes may be written."""
+        """Return when this many bytes may be written."""
         return self._throttle.free_s(size, now)
 
     def wrote(self, size: int, now: float) -> None:
-        """So many bytes have been written past the exchange."""
+        """Note that so many bytes have been written past the exchange."""
         self._throttle.wrote(size, now)
 
     def safe_frame(self) -> bytes:
-        """The frame that stops what the safe state stops and holds what it holds; or nothing.
+        """Return the frame of the safe array: what the safe state stops is zero, the rest is held.
 
         There is none before anything has been sent: the robot stands as it was found.
         """
@@ -259,7 +260,7 @@ class Exchange:
 
     @property
     def settled(self) -> bool:
-        """Whether nothing is under way: what is to be in force is, as far as can be told.
+        """Whether nothing is under way: what is to be in force is in force, as far as is known.
 
         After an outage that is the safe array, until something newer is wanted.
         """
@@ -269,7 +270,7 @@ class Exchange:
 
     @property
     def counts(self) -> Counts:
-        """What the link has seen."""
+        """Counts of what has happened."""
         conversation, link = self.conversation, self.link
         return Counts(
             frames=conversation.frames,
@@ -286,7 +287,7 @@ class Exchange:
     # --- inside -----------------------------------------------------------------------------
 
     def _hold(self, now: float) -> Outage | None:
-        """The outage that there is, or that begins now; None where none is looked for."""
+        """Return the outage that there is, or that begins now; None where none is looked for."""
         outage = self.outage
         if outage is not None:
             if outage.back:
@@ -300,7 +301,7 @@ class Exchange:
         return outage
 
     def _notice_return(self, now: float) -> None:
-        """A controller that speaks again is looked at before anything is believed."""
+        """Note that the controller speaks again; whether it has recovered is judged later."""
         outage = self.outage
         if self.conversation.asking:
             return
@@ -316,11 +317,11 @@ class Exchange:
 
     @property
     def gives_up_s(self) -> float:
-        """When the silence that there is will be given up; infinite while there is none."""
+        """When the present silence will be given up; infinite while there is none."""
         return inf if self.outage is None else self._recovery.gives_up_s(self.outage)
 
     def _judge(self, outage: Outage, now: float) -> None:
-        """An outage of which it is clear what it was has been told."""
+        """Report an outage as soon as it is clear what it was."""
         outage.sign_s = max(outage.sign_s, self.conversation.heard_s)
         fault = self._recovery.verdict(outage, now, bool(self.safe_frame()))
         if fault is None:
@@ -330,7 +331,7 @@ class Exchange:
         self._events += [fault, *outage.frames.values()]
 
     def _setpoints(self, now: float) -> bytes:
-        """The frame with the array that is to be written now; empty when there is none."""
+        """Return the frame with the array that is to be written now; empty when there is none."""
         outage = self.outage
         if outage is not None:
             if not self._recovery.wants_safe(outage, now):

@@ -1,4 +1,4 @@
-"""How good the line is: what is lost, what comes damaged, how long an echo takes."""
+"""The quality of the line: what is lost, what comes damaged, how long an echo takes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the driver needs to know of one robot, worked out of its profile once."""
+"""The numbers of one robot that the driver needs, taken from its profile."""
 
 from __future__ import annotations
 
@@ -6,21 +6,23 @@ from collections.abc import Mapping
 from math import inf, radians
 from typing import NamedTuple
 
-from pirate_sm.backends.serial.link.arrays import WireSlot
 from pirate_sm.backends.serial.link.conversation import Wanted
+from pirate_sm.backends.serial.link.wire_slots import WireSlot
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile, Slot
 from pirate_sm.model.wire import Serial
 from pirate_sm.rosserial.frames import LONGEST_PAYLOAD
+from pirate_sm.rosserial.message_types import MessageType
 from pirate_sm.rosserial.messages import Messages, serial_of
+from pirate_sm.rosserial.topics import Direction
 
 SETPOINTS, ECHO, STATE = range(3)
 """Places of the wanted topics."""
 
 
 class LinkPlan(NamedTuple):
-    """One robot on its wire.
+    """What the driver needs to know of one robot.
 
     Attributes:
         channels: How many channels each board has that is listened to.
@@ -40,12 +42,12 @@ class LinkPlan(NamedTuple):
 
     @property
     def away_s(self) -> float:
-        """After its last sign of life the link may be away for this long."""
+        """How long after its last sign of life the link may be away, s."""
         return self.serial.boot + self.serial.recover_within
 
 
 def plan_of(profile: Profile, robot: RobotSpec, messages: Messages) -> LinkPlan:
-    """The plan for this robot.
+    """Return the plan for this robot.
 
     Raises:
         UsageError: The robot has no serial link, or its messages cannot carry its setpoints.
@@ -72,20 +74,17 @@ def plan_of(profile: Profile, robot: RobotSpec, messages: Messages) -> LinkPlan:
 
 
 def _wanted(serial: Serial, messages: Messages, reports: bool) -> tuple[Wanted, ...]:
-    """The topics that are needed; ``reports``: the device sends states by itself."""
-    named = (
-        (serial.setpoints.topic, messages.setpoints.type, "takes"),
-        (serial.echo.topic, messages.echo.type, "publishes"),
-        (serial.state.topic, messages.state.type, "publishes"),
+    """Return the topics that are needed; ``reports``: the device sends states by itself."""
+
+    def wanted(topic: str, kind: MessageType, way: Direction, answers: bool = False) -> Wanted:
+        longest = LONGEST_PAYLOAD if kind.largest is None else kind.largest
+        return Wanted(topic, kind.name, kind.md5, way, kind.text, longest, answers)
+
+    return (
+        wanted(serial.setpoints.topic, messages.setpoints.type, "takes"),
+        wanted(serial.echo.topic, messages.echo.type, "publishes", answers=reports),
+        wanted(serial.state.topic, messages.state.type, "publishes"),
     )
-    return tuple(
-        Wanted(
-            topic, kind.name, kind.md5, "takes" if way == "takes" else "publishes", kind.text,
-            LONGEST_PAYLOAD if kind.largest is None else kind.largest,
-            answers=reports and topic == serial.echo.topic,
-        )
-        for topic, kind, way in named
-    )  # fmt: skip
 
 
 def _wire_slot(profile: Profile, slot: Slot) -> WireSlot:

@@ -1,4 +1,4 @@
-"""What State messages tell becomes one frame for each board, whatever their layout."""
+"""Turns State messages of either layout into one sensor frame for each board."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pirate_sm.rosserial.messages import StateReading
 
 
 class Measurements:
-    """Puts boards together.
+    """Collects readings until they make the frame of a board.
 
     Where a message carries one value, a board is reported when all its values have come; one that
     was lost is reported with its last value as soon as another comes round again.
@@ -29,7 +29,7 @@ class Measurements:
         self.strange = 0
 
     def take(self, reading: StateReading) -> SensorFrame | None:
-        """The frame that this reading completes; None when it completes none."""
+        """Return the frame that this reading completes; None when it completes none."""
         board, channel, values = reading
         count = self._channels.get(board)
         if count is None or (len(values) < count if channel < 0 else channel >= count):

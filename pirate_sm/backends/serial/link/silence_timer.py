@@ -1,4 +1,4 @@
-"""How long the other side has been silent, not counting the time in which we stood still too."""
+"""Measures how long the other side has been silent while this program was awake."""
 
 from __future__ import annotations
 

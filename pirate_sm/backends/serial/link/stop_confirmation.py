@@ -1,4 +1,4 @@
-"""Whether the robot is known to be stopped: by echoes of what was written, in the order of it."""
+"""Tells whether the robot is known to be stopped, from what was written and echoed."""
 
 from __future__ import annotations
 

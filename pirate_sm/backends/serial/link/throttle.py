@@ -1,4 +1,4 @@
-"""How fast may be written: the receiver is a microcontroller with a small ring of bytes."""
+"""Limits how fast is written to a microcontroller with a small ring of bytes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Throttle:
         self._recent = 0
 
     def free_s(self, size: int, now: float) -> float:
-        """When a frame of this size may be written; not later than ``now`` if it may at once."""
+        """Return when a frame of this size may be written; ``now`` if it may at once."""
         self._forget(now)
         excess = self._recent + min(size, RING_BYTES) - RING_BYTES
         free = now
@@ -54,7 +54,7 @@ class Throttle:
         self._recent += size
 
     def spacing_s(self, size: int) -> float:
-        """The least time between two arrays that make frames of this size."""
+        """Return the least time between two arrays that make frames of this size, s."""
         return size * self._byte_s / _SETPOINT_SHARE
 
     def _forget(self, now: float) -> None:

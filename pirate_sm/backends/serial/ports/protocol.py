@@ -1,4 +1,4 @@
-"""What the driver asks of a serial port, so that a virtual one can stand in for it."""
+"""What a serial port must do, so that a virtual one can stand in for it."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class Port(Protocol):
         ...
 
     def now(self) -> float:
-        """Seconds that never go back."""
+        """Return the time of the port's clock, s; it never goes back."""
         ...
 
     def open(self) -> None:
-        """It is ours alone.
+        """Open the port for this program alone.
 
         Raises:
             BackendError: It is not; the message says what to do about it.
@@ -42,11 +42,11 @@ class Port(Protocol):
         ...
 
     def reopen(self) -> bool:
-        """Whether a port that was lost is ours again; returns soon."""
+        """Try to open a port that was lost, without waiting; return whether it is open."""
         ...
 
     def write(self, data: bytes) -> None:
-        """The bytes have been handed over in one piece.
+        """Write the bytes in one piece.
 
         Raises:
             PortLostError: There is nobody to hand them to.
@@ -54,7 +54,7 @@ class Port(Protocol):
         ...
 
     def read(self, until_s: float) -> bytes:
-        """What has come, as soon as anything has; empty when nothing had by then.
+        """Return what has come, as soon as anything has; empty when nothing had by ``until_s``.
 
         Raises:
             PortLostError: Nothing will come any more.
@@ -62,15 +62,15 @@ class Port(Protocol):
         ...
 
     def wait(self, until_s: float) -> None:
-        """It is that time; for when there is nothing to read from."""
+        """Sleep until that time; for when there is nothing to read from."""
         ...
 
     def beat(self, safe_frame: bytes) -> None:
-        """Whoever guards the port knows that we live, and what to send when we do not."""
+        """Tell the port's guardian that this program lives, and what to send when it does not."""
         ...
 
     def overruled(self) -> bool:
-        """Whether a guard has acted in our place since this was last asked."""
+        """Return whether the guardian has acted in place of this program since the last call."""
         ...
 
     def remark(self) -> str:
@@ -78,7 +78,7 @@ class Port(Protocol):
         ...
 
     def close(self, stopped: bool = False) -> None:
-        """Let the port go once everything written has gone out; never raises.
+        """Close the port once everything written has gone out; never raises.
 
         Args:
             stopped: Whether the robot is known to be stopped, or was never set in motion. Else

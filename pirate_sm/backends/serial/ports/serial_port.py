@@ -49,14 +49,17 @@ class SerialPort:
     now = staticmethod(time.monotonic)
 
     def open(self) -> None:
-        """It is ours alone."""
+        """Open and lock the port."""
         if not self.name.strip():
             raise BackendError("the name of the port is empty")
         try:
             self._port = serial.serial_for_url(
-                self.name, baudrate=self._baud, timeout=0, write_timeout=_WRITE_WITHIN_S,
+                self.name,
+                baudrate=self._baud,
+                timeout=0,
+                write_timeout=_WRITE_WITHIN_S,
                 exclusive=True,
-            )  # fmt: skip
+            )
         except ValueError as error:
             raise BackendError(f"{self.name} cannot be a serial port: {error}") from None
         except (serial.SerialException, OSError) as error:
@@ -65,14 +68,14 @@ class SerialPort:
             raise BackendError(_NO_ADDRESS.format(self.name)) from None
 
     def reopen(self) -> bool:
-        """Whether the port is ours again."""
+        """Try to open the port again; return whether it is open."""
         self.let_go()
         with suppress(BackendError):
             self.open()
         return self._port is not None
 
     def write(self, data: bytes) -> None:
-        """The bytes have been handed over in one piece."""
+        """Write the bytes in one piece."""
         if self._port is None:
             raise PortLostError(f"{self.name} is closed")
         try:
@@ -82,7 +85,7 @@ class SerialPort:
             raise PortLostError(f"{self.name} takes nothing any more: {error}") from None
 
     def read(self, until_s: float) -> bytes:
-        """What has come, as soon as anything has."""
+        """Return what has come, as soon as anything has; empty when nothing had by ``until_s``."""
         if self._port is None:
             raise PortLostError(f"{self.name} is closed")
         try:
@@ -95,7 +98,7 @@ class SerialPort:
 
     @property
     def descriptor(self) -> int:
-        """What can be waited for; -1 for a port, such as loop://, that can only be asked."""
+        """The descriptor to wait for; -1 for a port, such as loop://, that can only be polled."""
         try:
             return self._port.fileno() if self._port is not None else -1
         except (AttributeError, OSError):
@@ -111,22 +114,22 @@ class SerialPort:
         select.select([descriptor], [], [], timeout_s)
 
     def wait(self, until_s: float) -> None:
-        """It is that time."""
+        """Sleep until that time."""
         time.sleep(max(0.0, until_s - time.monotonic()))
 
     def beat(self, safe_frame: bytes) -> None:
-        """Nobody guards this one."""
+        """Do nothing: this port has no guardian."""
 
     def overruled(self) -> bool:
-        """Never: nobody guards this one."""
+        """Return false: this port has no guardian."""
         return False
 
     def remark(self) -> str:
-        """Return nothing: nobody guards this one."""
+        """Return nothing: this port has no guardian."""
         return ""
 
     def close(self, stopped: bool = False) -> None:
-        """Everything written has gone out and the port is free."""
+        """Close the port once everything written has gone out."""
         if self._port is not None:
             with suppress(Exception):  # the port may have gone
                 self._port.flush()
@@ -141,7 +144,7 @@ class SerialPort:
 
 
 def _advice(name: str, error: OSError) -> str:
-    """Why a port cannot be opened, and what to do about it."""
+    """Return why a port cannot be opened, and what to do about it."""
     code = error.errno
     within = re.search(r"(?:\(|\[Errno )(\d+)[],]", str(error))
     if code is None and within:
@@ -170,7 +173,7 @@ def _advice(name: str, error: OSError) -> str:
 
 
 def _no_answer(name: str, code: int | None, error: OSError) -> str:
-    """Why nobody speaks at an address."""
+    """Return why nothing answers at an address."""
     if code == errno.ECONNREFUSED:
         return f"nobody listens at {name}: is the program there running?"
     if code in _NOT_REACHED or "timed out" in str(error):
@@ -183,7 +186,7 @@ def _no_answer(name: str, code: int | None, error: OSError) -> str:
 
 
 def _group(name: str) -> str:
-    """Name of the group that owns the port; empty where there is none."""
+    """Return the name of the group that owns the port; empty where there is none."""
     with suppress(ImportError, OSError, KeyError):
         import grp  # noqa: PLC0415 - not on every system
 

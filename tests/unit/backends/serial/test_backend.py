@@ -332,8 +332,9 @@ def test_a_reset_is_told_once_the_safe_array_is_confirmed_and_then_the_last_one_
     [fault] = faults(told)
     assert fault.code == "firmware.reset"
     assert fault.message.startswith("the robot's controller said nothing for 1.")
-    assert fault.message.endswith("it holds what it held and its wheels are stopped, as it has "
-                                  "confirmed")  # fmt: skip
+    assert fault.message.endswith(
+        "it holds what it held and its wheels are stopped, as it has confirmed"
+    )
     assert [counts[4:8] for _, _, counts in device.applied[before:]] == [
         (-700, 0, 700, 0),
         (-700, 1000, 700, -1000),

@@ -368,9 +368,13 @@ def test_a_sensor_that_is_stuck(go: Go) -> None:
 
 def test_a_sensor_that_spikes_is_hidden_and_told_when_it_does_so_all_the_time(go: Go) -> None:
     extra = Defect(
-        kind="sensor_spike", description="", raw={"gamma_3": 1365}, after=6.0, every=0.8,
+        kind="sensor_spike",
+        description="",
+        raw={"gamma_3": 1365},
+        after=6.0,
+        every=0.8,
         lasting=0.1,
-    )  # fmt: skip
+    )
     course = go(extra=extra)
 
     assert course.message.startswith("sensor.spiking: gamma_3 has spiked 5 times in ")

@@ -48,9 +48,12 @@ def run_on(switch: bool) -> tuple[float, VirtualBay]:
     holder = Holder(backend.hold)
     engine = Engine(loaded.robot, loaded.program, nominal=False)
     detector = detecting(
-        None, usual="odometry", profile=loaded.loaded_robot.profile, robot=loaded.robot,
+        None,
+        usual="odometry",
+        profile=loaded.loaded_robot.profile,
+        robot=loaded.robot,
         pipe=loaded.pipe,
-    )  # fmt: skip
+    )
     companions = (holder, *detector.companions, FirstChoice())
     run = MissionRun(engine, backend, companions=companions)
     holder.follow(run)

@@ -79,8 +79,9 @@ def test_a_silent_runner_is_overruled_in_time_and_told() -> None:
     done = until(beating(), 0.31)
 
     assert [(round(at_s, 6), each) for at_s, each in done] == [
-        (0.3, OVERRULED), (0.3, ToPort(SAFE))
-    ]  # fmt: skip
+        (0.3, OVERRULED),
+        (0.3, ToPort(SAFE)),
+    ]
 
 
 def test_one_more_beat_is_allowed_when_the_guardian_itself_stood_still() -> None:

@@ -174,11 +174,18 @@ class Happening(NamedTuple):
 
 
 EVENTS = (
-    "the runner dies", "the runner stalls", "the runner goes on",
-    "the guardian stands still", "the guardian goes on",
-    "the port goes", "the port returns", "the port returns with other numbers",
-    "nothing reaches the device", "nothing comes from the device", "the line is good",
-)  # fmt: skip
+    "the runner dies",
+    "the runner stalls",
+    "the runner goes on",
+    "the guardian stands still",
+    "the guardian goes on",
+    "the port goes",
+    "the port returns",
+    "the port returns with other numbers",
+    "nothing reaches the device",
+    "nothing comes from the device",
+    "the line is good",
+)
 HAPPENINGS = st.builds(
     Happening,
     st.sampled_from(EVENTS),

@@ -8,8 +8,9 @@ from itertools import pairwise
 
 import pytest
 
-from pirate_sm.backends.serial.link.arrays import SetpointLink, WireSlot
+from pirate_sm.backends.serial.link.arrays import SetpointLink
 from pirate_sm.backends.serial.link.line_quality import NEVER, Refreshing
+from pirate_sm.backends.serial.link.wire_slots import WireSlot
 
 SPACING_S = 0.05
 HURRY_S = 0.6 * SPACING_S
@@ -26,9 +27,12 @@ class Line:
 
     def __init__(self, refreshing: Refreshing = NEVER) -> None:
         self.link = SetpointLink(
-            [WireSlot("motor", 0.001, 1.0)], pack, echo_within_s=0.15, spacing_s=SPACING_S,
+            [WireSlot("motor", 0.001, 1.0)],
+            pack,
+            echo_within_s=0.15,
+            spacing_s=SPACING_S,
             refreshing=refreshing,
-        )  # fmt: skip
+        )
         self.now_s = 0.0
         self.round_trip_s = ROUND_TRIP_S
         self.number = 0
