@@ -7,7 +7,7 @@ import struct
 from enum import IntEnum
 from typing import NamedTuple, Self
 
-from pirate_sm.backends.serial.link.conversation import Wanted
+from pirate_sm.backends.serial.link.wanted_topics import Wanted
 
 _HEADER = struct.Struct("<BI")
 _LONGEST = 1 << 20

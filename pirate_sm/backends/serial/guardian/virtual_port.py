@@ -9,7 +9,7 @@ from typing import Protocol
 
 from pirate_sm.backends.serial.guardian.guard import Action, Guard, Reopen, ToPort, ToRunner
 from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note
-from pirate_sm.backends.serial.link.conversation import Wanted
+from pirate_sm.backends.serial.link.wanted_topics import Wanted
 from pirate_sm.backends.serial.ports.protocol import PortLostError
 
 _EPOCH_S = 1.7e9

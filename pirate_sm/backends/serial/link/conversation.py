@@ -9,9 +9,16 @@ from __future__ import annotations
 from collections import Counter, deque
 from collections.abc import Iterator, Sequence
 from math import inf, isnan, nan
-from typing import NamedTuple, TypeAlias
 
 from pirate_sm.backends.serial.link.silence_timer import SilenceTimer
+from pirate_sm.backends.serial.link.wanted_topics import (
+    Heard,
+    TopicPayload,
+    TopicRefused,
+    TopicsKnown,
+    Wanted,
+    difference,
+)
 from pirate_sm.rosserial.frames import LONGEST_PAYLOAD, Decoder, Frame, encode
 from pirate_sm.rosserial.topics import (
     FIRST_OF_THE_DEVICE,
@@ -48,54 +55,6 @@ _WORDS_KEPT = 20
 
 _ROOM_FOR_WORDS = 128
 """Bytes that an introduction or a line of the firmware's log may always have."""
-
-
-class Wanted(NamedTuple):
-    """A topic that the robot's profile names.
-
-    Attributes:
-        direction: What the device does with it.
-        text: The definition that we hold, for people.
-        longest: Bytes of its longest payload.
-        answers: It only ever answers what was written. So it does not show that the device goes
-            on by itself, and is no end of a silence.
-    """
-
-    name: str
-    type: str
-    md5: str
-    direction: Direction
-    text: str = ""
-    longest: int = LONGEST_PAYLOAD
-    answers: bool = False
-
-
-class Message(NamedTuple):
-    """A payload on one of the wanted topics, in the order they were wanted."""
-
-    which: int
-    payload: bytes
-
-
-class Known(NamedTuple):
-    """Reports that all wanted topics are known.
-
-    Attributes:
-        again: They had been before: the device had to be asked anew.
-        silence_s: How long it had said nothing.
-    """
-
-    again: bool
-    silence_s: float
-
-
-class Refused(NamedTuple):
-    """Reports a topic that is not used because the device defines it differently."""
-
-    reason: str
-
-
-Heard: TypeAlias = Message | Known | Refused
 
 
 class Conversation:
@@ -253,7 +212,7 @@ class Conversation:
             return  # nothing is proven by it: it may be damaged, or of no rosserial
         self.frames += 1
         if at is not None and self._wanted[at].answers:
-            yield Message(at, payload)
+            yield TopicPayload(at, payload)
             return
         self._silence_s, self.heard_s = max(self._silence_s, now - self.heard_s), now
         self.silence_s = max(self.silence_s if self._again else 0.0, self._patience.look(now))
@@ -262,7 +221,7 @@ class Conversation:
             if not (self._again and self._fresh):
                 self._silence_s = 0.0
                 self._again = False  # the device has gone on by itself: it was the link
-            yield Message(at, payload)
+            yield TopicPayload(at, payload)
         elif topic in {PUBLISHER, SUBSCRIBER}:
             yield from self._meet(read_topic(topic, payload))
             if self._known and isnan(self._time_asked_s):
@@ -293,28 +252,14 @@ class Conversation:
                 self._fresh.add(at)
             elif at not in self._refused:
                 self._refused.add(at)
-                yield Refused(_difference(wanted, info))
+                yield TopicRefused(difference(wanted, info))
         complete = set(self._numbers.values()) == set(range(len(self._wanted)))
         if complete and (
             not self._known or (self._again and len(self._fresh) == len(self._wanted))
         ):
-            known = Known(self._known, self._silence_s)
+            known = TopicsKnown(self._known, self._silence_s)
             self._known, self._again, self._silence_s = True, False, 0.0
             yield known
 
     def _met_before(self, at: int, info: TopicInfo) -> bool:
         return self._numbers.get(info.number) == at and self._rooms.get(at) == info.buffer_bytes
-
-
-def _difference(wanted: Wanted, info: TopicInfo) -> str:
-    """Return how the device's definition differs from ours, for a person to compare."""
-    if wanted.type != info.type:
-        return (
-            f"the device says that topic '{info.name}' carries {info.type}, "
-            f"the robot's profile says {wanted.type}"
-        )
-    return (
-        f"the firmware's {info.type} is another one than ours: its md5 is {info.md5}, that of our "
-        f"text {wanted.md5}. Put the .msg text of the firmware in place of ours, which is:\n"
-        f"{wanted.text}"
-    )

@@ -7,19 +7,15 @@ from math import inf
 
 from pirate_sm.backends.serial.link.arrays import SetpointLink
 from pirate_sm.backends.serial.link.connection_errors import sensors_off
-from pirate_sm.backends.serial.link.conversation import (
-    SILENT_AFTER_S,
-    Conversation,
-    Known,
-    Message,
-    Refused,
-)
+from pirate_sm.backends.serial.link.conversation import SILENT_AFTER_S, Conversation
 from pirate_sm.backends.serial.link.counts import Counts
 from pirate_sm.backends.serial.link.line_quality import Refreshing
 from pirate_sm.backends.serial.link.link_plan import ECHO, SETPOINTS, STATE, LinkPlan
 from pirate_sm.backends.serial.link.measurements import Measurements
+from pirate_sm.backends.serial.link.safe_array import SAFE_WIRE_ID, SafeArray
 from pirate_sm.backends.serial.link.stop_confirmation import StopConfirmation
 from pirate_sm.backends.serial.link.throttle import Throttle
+from pirate_sm.backends.serial.link.wanted_topics import TopicPayload, TopicRefused, TopicsKnown
 from pirate_sm.backends.serial.link.wire_slots import to_counts, why_refused
 from pirate_sm.backends.serial.recovery import BRIEF, RESET, Outage, Recovery, was_reset
 from pirate_sm.model.events import Event, FaultReport
@@ -31,8 +27,6 @@ MISMATCH = "link.mismatch"
 
 _GREETING_BYTES = OVERHEAD_BYTES * 2
 """What the conversation itself writes is not longer."""
-
-SAFE_WIRE_ID = 0
 
 _INTRODUCTION_S = 0.06
 """A device that introduces its topics, some 270 bytes at 57,600 baud, reads nothing meanwhile."""
@@ -68,10 +62,9 @@ class Exchange:
         self._plan = plan
         self._epoch_s = epoch_s
         self._throttle = Throttle(baud)
-        payload = plan.messages.setpoints.pack(0, [0] * len(plan.slots))
-        self._setpoint_bytes = len(payload) + OVERHEAD_BYTES
         codec = plan.messages.setpoints
-        self._kept = sum(1 << at for at in range(len(plan.slots)) if at not in plan.safe_zero)
+        self._setpoint_bytes = len(codec.pack(0, [0] * len(plan.slots))) + OVERHEAD_BYTES
+        self._safe = SafeArray(codec, plan.safe_zero, len(plan.slots))
         self.link = SetpointLink(
             plan.slots,
             codec.pack,
@@ -80,7 +73,7 @@ class Exchange:
             spacing_s=self._throttle.spacing_s(self._setpoint_bytes),
             ids=codec.ids,
         )
-        self.link.hold = self._kept
+        self.link.hold = self._safe.kept
         self._silent_s = min(SILENT_AFTER_S, _SILENT_SHARE * plan.silent_after_s)
         self.stopped = StopConfirmation(plan.safe_zero)
         self._measurements = Measurements(plan.channels)
@@ -88,10 +81,6 @@ class Exchange:
         self._recovery = Recovery(BRIEF * plan.silent_after_s, plan.away_s, advice)
         self._left_out_s = 0.0
         self._events: list[Event] = []
-        self._held: tuple[int, ...] | None = None
-        self._safe_from: tuple[int, ...] | None = None
-        self._safe_counts: tuple[int, ...] = ()
-        self._safe_payload = b""
         self._safe_frame = b""
         self._unreadable = 0
         self._flowing = False
@@ -151,20 +140,20 @@ class Exchange:
                 message can tell it which they are.
         """
         if not why_refused(self._plan.slots, values):
-            self._held = to_counts(self._plan.slots, values)
+            self._safe.held = to_counts(self._plan.slots, values)
         loose = seeking if self._plan.messages.setpoints.holds else ()
-        self.link.hold = self._kept & ~sum(1 << at for at in loose)
+        self.link.hold = self._safe.kept & ~sum(1 << at for at in loose)
 
     def receive(self, data: bytes, now: float) -> None:
         """Take in bytes from the port."""
         dropped = self.conversation.dropped
         for heard in self.conversation.receive(data, now):
-            if isinstance(heard, Known):
+            if isinstance(heard, TopicsKnown):
                 self._know(heard, now)
             self._notice_return(now)
-            if isinstance(heard, Message):
+            if isinstance(heard, TopicPayload):
                 self._take(heard, now)
-            elif isinstance(heard, Refused):
+            elif isinstance(heard, TopicRefused):
                 self._refuse(heard)
         self.link.quality.listened(len(data), self.conversation.dropped - dropped)
         self._events += self.link.take()
@@ -246,14 +235,7 @@ class Exchange:
         counts = self.link.in_force
         if counts is None:
             return b""
-        if self._held is not None:
-            counts = self._held
-        if counts is not self._safe_from:  # asked for at every turn
-            zero = set(self._plan.safe_zero)
-            safe = tuple(0 if slot in zero else count for slot, count in enumerate(counts))
-            self._safe_from, self._safe_counts = counts, safe
-            self._safe_payload = self._plan.messages.setpoints.pack(SAFE_WIRE_ID, safe, self._kept)
-        frame = self.conversation.frame(SETPOINTS, self._safe_payload)
+        frame = self.conversation.frame(SETPOINTS, self._safe.payload(counts))
         if frame or self.conversation.known:
             self._safe_frame = frame
         return self._safe_frame  # while topics are not known again, what they were
@@ -337,7 +319,7 @@ class Exchange:
             if not self._recovery.wants_safe(outage, now):
                 return b""
             outage.wrote_s = now
-            self.stopped.wrote(SAFE_WIRE_ID, self._safe_counts)
+            self.stopped.wrote(SAFE_WIRE_ID, self._safe.counts)
             return self.safe_frame()
         if self.aside:
             return b""
@@ -349,7 +331,7 @@ class Exchange:
         self.stopped.wrote(array.number, array.counts)
         return self.conversation.frame(SETPOINTS, payload)
 
-    def _take(self, message: Message, now: float) -> None:
+    def _take(self, message: TopicPayload, now: float) -> None:
         try:
             if message.which == STATE:
                 self._measure(message.payload)
@@ -362,7 +344,7 @@ class Exchange:
 
     def _echo(self, array: Array, now: float) -> None:
         self.stopped.echoed(array.number, array.counts)
-        if array.number != SAFE_WIRE_ID or array.counts != self._safe_counts:
+        if array.number != SAFE_WIRE_ID or array.counts != self._safe.counts:
             self.link.echoed(array.number, array.counts, now, array.hold)
         elif self.outage is not None:
             self.outage.confirm(now)
@@ -378,7 +360,7 @@ class Exchange:
             return
         self._events.append(frame)
 
-    def _know(self, known: Known, now: float) -> None:
+    def _know(self, known: TopicsKnown, now: float) -> None:
         if self.outage is not None:
             self.outage.anew = True
             if not self.outage.gone:  # else it was silent since before the port was opened again
@@ -390,7 +372,7 @@ class Exchange:
             self._flowing = False
             self._events.append(FaultReport(RESET, was_reset(known.silence_s)))
 
-    def _refuse(self, refused: Refused) -> None:
+    def _refuse(self, refused: TopicRefused) -> None:
         self.refused.append(refused.reason)
         if self.heard:
             self.outage, self._given_up = None, True

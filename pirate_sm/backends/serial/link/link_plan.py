@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import inf, radians
 from typing import NamedTuple
 
-from pirate_sm.backends.serial.link.conversation import Wanted
+from pirate_sm.backends.serial.link.wanted_topics import Wanted
 from pirate_sm.backends.serial.link.wire_slots import WireSlot
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.errors import UsageError

@@ -18,7 +18,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from pirate_sm.backends.serial.link.conversation import Wanted
+from pirate_sm.backends.serial.link.wanted_topics import Wanted
 from pirate_sm.bay.node_handle import NodeHandle
 from pirate_sm.bay.reception import Reception
 from pirate_sm.rosserial.frames import Frame, encode

@@ -6,7 +6,8 @@ import struct
 
 import pytest
 
-from pirate_sm.backends.serial.link.conversation import Conversation, Wanted
+from pirate_sm.backends.serial.link.conversation import Conversation
+from pirate_sm.backends.serial.link.wanted_topics import Wanted
 from pirate_sm.rosserial.frames import Decoder, encode
 from pirate_sm.rosserial.topics import PUBLISHER, REQUEST_TOPICS, SUBSCRIBER, TIME
 
