@@ -126,7 +126,8 @@ class Recovery:
     def due_s(self, outage: Outage) -> float:
         """Return when there is something to do or to decide, if nothing is heard before."""
         if not outage.back:
-            return min(self.gives_up_s(outage), outage.answered_s + self._within_s)
+            dumb_s = outage.answered_s + self._within_s if outage.dumb else inf
+            return min(self.gives_up_s(outage), dumb_s)
         if outage.safe_s == inf:
             return min(outage.wrote_s + _SAFE_AGAIN_S, outage.back_s + self._within_s)
         if outage.dumb:
