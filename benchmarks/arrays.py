@@ -12,17 +12,17 @@ from itertools import pairwise
 from pathlib import Path
 from random import Random
 
-from pirate_sm.backends.pico.assembly import read_plan
-from pirate_sm.backends.pico.backend import SerialBackend
-from pirate_sm.backends.pico.framing import encode
-from pirate_sm.backends.pico.plan import Plan
-from pirate_sm.backends.pico.virtual_port import VirtualPort
+from pirate_sm.backends.serial.assembly import read_plan
+from pirate_sm.backends.serial.backend import SerialBackend
+from pirate_sm.backends.serial.guardian.virtual_port import VirtualPort
+from pirate_sm.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.model.events import SubmitResult
+from pirate_sm.rosserial.frames import encode
 
 LOSS, CORRUPTION = 0.20, 0.01
 MISSION = "mitre_bend"
@@ -190,7 +190,7 @@ def loaded_mission() -> LoadedMission:
     return load_mission(library.find_mission(MISSION))
 
 
-def bay_of(seed: int, switches: Switches) -> tuple[VirtualBay, Plan]:
+def bay_of(seed: int, switches: Switches) -> tuple[VirtualBay, LinkPlan]:
     """The emulated bay where that mission starts, and what the driver needs to know of it."""
     loaded = loaded_mission()
     robot, folder = loaded.loaded_robot, loaded.loaded_robot.folder

@@ -33,9 +33,9 @@ from benchmarks.arrays import (
     loaded_mission,
     twice,
 )
-from pirate_sm.backends.pico.backend import SerialBackend
-from pirate_sm.backends.pico.plan import Plan
-from pirate_sm.backends.pico.virtual_port import VirtualPort
+from pirate_sm.backends.serial.backend import SerialBackend
+from pirate_sm.backends.serial.guardian.virtual_port import VirtualPort
+from pirate_sm.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.bay.firmware import Record
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.virtual import VirtualBay
@@ -135,7 +135,7 @@ def _reason(result: Result, resets: int) -> str:
     return "" if ended.message.startswith("firmware.reset: ") else "it ended for another reason"
 
 
-def _stand(run: MissionRun, engine: Engine, plan: Plan, bay: VirtualBay, now_s: float) -> str:
+def _stand(run: MissionRun, engine: Engine, plan: LinkPlan, bay: VirtualBay, now_s: float) -> str:
     """What is wrong with how the robot stands at the end, in truth."""
     last = bay.last_applied
     if last is None or run.state is None:

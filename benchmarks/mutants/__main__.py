@@ -30,7 +30,10 @@ ASKED = 0.95
 PACKAGES = {
     "engine": ("pirate_sm/engine",),
     "expressions": ("pirate_sm/expressions",),
-    "serial backend": ("pirate_sm/backends/pico",),
+    "serial backend": (
+        "pirate_sm/backends/serial",
+        "pirate_sm/rosserial",
+    ),
     "program": tuple(
         f"pirate_sm/loading/{name}.py" for name in ("program", "assembly", "calls", "scope")
     ),

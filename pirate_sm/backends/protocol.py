@@ -44,10 +44,14 @@ class Backend(Protocol):
         ...
 
     def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
-        """Send an array; exactly one ``SubmitResult`` for it follows from ``advance``.
+        """Hand an array over; exactly one ``SubmitResult`` for it follows from ``advance``.
 
-        Never blocks. A newer array supersedes one that has not been sent yet; submitting the
-        same id again repeats the same array.
+        Never blocks. Arrays are a stream in which the newest wins. An array that has not been sent
+        when a newer one is submitted is never sent and ends as ``superseded``; the newest is sent
+        as soon as the backend can send. An array that has been sent ends as ``accepted``, or as
+        ``unknown`` where a newer one had to be sent before it was confirmed; it is not sent again
+        after the newer one. No array is accepted after a newer one. Submitting the same id again
+        repeats the same array.
 
         Args:
             setpoint_id: Id of the array.

@@ -1,4 +1,4 @@
-"""The firmware's loop: four cases to a bus cycle, a serial port in between, one thing at a time.
+"""The firmware's loop: four cases in each bus cycle, with the serial port in between.
 
 idle (look for bytes), write setpoints, read a board, publish (thesis section 4-2). A write to a
 full send ring holds the whole loop up, as on the real controller; cases do not catch up.
@@ -11,19 +11,22 @@ from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
 
-from pirate_sm.bay.conversation import Conversation, Message, log_message
-from pirate_sm.bay.frames import Frame, Reception
 from pirate_sm.bay.line import Line
+from pirate_sm.bay.node_handle import NodeHandle
+from pirate_sm.bay.reception import Reception
 from pirate_sm.bay.switches import Switches
-from pirate_sm.bay.wire import Array, Wire
+from pirate_sm.bay.wire import Wire
+from pirate_sm.rosserial.frames import Frame
+from pirate_sm.rosserial.messages import Array
+from pirate_sm.rosserial.topics import LOG, LogLine, log_payload
 from pirate_sm.simulation.simulated_robot import Robot
 
-READY = "bay ready"
+_READY = Frame(LOG, log_payload(LogLine(1, "bay ready")))
 _CASES = 4
 
 
 class Record(NamedTuple):
-    """Something that happened in the bay.
+    """An event in the bay.
 
     Attributes:
         at_s: When.
@@ -48,7 +51,7 @@ Tell = Callable[[Record], None]
 
 
 class Firmware:
-    """What runs on the controller between two restarts.
+    """The program of the controller between two restarts.
 
     Args:
         wire: The robot's messages.
@@ -81,7 +84,7 @@ class Firmware:
         self._tell = tell
         self._case_for_s = cycle_s / _CASES
         self._echo_delay_s = echo_delay_s
-        self._talk = Conversation(wire.publishers, wire.subscribers)
+        self._node = NodeHandle(wire.publishers, wire.subscribers)
         self._reception = Reception()
         self._turns = robot.turns(wire.one_value)
         self._turn = 0
@@ -91,7 +94,7 @@ class Firmware:
         self._free_s = now_s
         self._to_write: list[Array] = []
         self._echoes: deque[tuple[float, Array]] = deque()
-        self._state: Message | None = None
+        self._state: Frame | None = None
         self._stop_after_s = stop_after_s
         self._stop_s = math.inf  # until an array has come there is nothing to stop
         self._in_force: Array | None = None
@@ -99,31 +102,31 @@ class Firmware:
     @property
     def configured(self) -> bool:
         """Whether it publishes."""
-        return self._talk.configured
+        return self._node.configured
 
     @property
     def turn(self) -> int:
-        """Which turn is read next."""
+        """The turn that is read next."""
         return self._turn
 
     @property
     def due_s(self) -> float:
-        """When it does the next thing."""
+        """When the loop acts next, s."""
         due = min(self._case_s, self._poll_s, self._stop_s)
         if self._echoes and self._echoes[0][0] < due:
             due = self._echoes[0][0]
         return max(due, self._free_s)
 
     def stall(self, until_s: float) -> None:
-        """The loop stands still until then."""
+        """Make the loop stand still until then."""
         self._free_s = max(self._free_s, until_s)
 
     def forget(self) -> None:
-        """It is unconfigured; it still obeys."""
-        self._talk.configured = False
+        """Become unconfigured: publish nothing, still obey arrays."""
+        self._node.configured = False
 
     def step(self) -> None:
-        """The next thing has been done."""
+        """Do what is due next."""
         now = self.due_s
         if self._echoes and self._echoes[0][0] <= now:
             self._say_echo(now, self._echoes.popleft()[1])
@@ -150,7 +153,7 @@ class Firmware:
             self._publish(now_s)
 
     def _read(self, now_s: float) -> None:
-        """The board whose turn it is has been read."""
+        """Read the board whose turn it is."""
         turn = self._turns[self._turn]
         self._turn = (self._turn + 1) % len(self._turns)
         counts = (
@@ -163,17 +166,17 @@ class Firmware:
         )
 
     def _write_setpoints(self, now_s: float) -> None:
-        """The last array that came is in force; those that it overtook never were."""
+        """Apply the last array that came; those that it overtook are never applied."""
         waiting, self._to_write = self._to_write, []
         if not waiting or not self._switches.motors_started:
             return
         array = waiting[-1]
         self._robot.set_values(self._wire.values(array))
         self._in_force = array
-        self._tell(Record(now_s, "applied", array.setpoint_id, array.counts))
+        self._tell(Record(now_s, "applied", array.number, array.counts))
 
     def _stop(self, now_s: float) -> None:
-        """No valid array has come for too long: what is not held is zero, and the host hears it.
+        """Trip the dead man's switch: no valid array has come for too long.
 
         The echo is that of the last array with the values that are in force now. It may be lost,
         so it is said again for as long as nothing comes.
@@ -183,55 +186,55 @@ class Firmware:
             return
         self._in_force = array = self._in_force.tripped
         self._robot.set_values(self._wire.values(array))
-        self._tell(Record(now_s, "tripped", array.setpoint_id, array.counts))
+        self._tell(Record(now_s, "tripped", array.number, array.counts))
         self._say_echo(now_s, array)
 
     def _publish(self, now_s: float) -> None:
         state, self._state = self._state, None
-        if state is not None and self._talk.configured:
+        if state is not None and self._node.configured:
             self._say(now_s, state)
 
     def _say_echo(self, now_s: float, array: Array) -> None:
-        if self._talk.configured and now_s < self._switches.no_echo_at_s:
+        if self._node.configured and now_s < self._switches.no_echo_at_s:
             self._say(now_s, self._wire.echo(array))
-            self._tell(Record(now_s, "echoed", array.setpoint_id, array.counts))
+            self._tell(Record(now_s, "echoed", array.number, array.counts))
 
-    def _say(self, now_s: float, message: Message) -> None:
-        """The message is on its way; the loop goes on when the send ring has taken it."""
-        self._free_s = self._line.write(message, max(now_s, self._free_s))
+    def _say(self, now_s: float, frame: Frame) -> None:
+        """Send the frame; the loop goes on when the send ring has taken it."""
+        self._free_s = self._line.write(frame, max(now_s, self._free_s))
 
     def _poll(self, now_s: float) -> None:
         arrivals, overrun = self._line.read(now_s)
         if overrun and self._switches.old_client:
-            self._talk.configured = False
+            self._node.configured = False
         for frame in self._reception.feed(arrivals):
             if self._line.lets_in(frame.topic):
                 self._take(now_s, frame)
-        was = self._talk.configured
-        for message in self._talk.tick(now_s):
-            self._say(now_s, message)
-        if was and not self._talk.configured:
+        was = self._node.configured
+        for due in self._node.tick(now_s):
+            self._say(now_s, due)
+        if was and not self._node.configured:
             self._tell(Record(now_s, "unconfigured", detail="no answer to its time requests"))
 
     def _take(self, now_s: float, frame: Frame) -> None:
-        was = self._talk.configured
-        answer = self._talk.take(frame, now_s)
-        for message in answer.says:
-            self._say(now_s, message)
-        if self._talk.configured and not was:
-            self._say(now_s, log_message(READY))
+        was = self._node.configured
+        answer = self._node.take(frame, now_s)
+        for due in answer.says:
+            self._say(now_s, due)
+        if self._node.configured and not was:
+            self._say(now_s, _READY)
         if answer.fault:
             self._tell(Record(now_s, "fault", detail=answer.fault))
         if answer.delivered is not None:
             self._obey(now_s, answer.delivered)
 
     def _obey(self, now_s: float, buffer: bytes) -> None:
-        """The array that the buffer begins with will be written, and echoed later."""
+        """Take the array that the buffer begins with, to be applied and echoed later."""
         array = self._wire.array(buffer)
         if array is None:
             self._tell(Record(now_s, "fault", detail="a payload that is no array of setpoints"))
             return
-        self._tell(Record(now_s, "received", array.setpoint_id, array.counts))
+        self._tell(Record(now_s, "received", array.number, array.counts))
         arrives, echoes = self._robot.delivery(now_s)
         if arrives:
             self._stop_s = now_s + self._stop_after_s

@@ -1,13 +1,12 @@
-"""The line with everything that may happen to bytes and frames on it."""
+"""The serial line with its loss, damage and delay."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from pirate_sm.bay.conversation import Message
-from pirate_sm.bay.frames import encode
 from pirate_sm.bay.switches import Corruption, Switches
 from pirate_sm.bay.uart import Inlet, Outlet
+from pirate_sm.rosserial.frames import Frame, encode
 from pirate_sm.simulation.loss import Loss
 
 _SEND_RING = 64
@@ -46,47 +45,47 @@ class Line:
 
     @property
     def due_s(self) -> float:
-        """When the frame on its way has reached the host."""
+        """When the frame on its way has reached the host, s."""
         return self._outlet.due_s
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """The host has written these bytes in one call."""
+        """Take bytes that the host has written in one call."""
         self._inlet.send(self._damage_in.damage(data), now_s + self._late(self._late_in))
 
     def read(self, now_s: float) -> tuple[list[tuple[int, float]], bool]:
-        """The bytes that wait, with their times of arrival, and whether others were lost."""
+        """Return the bytes that wait with their times of arrival, and whether others were lost."""
         lost = self._inlet.lost
         return self._inlet.read(now_s), self._inlet.lost > lost
 
     def lets_in(self, topic: int) -> bool:
-        """Whether a frame that came whole really came."""
+        """Return whether a frame that came whole is not to be lost."""
         return self._loss_in.arrives(topic)
 
-    def write(self, message: Message, now_s: float) -> float:
-        """The frame is on its way; returns when the write does."""
-        data = encode(message.topic, message.payload)
+    def write(self, frame: Frame, now_s: float) -> float:
+        """Put the frame on the line; return when the firmware's write returns."""
+        data = encode(*frame)
         start, done = self._outlet.write(len(data), now_s)
-        if self.connected and self._loss_out.arrives(message.topic):
+        if self.connected and self._loss_out.arrives(frame.topic):
             late = self._late(self._late_out)
             self._outlet.carry(self._damage_out.damage(data), start + late)
         return done
 
     def collect(self, now_s: float) -> bytes:
-        """What has reached the host since the last call."""
+        """Return what has reached the host since the last call."""
         return self._outlet.collect(now_s)
 
     def hang_up(self) -> None:
-        """Nobody has the port open."""
+        """Drop what is on its way to the host: nobody has the port open."""
         self.connected = False
         self._outlet.discard()
 
     def restart(self, now_s: float) -> None:
-        """The firmware's rings are empty."""
+        """Empty the firmware's rings."""
         self._outlet.cut(now_s)
         self._inlet.clear(now_s)
 
     def ignore(self, now_s: float) -> None:
-        """What has come until now has gone to nobody."""
+        """Drop what has come until now."""
         self._inlet.clear(now_s)
 
     def _late(self, rng: np.random.Generator) -> float:

@@ -1,4 +1,4 @@
-"""The serial line between host and firmware: bytes take their time, and a full ring loses them.
+"""The serial line between host and firmware: bytes take time, and a full ring loses them.
 
 A byte takes ten bits, so the line carries baud/10 bytes per second each way.
 """
@@ -43,13 +43,13 @@ class Inlet:
         self._end_s = -math.inf
 
     def send(self, data: bytes, now_s: float) -> None:
-        """The bytes are on the line, behind those before them."""
+        """Put the bytes on the line, behind those before them."""
         start = max(self._end_s, now_s)
         self._runs.append(_Run(start, data))
         self._end_s = start + len(data) / self._rate
 
     def read(self, now_s: float) -> list[tuple[int, float]]:
-        """The bytes in the ring with their times of arrival; the ring is empty."""
+        """Empty the ring and return its bytes with their times of arrival."""
         found: list[tuple[int, float]] = []
         room = math.inf if self._ring is None else self._ring
         while self._runs:
@@ -67,7 +67,7 @@ class Inlet:
         return found
 
     def clear(self, now_s: float) -> None:
-        """Nobody has read what has come until now."""
+        """Drop what has come until now."""
         lost = self.lost
         self.read(now_s)
         self.lost = lost
@@ -92,7 +92,7 @@ class Outlet:
         self._end_s = -math.inf
 
     def write(self, size: int, now_s: float) -> tuple[float, float]:
-        """So many bytes are in the ring or on the line.
+        """Put so many bytes into the ring.
 
         Returns:
             When the first of them goes onto the line, and when the write returns.
@@ -102,13 +102,13 @@ class Outlet:
         return start, max(now_s, self._line_free_s - self._ring_s)
 
     def carry(self, data: bytes, start_s: float) -> None:
-        """The bytes reach the host from this time on, behind those before them."""
+        """Send the bytes to the host from this time on, behind those before them."""
         start = max(self._end_s, start_s)
         self._runs.append(_Run(start, data))
         self._end_s = start + len(data) / self._rate
 
     def collect(self, now_s: float) -> bytes:
-        """What has reached the host since the last call."""
+        """Return what has reached the host since the last call."""
         found: list[bytes] = []
         while self._runs:
             run = self._runs[0]
@@ -122,7 +122,7 @@ class Outlet:
         return b"".join(found)
 
     def discard(self) -> None:
-        """Nobody will read what is on its way."""
+        """Drop what is on its way: nobody will read it."""
         self._runs.clear()
 
     @property
@@ -134,7 +134,7 @@ class Outlet:
         return run.start_s + len(run.data) / self._rate
 
     def cut(self, now_s: float) -> None:
-        """What has not reached the host by now never will: the firmware has started again."""
+        """Drop what has not reached the host by now: the firmware has started again."""
         kept: deque[_Run] = deque()
         for run in self._runs:
             there = int((now_s - run.start_s) * self._rate + _SLACK)

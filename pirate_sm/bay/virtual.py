@@ -10,9 +10,10 @@ import numpy as np
 from pirate_sm.bay.firmware import Firmware, Record
 from pirate_sm.bay.line import Line
 from pirate_sm.bay.switches import Switches
-from pirate_sm.bay.wire import Array, Wire, serial_of
+from pirate_sm.bay.wire import Wire
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
+from pirate_sm.rosserial.messages import Array, serial_of
 from pirate_sm.simulation.defects import Incident
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.simulated_robot import FullTruth, Robot

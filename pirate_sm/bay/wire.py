@@ -3,45 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
-from pirate_sm.bay.conversation import FIRST_TOPIC, SUBSCRIBERS, Message, Topic
-from pirate_sm.bay.messages import Content, MessageType, message_types
+from pirate_sm.bay.node_handle import MOST_SUBSCRIBERS
 from pirate_sm.bay.switches import Topic as TopicName
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
-from pirate_sm.model.wire import Serial, SetpointTopic
-
-
-class Array(NamedTuple):
-    """Setpoints as they came.
-
-    Attributes:
-        setpoint_id: The id.
-        counts: An integer per slot.
-        hold: A bit per slot that the dead man's switch keeps.
-    """
-
-    setpoint_id: int
-    counts: tuple[int, ...]
-    hold: int = 0
-
-    @property
-    def tripped(self) -> Array:
-        """What the dead man's switch makes of it: what is not held is zero."""
-        kept = (count if self.hold >> slot & 1 else 0 for slot, count in enumerate(self.counts))
-        return self._replace(counts=tuple(kept))
-
-
-def serial_of(profile: Profile) -> Serial:
-    """What the profile says of its serial link.
-
-    Raises:
-        UsageError: Nothing.
-    """
-    if profile.serial is None:
-        raise UsageError(f"robot {profile.robot} has no serial link: its profile lacks `serial`")
-    return profile.serial
+from pirate_sm.rosserial.frames import LONGEST_PAYLOAD, Frame
+from pirate_sm.rosserial.message_types import Malformed, MessageType
+from pirate_sm.rosserial.messages import Array, StateReading, link_messages, serial_of
+from pirate_sm.rosserial.topics import FIRST_OF_THE_DEVICE, Direction, TopicInfo
 
 
 class Wire:
@@ -49,8 +19,13 @@ class Wire:
 
     Args:
         profile: The robot.
-        texts: Message texts by type name, see :func:`~pirate_sm.bay.messages.message_types`.
+        texts: Message texts by type name, see :func:`~pirate_sm.bay.texts.message_texts`.
         wrong_md5: Topics announced with another md5 than theirs.
+
+    Attributes:
+        publishers: The topics that the firmware sends, states first, then echoes.
+        subscribers: The topic that it takes.
+        one_value: Whether a state message is one value instead of a board.
 
     Raises:
         UsageError: Profile and texts do not fit together.
@@ -59,9 +34,8 @@ class Wire:
     def __init__(
         self, profile: Profile, texts: Mapping[str, str], wrong_md5: Sequence[TopicName] = ()
     ) -> None:
-        self._serial = serial = serial_of(profile)
-        slots = profile.slots
-        link = profile.link
+        serial = serial_of(profile)
+        slots, link = profile.slots, profile.link
         self._steps = tuple(
             link.angle_resolution if slot.unit == "angle" else link.duty_resolution
             for slot in slots
@@ -69,101 +43,59 @@ class Wire:
         # What a sketch has compiled in whose messages have no field for it.
         zero = set(profile.safe_state.zero)
         self._kept = sum(1 << at for at, slot in enumerate(slots) if slot.name not in zero)
-        types = message_types(texts)
-        self._setpoints, self._echo, self._state = (
-            _type(types, each.type) for each in (serial.setpoints, serial.echo, serial.state)
-        )
-        for kind, topic in ((self._setpoints, serial.setpoints), (self._echo, serial.echo)):
-            _check_array(kind, topic, len(slots))
-        self._id_bits = self._setpoints.bits(serial.setpoints.id) - len(slots)
-        self._check_state(max((len(board.channels) for board in profile.boards), default=0))
+        self._messages = messages = link_messages(texts, serial, len(slots))
+        self.one_value = serial.state.layout == "value"
+        self._check_room(max((len(board.channels) for board in profile.boards), default=0))
 
-        def announced(number: int, name: TopicName, topic: str, kind: MessageType) -> Topic:
+        def announced(
+            number: int, name: TopicName, topic: str, kind: MessageType, way: Direction
+        ) -> TopicInfo:
             md5 = kind.md5[::-1] if name in wrong_md5 else kind.md5
-            return Topic(number, topic, kind.name, md5)
+            return TopicInfo(number, topic, kind.name, md5, LONGEST_PAYLOAD, way)
 
-        first = FIRST_TOPIC + SUBSCRIBERS
+        takes, says = FIRST_OF_THE_DEVICE, FIRST_OF_THE_DEVICE + MOST_SUBSCRIBERS
+        state, echo, setpoints = messages.state.type, messages.echo.type, messages.setpoints.type
         self.publishers = (
-            announced(first, "state", serial.state.topic, self._state),
-            announced(first + 1, "echo", serial.echo.topic, self._echo),
+            announced(says, "state", serial.state.topic, state, "publishes"),
+            announced(says + 1, "echo", serial.echo.topic, echo, "publishes"),
         )
         self.subscribers = (
-            announced(FIRST_TOPIC, "setpoints", serial.setpoints.topic, self._setpoints),
+            announced(takes, "setpoints", serial.setpoints.topic, setpoints, "takes"),
         )
 
-    @property
-    def one_value(self) -> bool:
-        """Whether a state message is one value instead of a board."""
-        return self._serial.state.layout == "value"
-
-    def _check_state(self, most: int) -> None:
-        state = self._serial.state
-        self._state.room(state.board)
-        if self.one_value:
-            self._state.room(state.channel)
-            self._state.room(state.value)
-            return
-        room = self._state.room(state.values)
-        if room is not None and room < most:
+    def _check_room(self, most: int) -> None:
+        state = self._messages.state
+        if not self.one_value and 0 < state.room < most:
             raise UsageError(
-                f"field '{state.values}' of message {self._state.name} has room for {room}"
-                f" numbers, and a board has {most} channels"
+                f"{state.type.name}.msg has room for {state.room} values, and a board has {most} "
+                "channels"
             )
 
-    def state(self, board: int, channel: int, counts: Sequence[float]) -> Message:
-        """What a board has measured; the channel counts only where one value is a message."""
-        state = self._serial.state
-        content: dict[str, float | Sequence[float]] = {state.board: board}
-        if self.one_value:
-            content |= {state.channel: channel, state.value: counts[0]}
-        else:
-            content[state.values] = counts
-        return Message(self.publishers[0].id, self._state.pack(content))
+    def state(self, board: int, channel: int, counts: Sequence[float]) -> Frame:
+        """Return the frame with what a board has measured.
 
-    def echo(self, array: Array) -> Message:
-        """The array, said back."""
-        echo = self._serial.echo
-        number, more = array.setpoint_id, {}
-        if echo.hold == echo.id:
-            number |= array.hold << self._id_bits
-        elif echo.hold:
-            more[echo.hold] = array.hold
-        content: Content = {echo.id: number, echo.values: array.counts, **more}
-        return Message(self.publishers[1].id, self._echo.pack(content))
+        Args:
+            board: Number of the board.
+            channel: Number of the channel, where one value is a message.
+            counts: Raw counts of this channel, or of all.
+        """
+        reading = StateReading(board, channel, tuple(counts))
+        return Frame(self.publishers[0].number, self._messages.state.pack(reading))
 
-    def array(self, payload: bytes) -> Array | None:
-        """The array that a receive buffer begins with; None where it holds none."""
-        setpoints = self._serial.setpoints
-        hold = setpoints.hold
-        found = self._setpoints.unpack(
-            payload, (setpoints.id, setpoints.values, hold or setpoints.id)
-        )
-        if found is None or len(found[1]) != len(self._steps):
+    def echo(self, array: Array) -> Frame:
+        """Return the frame that echoes this array."""
+        payload = self._messages.echo.pack(array.number, array.counts, array.hold or 0)
+        return Frame(self.publishers[1].number, payload)
+
+    def array(self, buffer: bytes) -> Array | None:
+        """Return the array that a receive buffer begins with; None where it holds none."""
+        try:
+            array = self._messages.setpoints.unpack(buffer, whole=False)
+        except Malformed:
             return None
-        (number,), counts, (mask,) = found
-        if hold == setpoints.id:
-            return Array(number & (1 << self._id_bits) - 1, counts, number >> self._id_bits)
-        return Array(number, counts, mask if hold else self._kept)
+        return array if array.hold is not None else array._replace(hold=self._kept)
 
     def values(self, array: Array) -> tuple[float, ...]:
-        """The array as duty cycles and angles in rad."""
+        """Return the array as duty cycles and angles in rad."""
         pairs = zip(array.counts, self._steps, strict=True)
         return tuple(count * step for count, step in pairs)
-
-
-def _type(types: Mapping[str, MessageType], name: str) -> MessageType:
-    if name not in types:
-        raise UsageError(f"there is no message text of {name}")
-    return types[name]
-
-
-def _check_array(kind: MessageType, topic: SetpointTopic, slots: int) -> None:
-    kind.room(topic.id)
-    if topic.hold:
-        kind.room(topic.hold)
-    room = kind.room(topic.values)
-    if room is not None and room != slots:
-        raise UsageError(
-            f"field '{topic.values}' of message {kind.name} has room for {room} numbers,"
-            f" and the robot has {slots} slots"
-        )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from pirate_sm.backends.pico.assembly import STAY_S, guarded_port, read_plan
+from pirate_sm.backends.serial.assembly import STAY_S, guarded_port, read_plan
 from pirate_sm.diagnosis.facts import Subject
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.engine.robot import RobotSpec

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 from math import isfinite
 from typing import Any, Literal, NamedTuple
 
-from pirate_sm.backends.pico.plan import Plan
+from pirate_sm.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.model.profile import Profile
 from pirate_sm.units import (
@@ -36,7 +36,7 @@ class Subject(NamedTuple):
 
     profile: Profile
     robot: RobotSpec
-    plan: Plan
+    plan: LinkPlan
 
 
 class Finding(NamedTuple):

@@ -7,7 +7,7 @@ from dataclasses import replace
 from math import degrees, hypot, radians
 from statistics import median
 
-from pirate_sm.backends.pico.diagnosis import NO_SENSORS, mute
+from pirate_sm.backends.serial.link.connection_errors import NO_SENSORS, mute
 from pirate_sm.diagnosis.facts import (
     BoardFact,
     ChannelFact,

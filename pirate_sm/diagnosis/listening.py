@@ -9,19 +9,19 @@ from math import inf, nan
 from types import TracebackType
 from typing import Self
 
-from pirate_sm.backends.pico.backend import ANSWER_WITHIN_S
-from pirate_sm.backends.pico.diagnosis import unanswered
-from pirate_sm.backends.pico.exchange import Exchange
-from pirate_sm.backends.pico.framing import Decoder, encode
-from pirate_sm.backends.pico.messages import Malformed
-from pirate_sm.backends.pico.plan import STATE
-from pirate_sm.backends.pico.port import Port
-from pirate_sm.backends.pico.recovery import RESET
-from pirate_sm.backends.pico.topics import PUBLISHER, REQUEST_TOPICS, SUBSCRIBER, TIME
+from pirate_sm.backends.serial.backend import ANSWER_WITHIN_S
+from pirate_sm.backends.serial.link.connection_errors import unanswered
+from pirate_sm.backends.serial.link.exchange import Exchange
+from pirate_sm.backends.serial.link.link_plan import STATE
+from pirate_sm.backends.serial.ports.protocol import Port
+from pirate_sm.backends.serial.recovery import RESET
 from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject, TopicFact
 from pirate_sm.diagnosis.records import Records
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import FaultReport, SensorFrame, SubmitResult
+from pirate_sm.rosserial.frames import Decoder, encode
+from pirate_sm.rosserial.message_types import Malformed
+from pirate_sm.rosserial.topics import PUBLISHER, REQUEST_TOPICS, SUBSCRIBER, TIME
 
 _MORE_WITHIN_S = 1.5
 """A device that has introduced some of its topics has introduced the rest by then."""
@@ -250,11 +250,16 @@ class Listening:
             info = offered.pop((wanted.direction, name), None)
             found.append(
                 TopicFact(
-                    name, wanted.direction, info.number if info else None,
-                    info.type if info else "", wanted.type, info.md5 if info else "", wanted.md5,
+                    name,
+                    wanted.direction,
+                    info.number if info else None,
+                    info.type if info else "",
+                    wanted.type,
+                    info.md5 if info else "",
+                    wanted.md5,
                     self._counts[info.number] / elapsed_s if info else 0.0,
                 )
-            )  # fmt: skip
+            )
         for info in offered.values():
             rate = self._counts[info.number] / elapsed_s
             found.append(

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from math import isnan, nan
 
-from pirate_sm.backends.pico.port import PortLostError
+from pirate_sm.backends.serial.link.wire_slots import to_counts
+from pirate_sm.backends.serial.ports.protocol import PortLostError
 from pirate_sm.diagnosis.facts import MoveFact, TurnFact
 from pirate_sm.diagnosis.listening import Listening
 
@@ -90,8 +91,8 @@ class Moving:
         """
         listening = self._listening
         with suppress(PortLostError):
-            link = listening.exchange.link
-            if not link.idle or link.applied != link.counts(self._rest):
+            link, plan = listening.exchange.link, listening.subject.plan
+            if not link.idle or link.applied != to_counts(plan.slots, self._rest):
                 self._send(self._rest)
             give_up_s = listening.port.now() + _ANSWER_WITHIN_S
             while not link.idle and listening.port.now() < give_up_s:

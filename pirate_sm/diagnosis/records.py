@@ -190,7 +190,14 @@ def _fact(name: str, signal: str, record: ChannelRecord, meaning: Meaning | None
         value = record.last * scale - zero
         text = shown(value, dimension)
     return ChannelFact(
-        name, signal, record.last, record.least, record.most, value, text, record.spikes,
+        name,
+        signal,
+        record.last,
+        record.least,
+        record.most,
+        value,
+        text,
+        record.spikes,
         record.longest_run,
         (record.outside,) if record.outside else (),
-    )  # fmt: skip
+    )

@@ -18,7 +18,7 @@ from pirate_sm.showing.anatomy import Anatomy
 from pirate_sm.showing.memory import Story
 
 if TYPE_CHECKING:
-    from pirate_sm.backends.pico.health import LinkHealth
+    from pirate_sm.backends.serial.health import LinkHealth
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from pirate_sm.model.effect_words import (
 )
 
 if TYPE_CHECKING:
-    from pirate_sm.backends.pico.health import LinkHealth
+    from pirate_sm.backends.serial.health import LinkHealth
 
 
 class Line(NamedTuple):

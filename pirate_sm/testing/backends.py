@@ -94,9 +94,40 @@ class BackendContract:
             backend.submit(number, candidate.moving if number % 2 else candidate.still)
         told = run_until(backend, 3.0)
 
-        fates = {e.setpoint_id: e.status for _, e in told if isinstance(e, SubmitResult)}
+        fates = dict(fates_of(told))
         assert results(told) == {1: 1, 2: 1, 3: 1}
         assert fates[3] != "superseded"
+
+    def test_a_newer_array_is_accepted_after_one_that_it_may_supersede(
+        self, candidate: Candidate, backend: Backend
+    ) -> None:
+        """Of two arrays at once the first is sent before the second, or never."""
+        backend.open()
+        backend.submit(1, candidate.moving)
+        backend.submit(2, candidate.still)
+
+        fates = fates_of(run_until(backend, 3.0))
+
+        assert fates in (
+            [(1, "accepted"), (2, "accepted")],
+            [(1, "superseded"), (2, "accepted")],
+        )
+
+    def test_of_a_stream_none_is_accepted_after_a_newer_one(
+        self, candidate: Candidate, backend: Backend
+    ) -> None:
+        """Each array of a stream meets one fate, and the newest is accepted in the end."""
+        backend.open()
+        told: Told = []
+        for number in range(1, 41):
+            backend.submit(number, candidate.moving if number % 2 else candidate.still)
+            told += run_until(backend, number * 0.016)
+        told += run_until(backend, 3.0)
+
+        accepted = [number for number, status in fates_of(told) if status == "accepted"]
+        assert results(told) == dict.fromkeys(range(1, 41), 1)
+        assert accepted == sorted(accepted)
+        assert accepted[-1] == 40
 
     def test_the_same_array_may_be_submitted_again(
         self, candidate: Candidate, backend: Backend
@@ -206,4 +237,9 @@ def run_until(backend: Backend, until_s: float) -> Told:
 
 def results(told: Sequence[tuple[float, Event]]) -> Counter[int]:
     """Return how many results each array has got."""
-    return Counter(event.setpoint_id for _, event in told if isinstance(event, SubmitResult))
+    return Counter(number for number, _ in fates_of(told))
+
+
+def fates_of(told: Sequence[tuple[float, Event]]) -> list[tuple[int, str]]:
+    """Return what became of each array, in the order of the results."""
+    return [(each.setpoint_id, each.status) for _, each in told if isinstance(each, SubmitResult)]

@@ -14,8 +14,8 @@ from pirate_sm.model.truth import Truth
 from pirate_sm.wiring.order import Order
 
 if TYPE_CHECKING:
-    from pirate_sm.backends.pico.health import LinkHealth
     from pirate_sm.backends.protocol import Backend
+    from pirate_sm.backends.serial.health import LinkHealth
 
 Say = Callable[[str], None]
 """Takes what a person should know while something takes longer than a moment."""

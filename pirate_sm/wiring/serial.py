@@ -24,7 +24,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         raise UsageError("a real robot has the defects that it has: --defect is for --backend sim")
     if order.firings or order.course:
         raise UsageError("triggers can be fired in a trace only: use --backend trace")
-    from pirate_sm.backends.pico.assembly import STAY_S, read_plan, serial_backend
+    from pirate_sm.backends.serial.assembly import STAY_S, read_plan, serial_backend
 
     loaded, notices = calibrated(order, loaded)
     profile = loaded.loaded_robot.profile

@@ -15,7 +15,7 @@ from pirate_sm.visible import visible
 from pirate_sm.wiring import Order
 
 if TYPE_CHECKING:
-    from pirate_sm.backends.pico.health import LinkHealth
+    from pirate_sm.backends.serial.health import LinkHealth
 
 
 class Lines:

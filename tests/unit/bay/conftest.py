@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from pirate_sm.bay.frames import encode
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
@@ -17,6 +16,7 @@ from pirate_sm.loading.source import read_document
 from pirate_sm.loading.validate import validate
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
+from pirate_sm.rosserial.frames import encode
 
 ROOT = Path(__file__).resolve().parents[3]
 FOLDER = ROOT / "hardware_profiles" / "pirate_ii"

@@ -105,8 +105,10 @@ def test_a_mask_in_a_field_of_its_own_and_none_at_all(
             for name in ("setpoints", "echo")
         }
     )
-    own = {kind: text + (f"\nuint32 {field}" if field and "id" in text else "")
-           for kind, text in texts.items()}  # fmt: skip
+    own = {
+        kind: text + (f"\nuint32 {field}" if field and "id" in text else "")
+        for kind, text in texts.items()
+    }
     bay = VirtualBay(profile.model_copy(update={"serial": serial}), pipe, own, Switches(), 1)
     host = Host(bay)
     host.connect()

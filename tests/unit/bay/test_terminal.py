@@ -18,7 +18,6 @@ import pytest
 from typer.testing import CliRunner
 
 from pirate_sm.bay.firmware import Record
-from pirate_sm.bay.frames import encode
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.terminal import Terminal, line_of, serve
 from pirate_sm.bay.virtual import VirtualBay
@@ -26,6 +25,7 @@ from pirate_sm.cli.entry import commands
 from pirate_sm.errors import UsageError
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
+from pirate_sm.rosserial.frames import encode
 
 from .conftest import SETPOINTS, array
 

@@ -6,16 +6,16 @@ import math
 
 import pytest
 
-from pirate_sm.bay.frames import encode
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.bay.wire import Array
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.source import read_document
 from pirate_sm.loading.validate import validate
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.wire import Serial
+from pirate_sm.rosserial.frames import encode
+from pirate_sm.rosserial.messages import Array
 
 from .conftest import (
     ECHO,
@@ -99,8 +99,11 @@ def test_62_states_a_second_each_of_a_board_that_is_fitted(host: Host, profile: 
 
 def test_states_tell_what_the_robot_does(host: Host) -> None:
     def last(board: int, channel: int) -> float:
-        found = [s for s in map(read_state, (h.payload for h in host.heard if h.topic == STATE))
-                 if s[0] == board]  # fmt: skip
+        found = [
+            s
+            for s in map(read_state, (h.payload for h in host.heard if h.topic == STATE))
+            if s[0] == board
+        ]
         return found[-1][1][channel]
 
     host.send(SETPOINTS, array(1, *(0,) * 12, 300))
@@ -229,9 +232,16 @@ def test_no_frame_is_complete_before_due_s(host: Host) -> None:
 def test_equal_seeds_give_equal_bytes(make: MakeBay) -> None:
     def bytes_of(seed: int) -> bytes:
         host = make(
-            seed, loss_in=0.2, loss_out=0.2, corruption=0.01, jitter_s=0.005, reset_every_s=3.0,
-            spontaneous_every_s=2.0, stale_every_s=1.0, defects=("gamma_3_spikes",),
-        )  # fmt: skip
+            seed,
+            loss_in=0.2,
+            loss_out=0.2,
+            corruption=0.01,
+            jitter_s=0.005,
+            reset_every_s=3.0,
+            spontaneous_every_s=2.0,
+            stale_every_s=1.0,
+            defects=("gamma_3_spikes",),
+        )
         host.open()
         for number in range(100):
             if number % 10 == 0:
@@ -270,11 +280,14 @@ def test_one_value_at_a_time(profile: Profile, texts: dict[str, str], pipe: Pipe
 def other() -> Profile:
     newt = read_profile(ROOT / "tests" / "robots" / "newt" / "profile.yaml")
     serial = {
-        "baud": 115200, "boot": "1 s", "echo_within": "100 ms", "heartbeat_within": "1 s",
+        "baud": 115200,
+        "boot": "1 s",
+        "echo_within": "100 ms",
+        "heartbeat_within": "1 s",
         "setpoints": {"topic": "go", "type": "newt/Go", "id": "number", "values": "to"},
         "echo": {"topic": "went", "type": "newt/Go", "id": "number", "values": "to"},
         "state": {"topic": "is", "type": "newt/Is", "layout": "board"},
-    }  # fmt: skip
+    }
     return newt.model_copy(update={"serial": Serial.model_validate(serial)})
 
 
@@ -303,13 +316,13 @@ def test_what_does_not_fit_together_is_refused(
     profile: Profile, texts: dict[str, str], pipe: Pipe
 ) -> None:
     bare = profile.model_copy(update={"serial": None})
-    with pytest.raises(UsageError, match="no serial link"):
+    with pytest.raises(UsageError, match="no section 'serial'"):
         VirtualBay(bare, pipe, texts)
-    with pytest.raises(UsageError, match="no message text of newt/Is"):
+    with pytest.raises(UsageError, match=r"Is\.msg is missing: put the text"):
         VirtualBay(other(), elbow(), {"newt/Go": TEXTS["newt/Go"]})
-    with pytest.raises(UsageError, match="has room for 5 numbers, and the robot has"):
+    with pytest.raises(UsageError, match="'to' must be 7 integers, one for each slot"):
         VirtualBay(other(), elbow(), {**TEXTS, "newt/Go": "uint32 number\nint16[5] to"})
-    with pytest.raises(UsageError, match="has room for 1 numbers, and a board has"):
+    with pytest.raises(UsageError, match="has room for 1 values, and a board has"):
         VirtualBay(other(), elbow(), {**TEXTS, "newt/Is": "uint8 board\nint32[1] values"})
     with pytest.raises(UsageError, match="there is no defect 'nonsense'"):
         VirtualBay(profile, pipe, texts, Switches(defects=("nonsense",)))

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.backends.pico.assembly import read_plan
+from pirate_sm.backends.serial.assembly import read_plan
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.backends.pico.health import LinkHealth
+from pirate_sm.backends.serial.health import LinkHealth
 from pirate_sm.model.effects import Ended, Fault
 from pirate_sm.showing import panels
 from pirate_sm.showing.looking import Trends, scene_of, snapshot_of

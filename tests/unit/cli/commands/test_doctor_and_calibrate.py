@@ -12,7 +12,7 @@ import pytest
 from jsonschema import Draft202012Validator
 from typer.testing import Result
 
-from pirate_sm.backends.pico.backend import SerialBackend
+from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.terminal import Terminal, serve
 from pirate_sm.bay.texts import message_texts

@@ -4,7 +4,7 @@ from math import nan
 
 import pytest
 
-from pirate_sm.backends.pico.health import LinkHealth
+from pirate_sm.backends.serial.health import LinkHealth
 from pirate_sm.cli.output.event_lines import SaysWhyItWaits
 from pirate_sm.model.effects import Ended
 from pirate_sm.runtime.stopping import Stop, StopRequests

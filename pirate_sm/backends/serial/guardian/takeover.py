@@ -1,0 +1,148 @@
+"""How a new run takes the port over from a guardian that has outlived its runner.
+
+Each such guardian keeps a file, locked as long as it lives, in the user's runtime folder. It says
+which port the guardian holds and which array would stop the robot. SIGUSR1 asks for the port.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import signal
+import time
+import warnings
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple, Self
+
+from platformdirs import user_runtime_path
+
+_PATTERN = "guardian-*.json"
+_YIELDS_WITHIN_S = 2.0
+_DIES_WITHIN_S = 2.0
+_LOOK_EVERY_S = 0.02
+
+
+class LeftBehind(NamedTuple):
+    """A guardian that has no runner any more.
+
+    Attributes:
+        pid: Number of its process.
+        url: The port, as its runner was given it.
+        device: What that name stood for.
+        md5: Of the definition of an array of setpoints.
+        payload: The array that stops the robot.
+    """
+
+    pid: int
+    url: str
+    device: str
+    md5: str
+    payload: bytes
+
+    @classmethod
+    def of(cls, url: str, md5: str, payload: bytes) -> Self:
+        """Describe this process as such a guardian."""
+        return cls(os.getpid(), url, os.path.realpath(url), md5, payload)
+
+    def holds(self, url: str) -> bool:
+        """Return whether it holds this port, by whatever name."""
+        real = os.path.realpath(url)
+        return url == self.url or real in (self.device, os.path.realpath(self.url))
+
+
+class Registration:
+    """The file that registers this process as a guardian without a runner.
+
+    Where no file can be written nothing is registered; then the port can only be waited for.
+    """
+
+    def __init__(self, left: LeftBehind) -> None:
+        self._descriptor = -1
+        self._path = _folder() / f"guardian-{left.pid}.json"
+        draft = self._path.with_suffix(".draft")
+        with suppress(OSError):
+            self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            self._descriptor = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+            fcntl.flock(self._descriptor, fcntl.LOCK_EX)
+            fields = left._replace(payload=b"")._asdict() | {"payload": left.payload.hex()}
+            os.write(self._descriptor, json.dumps(fields).encode())
+            draft.rename(self._path)
+
+    def remove(self) -> None:
+        """Delete the file, and let whoever waits for its lock go on."""
+        with suppress(OSError):
+            self._path.unlink()
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
+
+
+def take_over(url: str, md5: str) -> LeftBehind | None:
+    """Make the guardian on this port give it up, and return it; None where there is none.
+
+    A guardian that does not answer is killed. One whose arrays have another definition is left
+    alone: whoever asks could not go on with what it does.
+
+    Args:
+        url: The port.
+        md5: Of the definition of an array of setpoints.
+    """
+    for path in sorted(_folder().glob(_PATTERN)):
+        left = _read(path)
+        if left is None or left.md5 != md5 or not left.holds(url):
+            continue
+        lives = _ask(path, left.pid)
+        with suppress(OSError):
+            path.unlink()
+        if lives:
+            return left
+    return None
+
+
+def _folder() -> Path:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a machine without such a folder has a substitute
+        return user_runtime_path("pirate_sm")
+
+
+def _read(path: Path) -> LeftBehind | None:
+    try:
+        if path.stat().st_uid != os.getuid():
+            return None  # others may not say what is written to our robot
+        fields = json.loads(path.read_bytes())
+        return LeftBehind(**fields | {"payload": bytes.fromhex(fields["payload"])})
+    except (OSError, ValueError, TypeError, KeyError):
+        return None
+
+
+def _ask(path: Path, pid: int) -> bool:
+    """Return whether a guardian held the lock; in the end nobody does."""
+    try:
+        file = path.open("rb")
+    except OSError:
+        return False
+    with file:
+        if _locked(file.fileno(), 0.0):
+            return False  # it has died, and with it what it knew of where the robot is
+        for number, within_s in (
+            (signal.SIGUSR1, _YIELDS_WITHIN_S),
+            (signal.SIGKILL, _DIES_WITHIN_S),
+        ):
+            with suppress(ProcessLookupError, PermissionError):
+                os.kill(pid, number)
+            if _locked(file.fileno(), within_s):
+                return True
+    return True
+
+
+def _locked(descriptor: int, within_s: float) -> bool:
+    """Return whether the lock could be had within this time."""
+    give_up_s = time.monotonic() + within_s
+    while True:
+        with suppress(OSError):
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return True
+        if time.monotonic() >= give_up_s:
+            return False
+        time.sleep(_LOOK_EVERY_S)

@@ -1,0 +1,60 @@
+"""The state of the link in numbers, for a person to follow."""
+
+from __future__ import annotations
+
+from math import nan
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from pirate_sm.backends.serial.link.exchange import Exchange
+
+
+class LinkHealth(NamedTuple):
+    """What has happened on the link so far, and its state now.
+
+    Attributes:
+        received: Frames that came; ``damaged`` of them were of no use, among them echoes of
+            something else than was written.
+        written: Arrays that were written; ``repeated`` of them once more.
+        dropped_bytes: Bytes that belonged to no frame.
+        round_trip_s: What the last echo has taken; NaN before the first one.
+        silent_s: How long nothing has come; 0 while all is well.
+        trouble: What is wrong now, in words; empty: nothing.
+        patience_s: How much longer it is waited for; 0 while all is well.
+        stopped: Whether the robot has confirmed that it stopped, or has not been moved.
+        trips: How often the firmware's dead man's switch has tripped, as far as was heard.
+    """
+
+    received: int
+    damaged: int
+    written: int
+    repeated: int
+    dropped_bytes: int
+    round_trip_s: float
+    silent_s: float
+    trouble: str
+    patience_s: float = 0.0
+    stopped: bool = True
+    trips: int = 0
+
+
+def health_of(exchange: Exchange, now: float) -> LinkHealth:
+    """Return the state of a link at this time of its port's clock."""
+    counts, outage = exchange.counts, exchange.outage
+    trips = exchange.link.quality.round_trips
+    trouble = ""
+    if outage is not None:
+        trouble = outage.gone or "nothing comes from the robot"
+    return LinkHealth(
+        received=counts.frames,
+        damaged=counts.unreadable + counts.strange + counts.damaged,
+        written=counts.written,
+        repeated=counts.repeats,
+        dropped_bytes=counts.dropped,
+        round_trip_s=trips[-1] if trips else nan,
+        silent_s=now - outage.heard_s if outage is not None else 0.0,
+        trouble=trouble,
+        patience_s=max(exchange.gives_up_s - now, 0.0) if outage is not None else 0.0,
+        stopped=exchange.stopped.confirmed,
+        trips=counts.trips,
+    )

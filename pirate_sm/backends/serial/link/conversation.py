@@ -1,0 +1,265 @@
+"""The host's side of rosserial: learns and checks topics, tells the time, notices silence.
+
+Pure: bytes come in with the time, frames to be written come out. What an 8-bit sum lets through
+is met here by believing an introduction only when it has come twice in the same words.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Iterator, Sequence
+from math import inf, isnan, nan
+
+from pirate_sm.backends.serial.link.silence_timer import SilenceTimer
+from pirate_sm.backends.serial.link.wanted_topics import (
+    Heard,
+    TopicPayload,
+    TopicRefused,
+    TopicsKnown,
+    Wanted,
+    difference,
+)
+from pirate_sm.rosserial.frames import LONGEST_PAYLOAD, Decoder, Frame, encode
+from pirate_sm.rosserial.topics import (
+    FIRST_OF_THE_DEVICE,
+    LOG,
+    PUBLISHER,
+    REQUEST_TOPICS,
+    SUBSCRIBER,
+    TIME,
+    TX_STOP,
+    Direction,
+    LogLine,
+    TopicInfo,
+    read_log,
+    read_topic,
+    time_payload,
+)
+
+ASK_EVERY_S = 0.1
+"""A device that boots is asked again so often; its whole answer takes half of that."""
+
+SILENT_AFTER_S = 0.4
+"""After a reset a device waits to be asked; 25 frames of a healthy one would have come by then."""
+
+TIME_PERIOD_S = 2.5
+"""A configured device asks for the time so often, and falls silent when 11 s bring no answer."""
+
+_LOOKS = 4
+"""How often a device that says nothing is looked at before it counts as silent."""
+
+_TIME_COPIES = 3
+_TIME_AGAIN_S = 0.4
+
+_WORDS_KEPT = 20
+
+_ROOM_FOR_WORDS = 128
+"""Bytes that an introduction or a line of the firmware's log may always have."""
+
+
+class Conversation:
+    """One connection to a device.
+
+    Attributes:
+        frames: How many have come.
+        words: The last lines of the firmware.
+        heard_s: When the last frame came that was no mere answer.
+        silence_s: How long nothing had come before it, while this program was awake; where the
+            device is being asked anew, before any frame since the silence began.
+        offered: Every topic that the device has introduced, by direction and name.
+        strange: How many frames there were on topics that nobody introduced.
+    """
+
+    def __init__(
+        self,
+        wanted: Sequence[Wanted],
+        now: float,
+        epoch_s: float = 0.0,
+        boot_s: float = 0.0,
+        silent_s: float = SILENT_AFTER_S,
+    ) -> None:
+        """Begin a connection on which nothing has been said.
+
+        Args:
+            wanted: The topics that are needed.
+            now: The time.
+            epoch_s: Added to the time it gives what the device is told, seconds since 1970.
+            boot_s: How long a boot loader may be listening, to which nothing must be said.
+            silent_s: A device that has said nothing for this long is asked anew. The time in
+                which this program stood still does not count.
+        """
+        self._wanted = tuple(wanted)
+        self._epoch_s = epoch_s
+        self._silent_s = silent_s
+        self._patience = SilenceTimer(silent_s / _LOOKS)
+        self._patience.hear(now)
+        self._decoder = Decoder()
+        self._numbers: dict[int, int] = {}
+        self._rooms: dict[int, int] = {}
+        self._unproven: Counter[TopicInfo] = Counter()
+        self._refused: set[int] = set()
+        self._time_asked_s = nan
+        self._time_s = inf
+        self._time_copies = 0
+        self._ask_s = now + boot_s
+        self._known = False
+        self._again = False
+        self._fresh: set[int] = set()
+        self._silence_s = 0.0
+        self.heard_s = now
+        self.silence_s = 0.0
+        self.frames = 0
+        self.strange = 0
+        self.words: deque[LogLine] = deque(maxlen=_WORDS_KEPT)
+        self.offered: dict[tuple[Direction, str], TopicInfo] = {}
+
+    @property
+    def known(self) -> bool:
+        """Whether every wanted topic is known."""
+        return self._known
+
+    @property
+    def asking(self) -> bool:
+        """Whether the device is being asked to introduce itself."""
+        return not self._known or self._again
+
+    @property
+    def dropped(self) -> int:
+        """How many bytes belonged to no frame."""
+        return self._decoder.dropped
+
+    @property
+    def missing(self) -> tuple[Wanted, ...]:
+        """The wanted topics that the device has not introduced as they are defined here."""
+        known = set(self._numbers.values())
+        return tuple(each for at, each in enumerate(self._wanted) if at not in known)
+
+    @property
+    def due_s(self) -> float:
+        """When there is something to write, if nothing comes before."""
+        due = self._ask_s if self.asking else self._patience.due_s(self._silent_s)
+        return min(due, self._time_s)
+
+    def write(self, now: float) -> bytes:
+        """Return the next frame to be written at this time; empty when there is none."""
+        silent = self._patience.look(now) >= self._silent_s
+        if now >= self._time_s:
+            return self._tell_time()
+        if self._known and not self._again and silent:
+            self._again = True
+            self._fresh.clear()
+            self._ask_s = now
+        if self.asking and now >= self._ask_s:
+            self._ask_s = now + ASK_EVERY_S
+            return encode(REQUEST_TOPICS)
+        return b""
+
+    def frame(self, which: int, payload: bytes) -> bytes:
+        """Return the frame with a payload on a wanted topic; empty where it must not be sent.
+
+        A device writes a payload that is too long, or for a topic that it does not have, over its
+        own memory.
+        """
+        for number, at in self._numbers.items():
+            if at == which and self._wanted[at].direction == "takes":
+                return encode(number, payload) if len(payload) <= self._rooms[at] else b""
+        return b""
+
+    def farewell(self) -> bytes:
+        """Return the frame after which the device stops publishing."""
+        return encode(TX_STOP)
+
+    def receive(self, data: bytes, now: float) -> Iterator[Heard]:
+        """Yield what these bytes say; each is taken in when it is asked for."""
+        self._decoder.longest = self._longest
+        for frame in self._decoder.feed(data):
+            yield from self._take(frame, now)
+
+    @property
+    def _longest(self) -> int:
+        """Bytes of the longest payload that is expected now.
+
+        A device that is being asked, or that has topics besides those that are wanted, may send
+        payloads of any length.
+        """
+        wanted = {(each.direction, each.name.lstrip("/")) for each in self._wanted}
+        others = (info for key, info in self.offered.items() if key not in wanted)
+        if self.asking or any(self._unproven[info] > 1 for info in others):
+            return LONGEST_PAYLOAD
+        published = (each.longest for each in self._wanted if each.direction == "publishes")
+        return max((_ROOM_FOR_WORDS, *published))
+
+    def _tell_time(self) -> bytes:
+        """Return the answer about the time, as of the device's request; it adds what has passed.
+
+        It is told more than once, and also when a request must have been lost: a device that
+        is not answered for long stops publishing.
+        """
+        asked_s = self._time_asked_s
+        self._time_copies += 1
+        if self._time_copies < _TIME_COPIES:
+            self._time_s = asked_s + self._time_copies * _TIME_AGAIN_S
+        else:
+            self._time_asked_s, self._time_copies = asked_s + TIME_PERIOD_S, 0
+            self._time_s = self._time_asked_s + _TIME_AGAIN_S  # unless it asks before
+        return encode(TIME, time_payload(self._epoch_s + asked_s))
+
+    def _take(self, frame: Frame, now: float) -> Iterator[Heard]:
+        topic, payload = frame
+        at = self._numbers.get(topic)
+        if at is None and topic not in {PUBLISHER, SUBSCRIBER, LOG, TIME}:
+            self.strange += topic >= FIRST_OF_THE_DEVICE
+            return  # nothing is proven by it: it may be damaged, or of no rosserial
+        self.frames += 1
+        if at is not None and self._wanted[at].answers:
+            yield TopicPayload(at, payload)
+            return
+        self._silence_s, self.heard_s = max(self._silence_s, now - self.heard_s), now
+        self.silence_s = max(self.silence_s if self._again else 0.0, self._patience.look(now))
+        self._patience.hear(now)
+        if at is not None:
+            if not (self._again and self._fresh):
+                self._silence_s = 0.0
+                self._again = False  # the device has gone on by itself: it was the link
+            yield TopicPayload(at, payload)
+        elif topic in {PUBLISHER, SUBSCRIBER}:
+            yield from self._meet(read_topic(topic, payload))
+            if self._known and isnan(self._time_asked_s):
+                self._time_asked_s = self._time_s = now  # it did ask, and that was lost
+        elif topic == TIME:
+            self._time_asked_s = self._time_s = now
+            self._time_copies = 0
+        else:
+            line = read_log(payload)
+            if line is not None:
+                self.words.append(line)
+
+    def _meet(self, info: TopicInfo | None) -> Iterator[Heard]:
+        """Take in that the device has introduced one of its topics."""
+        if info is None:
+            return
+        self._unproven[info] += 1
+        self.offered[info.direction, info.name] = info
+        for at, wanted in enumerate(self._wanted):
+            if (wanted.name.lstrip("/"), wanted.direction) != (info.name, info.direction):
+                continue
+            if self._unproven[info] < 2 and not self._met_before(at, info):
+                continue
+            if (wanted.type, wanted.md5) == (info.type, info.md5):
+                self._numbers = {n: a for n, a in self._numbers.items() if a != at}
+                self._numbers[info.number] = at
+                self._rooms[at] = info.buffer_bytes
+                self._fresh.add(at)
+            elif at not in self._refused:
+                self._refused.add(at)
+                yield TopicRefused(difference(wanted, info))
+        complete = set(self._numbers.values()) == set(range(len(self._wanted)))
+        if complete and (
+            not self._known or (self._again and len(self._fresh) == len(self._wanted))
+        ):
+            known = TopicsKnown(self._known, self._silence_s)
+            self._known, self._again, self._silence_s = True, False, 0.0
+            yield known
+
+    def _met_before(self, at: int, info: TopicInfo) -> bool:
+        return self._numbers.get(info.number) == at and self._rooms.get(at) == info.buffer_bytes

@@ -1,0 +1,379 @@
+"""The driver without its port: takes bytes and the time, gives events and bytes to write."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from math import inf
+
+from pirate_sm.backends.serial.link.arrays import SetpointLink
+from pirate_sm.backends.serial.link.connection_errors import sensors_off
+from pirate_sm.backends.serial.link.conversation import SILENT_AFTER_S, Conversation
+from pirate_sm.backends.serial.link.counts import Counts
+from pirate_sm.backends.serial.link.line_quality import Refreshing
+from pirate_sm.backends.serial.link.link_plan import ECHO, SETPOINTS, STATE, LinkPlan
+from pirate_sm.backends.serial.link.measurements import Measurements
+from pirate_sm.backends.serial.link.safe_array import SAFE_WIRE_ID, SafeArray
+from pirate_sm.backends.serial.link.stop_confirmation import StopConfirmation
+from pirate_sm.backends.serial.link.throttle import Throttle
+from pirate_sm.backends.serial.link.wanted_topics import TopicPayload, TopicRefused, TopicsKnown
+from pirate_sm.backends.serial.link.wire_slots import to_counts, why_refused
+from pirate_sm.backends.serial.recovery import BRIEF, RESET, Outage, Recovery, was_reset
+from pirate_sm.model.events import Event, FaultReport
+from pirate_sm.rosserial.frames import OVERHEAD_BYTES
+from pirate_sm.rosserial.message_types import Malformed
+from pirate_sm.rosserial.messages import Array
+
+MISMATCH = "link.mismatch"
+
+_GREETING_BYTES = OVERHEAD_BYTES * 2
+"""What the conversation itself writes is not longer."""
+
+_INTRODUCTION_S = 0.06
+"""A device that introduces its topics, some 270 bytes at 57,600 baud, reads nothing meanwhile."""
+
+_EXPIRE_EVERY_S = 0.05
+
+_SILENT_SHARE = 0.4
+"""Of the time after which a single board is silent: none may be so before all of them are."""
+
+
+class Exchange:
+    """Turns setpoints into bytes and bytes into events, and holds the mission during silences.
+
+    Args:
+        plan: The robot on its wire.
+        now: The time.
+        epoch_s: Added to the time it gives seconds since 1970.
+        baud: Of the line.
+
+    Attributes:
+        conversation: What has been said about topics.
+        link: What has become of arrays.
+        stopped: Whether the robot is known to be stopped.
+        heard: Boards that have reported since the beginning.
+        outage: The silence during which the mission is held; None while all is well.
+        brief: Whether the last outage was none, only a short silence.
+        aside: Whether arrays wait until whoever was told of an outage has had a say.
+        newer: Whether an array has been submitted since the last outage began.
+        refused: Why a topic cannot be used, one sentence each.
+    """
+
+    def __init__(self, plan: LinkPlan, now: float, epoch_s: float, baud: int) -> None:
+        self._plan = plan
+        self._epoch_s = epoch_s
+        self._throttle = Throttle(baud)
+        codec = plan.messages.setpoints
+        self._setpoint_bytes = len(codec.pack(0, [0] * len(plan.slots))) + OVERHEAD_BYTES
+        self._safe = SafeArray(codec, plan.safe_zero, len(plan.slots))
+        self.link = SetpointLink(
+            plan.slots,
+            codec.pack,
+            refreshing=Refreshing(plan.serial.refresh_every or inf, plan.serial.stop_after or inf),
+            echo_within_s=plan.serial.echo_within,
+            spacing_s=self._throttle.spacing_s(self._setpoint_bytes),
+            ids=codec.ids,
+        )
+        self.link.hold = self._safe.kept
+        self._silent_s = min(SILENT_AFTER_S, _SILENT_SHARE * plan.silent_after_s)
+        self.stopped = StopConfirmation(plan.safe_zero)
+        self._measurements = Measurements(plan.channels)
+        advice = sensors_off(plan.serial.advice.no_sensors)
+        self._recovery = Recovery(BRIEF * plan.silent_after_s, plan.away_s, advice)
+        self._left_out_s = 0.0
+        self._events: list[Event] = []
+        self._safe_frame = b""
+        self._unreadable = 0
+        self._flowing = False
+        self._watching = False
+        self._given_up = False
+        self.outage: Outage | None = None
+        self.aside = False
+        self.brief = False
+        self.newer = False
+        self.heard: set[int] = set()
+        self.refused: list[str] = []
+        self.conversation = self._begin(now)
+
+    def _begin(self, now: float) -> Conversation:
+        boot_s = self._plan.serial.boot
+        return Conversation(self._plan.wanted, now, self._epoch_s, boot_s, self._silent_s)
+
+    # --- the link itself --------------------------------------------------------------------
+
+    def watch(self) -> None:
+        """Hold the mission from now on in every silence, until it is clear what has happened."""
+        self._watching = True
+
+    def lost(self, reason: str, now: float) -> None:
+        """Note that the port has gone."""
+        outage = self._hold(now)
+        if outage is not None:
+            outage.relapse()
+            outage.gone = outage.gone or reason
+
+    def connected(self, now: float) -> None:
+        """Note that the port is open again, and ask for topics as at the beginning."""
+        self.conversation = self._begin(now)
+        if self.outage is not None:
+            self.outage.sign_s = now
+
+    def resume(self, now: float) -> None:
+        """Send the newest array: the engine has had its say about an outage."""
+        if self.aside and self.outage is None:
+            self.aside = False
+            self.link.reassert(now)
+
+    # --- in ---------------------------------------------------------------------------------
+
+    def submit(self, setpoint_id: int, values: tuple[float, ...], now: float) -> None:
+        """Hand an array over."""
+        self.newer = True
+        self.link.submit(setpoint_id, values, now)
+        self._events += self.link.take()
+
+    def hold(self, values: tuple[float, ...], seeking: Collection[int] = ()) -> None:
+        """Take note of what is to be held should nobody be able to send anything more.
+
+        Args:
+            values: The safe array; ignored where it must not be sent.
+            seeking: Slots that a position loop drives. The firmware's switch stops them, if the
+                message can tell it which they are.
+        """
+        if not why_refused(self._plan.slots, values):
+            self._safe.held = to_counts(self._plan.slots, values)
+        loose = seeking if self._plan.messages.setpoints.holds else ()
+        self.link.hold = self._safe.kept & ~sum(1 << at for at in loose)
+
+    def receive(self, data: bytes, now: float) -> None:
+        """Take in bytes from the port."""
+        dropped = self.conversation.dropped
+        for heard in self.conversation.receive(data, now):
+            if isinstance(heard, TopicsKnown):
+                self._know(heard, now)
+            self._notice_return(now)
+            if isinstance(heard, TopicPayload):
+                self._take(heard, now)
+            elif isinstance(heard, TopicRefused):
+                self._refuse(heard)
+        self.link.quality.listened(len(data), self.conversation.dropped - dropped)
+        self._events += self.link.take()
+
+    def take(self) -> list[Event]:
+        """Return what has happened since the last call, oldest first."""
+        events, self._events = self._events, []
+        return events
+
+    def take_left_out_s(self) -> float:
+        """Return how much longer this program stood still than a short silence lasts, once, s.
+
+        In the mission that time does not pass: every board would seem to be silent, though their
+        reports wait to be read.
+        """
+        left_out_s, self._left_out_s = self._left_out_s, 0.0
+        return left_out_s
+
+    # --- out --------------------------------------------------------------------------------
+
+    def due_s(self, now: float) -> float:
+        """Return when there is something to do, if nothing comes before."""
+        due = self.conversation.due_s
+        if due <= now:
+            due = self._throttle.free_s(_GREETING_BYTES, now)
+        if not self.conversation.known:
+            due = min(due, now + _EXPIRE_EVERY_S)  # arrays can only be given up meanwhile
+        if self.outage is not None:
+            safe_due = self._recovery.due_s(self.outage)
+            if safe_due <= now:
+                safe_due = self._throttle.free_s(self._setpoint_bytes, now)
+            return min(due, safe_due)
+        if self.aside or not self.conversation.known:
+            return due
+        link_due = self.link.due_s
+        if link_due <= now:
+            link_due = self._throttle.free_s(self._setpoint_bytes, now)
+        return min(due, link_due)
+
+    def write(self, now: float, able: bool = True) -> bytes:
+        """Return the frame to be written now, in one call; empty when there is none.
+
+        Args:
+            now: The time.
+            able: Whether there is a port; without one nothing is returned and time passes.
+        """
+        data, busy_s = b"", 0.0
+        if able and self._throttle.free_s(_GREETING_BYTES, now) <= now:
+            data = self.conversation.write(now)
+            if self.conversation.asking:
+                busy_s = _INTRODUCTION_S if data else 0.0
+            if self.conversation.asking or now >= self.conversation.heard_s + self._silent_s:
+                self._hold(now)
+        if self.outage is not None:
+            self._judge(self.outage, now)
+        if self.outage is None and not self.aside:
+            self.link.expire(now, able and self.conversation.known)
+            self._events += self.link.take()
+        fits = able and self._throttle.free_s(self._setpoint_bytes, now) <= now
+        if not data and fits and self.conversation.known:
+            data = self._setpoints(now)
+        if data:
+            self._throttle.wrote(len(data), now, busy_s)
+        return data
+
+    def room_s(self, size: int, now: float) -> float:
+        """Return when this many bytes may be written."""
+        return self._throttle.free_s(size, now)
+
+    def wrote(self, size: int, now: float) -> None:
+        """Note that so many bytes have been written past the exchange."""
+        self._throttle.wrote(size, now)
+
+    def safe_frame(self) -> bytes:
+        """Return the frame of the safe array: what the safe state stops is zero, the rest is held.
+
+        There is none before anything has been sent: the robot stands as it was found.
+        """
+        counts = self.link.in_force
+        if counts is None:
+            return b""
+        frame = self.conversation.frame(SETPOINTS, self._safe.payload(counts))
+        if frame or self.conversation.known:
+            self._safe_frame = frame
+        return self._safe_frame  # while topics are not known again, what they were
+
+    @property
+    def settled(self) -> bool:
+        """Whether nothing is under way: what is to be in force is in force, as far as is known.
+
+        After an outage that is the safe array, until something newer is wanted.
+        """
+        if self.outage is not None:
+            return not self.safe_frame()
+        return (self.aside and not self.newer) or self.link.idle
+
+    @property
+    def counts(self) -> Counts:
+        """Counts of what has happened."""
+        conversation, link = self.conversation, self.link
+        return Counts(
+            frames=conversation.frames,
+            dropped=conversation.dropped,
+            unreadable=self._unreadable,
+            strange=conversation.strange + self._measurements.strange,
+            written=link.written,
+            damaged=link.damaged,
+            repeats=link.repeats,
+            refreshes=link.refreshes,
+            trips=link.trips,
+        )
+
+    # --- inside -----------------------------------------------------------------------------
+
+    def _hold(self, now: float) -> Outage | None:
+        """Return the outage that there is, or that begins now; None where none is looked for."""
+        outage = self.outage
+        if outage is not None:
+            if outage.back:
+                outage.relapse()
+        elif self._watching and not self._given_up:
+            heard_s = self.conversation.heard_s
+            # This program may have stood still: no more mission time passes than if it had not.
+            since_s = min(now, heard_s + self._silent_s)
+            outage = self.outage = Outage(heard_s, since_s, sign_s=heard_s)
+            self.aside = self.newer = False
+        return outage
+
+    def _notice_return(self, now: float) -> None:
+        """Note that the controller speaks again; whether it has recovered is judged later."""
+        outage = self.outage
+        if self.conversation.asking:
+            return
+        if outage is None:
+            self._given_up = False
+        elif not outage.back:
+            outage.return_(now, self.heard, bool(self.safe_frame()))
+            self.brief = self._recovery.is_brief(outage, self.conversation.silence_s)
+            if self.brief:
+                self.outage = None
+                most_s = self._recovery.brief_s - self._silent_s
+                self._left_out_s += max(0.0, now - outage.since_s - most_s)
+
+    @property
+    def gives_up_s(self) -> float:
+        """When the present silence will be given up; infinite while there is none."""
+        return inf if self.outage is None else self._recovery.gives_up_s(self.outage)
+
+    def _judge(self, outage: Outage, now: float) -> None:
+        """Report an outage as soon as it is clear what it was."""
+        outage.sign_s = max(outage.sign_s, self.conversation.heard_s)
+        fault = self._recovery.verdict(outage, now, bool(self.safe_frame()))
+        if fault is None:
+            return
+        recovered = outage.back and not outage.dumb
+        self.outage, self._given_up, self.aside = None, not recovered, recovered
+        self._events += [fault, *outage.frames.values()]
+
+    def _setpoints(self, now: float) -> bytes:
+        """Return the frame with the array that is to be written now; empty when there is none."""
+        outage = self.outage
+        if outage is not None:
+            if not self._recovery.wants_safe(outage, now):
+                return b""
+            outage.wrote_s = now
+            self.stopped.wrote(SAFE_WIRE_ID, self._safe.counts)
+            return self.safe_frame()
+        if self.aside:
+            return b""
+        payload = self.link.next_payload(now)
+        self._events += self.link.take()
+        if not payload:
+            return b""
+        array = self._plan.messages.setpoints.unpack(payload)
+        self.stopped.wrote(array.number, array.counts)
+        return self.conversation.frame(SETPOINTS, payload)
+
+    def _take(self, message: TopicPayload, now: float) -> None:
+        try:
+            if message.which == STATE:
+                self._measure(message.payload)
+            elif message.which == ECHO:
+                self._echo(self._plan.messages.echo.unpack(message.payload), now)
+        except Malformed:
+            self._unreadable += 1
+            if message.which == ECHO:
+                self.link.unreadable(now)
+
+    def _echo(self, array: Array, now: float) -> None:
+        self.stopped.echoed(array.number, array.counts)
+        if array.number != SAFE_WIRE_ID or array.counts != self._safe.counts:
+            self.link.echoed(array.number, array.counts, now, array.hold)
+        elif self.outage is not None:
+            self.outage.confirm(now)
+
+    def _measure(self, payload: bytes) -> None:
+        frame = self._measurements.take(self._plan.messages.state.unpack(payload))
+        if frame is None:
+            return
+        self._flowing = True
+        self.heard.add(frame.board)
+        if self.outage is not None:
+            self.outage.report(frame)
+            return
+        self._events.append(frame)
+
+    def _know(self, known: TopicsKnown, now: float) -> None:
+        if self.outage is not None:
+            self.outage.anew = True
+            if not self.outage.gone:  # else it was silent since before the port was opened again
+                self.outage.silence_s = known.silence_s
+        elif known.again or self.link.in_force is not None:
+            # It may have forgotten what it was told.
+            self.link.reassert(now)
+        if known.again and self._flowing and not self._watching:
+            self._flowing = False
+            self._events.append(FaultReport(RESET, was_reset(known.silence_s)))
+
+    def _refuse(self, refused: TopicRefused) -> None:
+        self.refused.append(refused.reason)
+        if self.heard:
+            self.outage, self._given_up = None, True
+            self._events.append(FaultReport(MISMATCH, refused.reason))

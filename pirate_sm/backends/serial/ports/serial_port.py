@@ -1,0 +1,194 @@
+"""A real serial port, by any URL that pyserial knows."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import select
+import time
+from contextlib import suppress
+from math import inf
+from pathlib import Path
+
+from pirate_sm.backends.serial.ports.protocol import PortLostError
+from pirate_sm.errors import BackendError, UsageError
+
+try:
+    import serial
+    from serial.tools import list_ports
+except ModuleNotFoundError as error:
+    raise UsageError(
+        f"the serial backend needs {error.name}, which is not installed: "
+        "pip install 'pirate-sm[serial]'"
+    ) from None
+
+_WRITE_WITHIN_S = 0.5
+_POLL_S = 0.005
+_MOST_BYTES = 4096
+_NO_ADDRESS = "{} is no address that pyserial can use, such as socket://HOST:PORT"
+_NOT_THERE = {errno.ENOENT, errno.ENOTDIR, errno.ELOOP, errno.ENAMETOOLONG}
+_NO_PORT = {errno.ENOTTY, errno.EINVAL, errno.EISDIR, errno.ENXIO, errno.EIO, errno.ENODEV}
+_NOT_REACHED = {errno.EHOSTUNREACH, errno.ENETUNREACH, errno.ETIMEDOUT, errno.EHOSTDOWN}
+
+
+class SerialPort:
+    """One port, locked against every other program that locks it too.
+
+    Args:
+        url: A device such as ``/dev/ttyACM0``, or any URL of pyserial.
+        baud: Of the line.
+    """
+
+    def __init__(self, url: str, baud: int) -> None:
+        self.name = url
+        self._baud = baud
+        self._port: serial.Serial | None = None
+        self.epoch_s = time.time() - time.monotonic()
+
+    now = staticmethod(time.monotonic)
+
+    def open(self) -> None:
+        """Open and lock the port."""
+        if not self.name.strip():
+            raise BackendError("the name of the port is empty")
+        try:
+            self._port = serial.serial_for_url(
+                self.name,
+                baudrate=self._baud,
+                timeout=0,
+                write_timeout=_WRITE_WITHIN_S,
+                exclusive=True,
+            )
+        except ValueError as error:
+            raise BackendError(f"{self.name} cannot be a serial port: {error}") from None
+        except (serial.SerialException, OSError) as error:
+            raise BackendError(_advice(self.name, error)) from None
+        except Exception:  # pyserial stumbles over options of its URLs
+            raise BackendError(_NO_ADDRESS.format(self.name)) from None
+
+    def reopen(self) -> bool:
+        """Try to open the port again; return whether it is open."""
+        self.let_go()
+        with suppress(BackendError):
+            self.open()
+        return self._port is not None
+
+    def write(self, data: bytes) -> None:
+        """Write the bytes in one piece."""
+        if self._port is None:
+            raise PortLostError(f"{self.name} is closed")
+        try:
+            self._port.write(data)
+        except (serial.SerialException, OSError) as error:
+            self.let_go()  # a device that is plugged in again gets its old name only then
+            raise PortLostError(f"{self.name} takes nothing any more: {error}") from None
+
+    def read(self, until_s: float) -> bytes:
+        """Return what has come, as soon as anything has; empty when nothing had by ``until_s``."""
+        if self._port is None:
+            raise PortLostError(f"{self.name} is closed")
+        try:
+            self._wait(self._port, until_s)
+            return bytes(self._port.read(_MOST_BYTES))
+        except (serial.SerialException, OSError, TypeError):
+            # pyserial raises a TypeError when its descriptor is taken away meanwhile.
+            self.let_go()
+            raise PortLostError(f"{self.name} has gone") from None
+
+    @property
+    def descriptor(self) -> int:
+        """The descriptor to wait for; -1 for a port, such as loop://, that can only be polled."""
+        try:
+            return self._port.fileno() if self._port is not None else -1
+        except (AttributeError, OSError):
+            return -1
+
+    def _wait(self, port: serial.Serial, until_s: float) -> None:
+        descriptor = self.descriptor
+        if descriptor < 0:
+            while not port.in_waiting and time.monotonic() < until_s:
+                time.sleep(_POLL_S)
+            return
+        timeout_s = None if until_s == inf else max(0.0, until_s - time.monotonic())
+        select.select([descriptor], [], [], timeout_s)
+
+    def wait(self, until_s: float) -> None:
+        """Sleep until that time."""
+        time.sleep(max(0.0, until_s - time.monotonic()))
+
+    def beat(self, safe_frame: bytes) -> None:
+        """Do nothing: this port has no guardian."""
+
+    def overruled(self) -> bool:
+        """Return false: this port has no guardian."""
+        return False
+
+    def remark(self) -> str:
+        """Return nothing: this port has no guardian."""
+        return ""
+
+    def close(self, stopped: bool = False) -> None:
+        """Close the port once everything written has gone out."""
+        if self._port is not None:
+            with suppress(Exception):  # the port may have gone
+                self._port.flush()
+        self.let_go()
+
+    def let_go(self) -> None:
+        """Close the port without waiting for what was written."""
+        if self._port is not None:
+            with suppress(Exception):
+                self._port.close()
+        self._port = None
+
+
+def _advice(name: str, error: OSError) -> str:
+    """Return why a port cannot be opened, and what to do about it."""
+    code = error.errno
+    within = re.search(r"(?:\(|\[Errno )(\d+)[],]", str(error))
+    if code is None and within:
+        code = int(within[1])  # pyserial puts some errors into its words
+    if code is None and "exclusively lock" in str(error):
+        code = errno.EBUSY
+    if "://" in name:
+        return _no_answer(name, code, error)
+    if code in _NOT_THERE:
+        found = ", ".join(sorted(port.device for port in list_ports.comports()))
+        there = f"there are {found}" if found else "there is none at all: is it plugged in?"
+        return f"there is no port {name}; {there}"
+    if code in {errno.EACCES, errno.EPERM}:
+        group = _group(name)
+        join = f" (on Linux: sudo usermod -a -G {group} $USER, then log in again)" if group else ""
+        return f"you may not use {name}: join the group that owns it{join}"
+    if code in {errno.EBUSY, errno.EAGAIN}:
+        return f"{name} is in use by another program: close it, or wait until its mission has ended"
+    if Path(name).is_dir():
+        return f"{name} is a directory and no serial port"
+    if Path(name).is_file():
+        return f"{name} is a file and no serial port"
+    if code in _NO_PORT:
+        return f"{name} is no serial port, or nothing is connected to it"
+    return f"{name} cannot be opened: {error}"
+
+
+def _no_answer(name: str, code: int | None, error: OSError) -> str:
+    """Return why nothing answers at an address."""
+    if code == errno.ECONNREFUSED:
+        return f"nobody listens at {name}: is the program there running?"
+    if code in _NOT_REACHED or "timed out" in str(error):
+        return f"{name} cannot be reached: is the host on, and in this network?"
+    if "[Errno -" in str(error):
+        return f"{name} cannot be reached: its host has no known address"
+    if name.startswith(("socket://", "rfc2217://")):
+        return _NO_ADDRESS.format(name)
+    return f"{name} cannot be opened: {error}"
+
+
+def _group(name: str) -> str:
+    """Return the name of the group that owns the port; empty where there is none."""
+    with suppress(ImportError, OSError, KeyError):
+        import grp  # noqa: PLC0415 - not on every system
+
+        return grp.getgrgid(os.stat(name).st_gid).gr_name  # noqa: PTH116 - may be no path
+    return ""

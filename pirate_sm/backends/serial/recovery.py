@@ -1,0 +1,195 @@
+"""Decides how a silent link is brought back to a known state, or when it is given up.
+
+Pure: what is heard goes in with the time, what is wanted and what has come of it come out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Set
+from dataclasses import dataclass, field
+from math import inf
+
+from pirate_sm.model.events import FaultReport, SensorFrame
+
+RESET = "firmware.reset"
+INTERRUPTED = "link.interrupted"
+SILENT = "link.silent"
+LOST = "link.lost"
+NO_ECHO = "link.no_echo"
+
+BRIEF = 0.75
+"""Share of ``silent_after``: shorter silences that end by themselves are none."""
+
+_UNCONFIRMED = "does not confirm the safe setpoints"
+_BOARDS_WITHIN_S = 1.0
+_SAFE_AGAIN_S = 0.1
+_IN_ALL = 3
+"""Times the budget: a controller that comes back and goes away again and again is given up."""
+
+
+@dataclass
+class Outage:
+    """What is known of a silence, during which the mission is held.
+
+    Attributes:
+        heard_s: When the last frame before it had come.
+        since_s: Since when the mission is held.
+        sign_s: The last sign of life.
+        gone: Why the port went away; empty where it did not.
+        anew: Whether the controller had to be asked anew.
+        answered_s: When it first spoke again; infinite before.
+        back_s: Since when it speaks again; infinite before, and while it is silent once more.
+        silence_s: How long it did not.
+        safe_s: When the safe array was confirmed since; infinite before.
+        stopped: Whether it has been confirmed at all.
+        wrote_s: When the safe array was last written.
+        missing: Boards that have reported before and not since.
+        frames: What boards have reported since, the last of each.
+    """
+
+    heard_s: float
+    since_s: float
+    sign_s: float
+    gone: str = ""
+    anew: bool = False
+    answered_s: float = inf
+    back_s: float = inf
+    silence_s: float = 0.0
+    safe_s: float = inf
+    stopped: bool = False
+    wrote_s: float = -inf
+    missing: set[int] = field(default_factory=set)
+    frames: dict[int, SensorFrame] = field(default_factory=dict)
+
+    @property
+    def back(self) -> bool:
+        """Whether the controller speaks again and its topics are known."""
+        return self.back_s < inf
+
+    def relapse(self) -> None:
+        """Note that it has fallen silent again: nothing that was known of it holds."""
+        self.back_s = self.safe_s = inf
+        self.wrote_s = -inf
+        self.frames.clear()
+
+    def return_(self, now: float, boards: Set[int], safe_needed: bool) -> None:
+        """Note that the controller speaks again; its boards and the safe array are awaited."""
+        self.back_s = now
+        self.answered_s = min(self.answered_s, now)
+        self.silence_s = self.silence_s or now - self.heard_s
+        self.safe_s = inf if safe_needed else now
+        self.missing = set(boards)
+
+    def confirm(self, now: float) -> None:
+        """Note that the safe array is in force."""
+        if self.back:
+            self.safe_s, self.stopped = min(self.safe_s, now), True
+
+    @property
+    def dumb(self) -> bool:
+        """Whether it answers but nothing comes from any board."""
+        return bool(self.missing) and not self.frames
+
+    def report(self, frame: SensorFrame) -> None:
+        """Take in what a board has measured since the controller speaks again."""
+        self.frames[frame.board] = frame
+        self.missing.discard(frame.board)
+
+
+class Recovery:
+    """Decides what becomes of an outage.
+
+    Args:
+        brief_s: A silence that ends by itself before is none.
+        within_s: After the last sign of life the link must be back within so long.
+        advice: What a person can do when no board reports.
+    """
+
+    def __init__(self, brief_s: float, within_s: float, advice: str) -> None:
+        self._advice = advice
+        self.brief_s = brief_s
+        self._within_s = within_s
+
+    def is_brief(self, outage: Outage, awake_s: float) -> bool:
+        """Return whether this was only a silence too short to matter.
+
+        Args:
+            outage: What is known of it.
+            awake_s: How long it was while this program was awake.
+        """
+        return not (outage.gone or outage.anew) and awake_s < self.brief_s
+
+    def wants_safe(self, outage: Outage, now: float) -> bool:
+        """Return whether the safe array is to be written now."""
+        return outage.back and outage.safe_s == inf and now >= outage.wrote_s + _SAFE_AGAIN_S
+
+    def due_s(self, outage: Outage) -> float:
+        """Return when there is something to do or to decide, if nothing is heard before."""
+        if not outage.back:
+            dumb_s = outage.answered_s + self._within_s if outage.dumb else inf
+            return min(self.gives_up_s(outage), dumb_s)
+        if outage.safe_s == inf:
+            return min(outage.wrote_s + _SAFE_AGAIN_S, outage.back_s + self._within_s)
+        if outage.dumb:
+            return outage.answered_s + self._within_s
+        return outage.safe_s + _BOARDS_WITHIN_S if outage.missing else -inf
+
+    def verdict(self, outage: Outage, now: float, stopped: bool) -> FaultReport | None:
+        """Return the fault that the outage has been, once that is clear; else None.
+
+        Args:
+            outage: What is known of it.
+            now: The time.
+            stopped: Whether there was a safe array to be confirmed.
+        """
+        if outage.dumb and now >= outage.answered_s + self._within_s:
+            return self._dumb(outage)
+        if not outage.back:
+            return self._given_up(outage, now) if now >= self.gives_up_s(outage) else None
+        if outage.safe_s == inf:
+            return self._unconfirmed(outage) if now >= outage.back_s + self._within_s else None
+        if outage.dumb or (outage.missing and now < outage.safe_s + _BOARDS_WITHIN_S):
+            return None
+        return self._recovered(outage, stopped)
+
+    def gives_up_s(self, outage: Outage) -> float:
+        """Return when a silence that goes on is given up as the loss of the link."""
+        return min(outage.sign_s + self._within_s, outage.since_s + _IN_ALL * self._within_s)
+
+    def _given_up(self, outage: Outage, now: float) -> FaultReport:
+        away_s = now - outage.heard_s
+        if outage.gone:
+            message = f"the link to the robot is lost: {outage.gone}, and was not back"
+            return FaultReport(LOST, f"{message} {away_s:.1f} s later")
+        message = f"the robot's controller has said nothing for {away_s:.1f} s"
+        return FaultReport(SILENT, f"{message}, however often it was asked")
+
+    def _dumb(self, outage: Outage) -> FaultReport:
+        what = "the robot's controller answers but none of its boards reports any more"
+        if not outage.stopped:
+            what = f"{what}, and it {_UNCONFIRMED}"
+        return FaultReport(SILENT, f"{what}: {self._advice}")
+
+    def _unconfirmed(self, outage: Outage) -> FaultReport:
+        back = f"the robot's controller is back after {outage.silence_s:.1f} s of silence"
+        return FaultReport(NO_ECHO, f"{back} and {_UNCONFIRMED}")
+
+    def _recovered(self, outage: Outage, stopped: bool) -> FaultReport:
+        state = (
+            "it holds what it held and its wheels are stopped, as it has confirmed"
+            if stopped
+            else "nothing had been sent to it before"
+        )
+        if outage.gone:
+            what = f"the link was away for {outage.silence_s:.1f} s ({outage.gone}) and is back"
+            return FaultReport(INTERRUPTED, f"{what}: {state}")
+        return FaultReport(RESET, f"{was_reset(outage.silence_s)}: {state}")
+
+
+def was_reset(silence_s: float) -> str:
+    """Return a sentence on what has happened to a controller that speaks again.
+
+    Whether the answer to our question made it speak or it went on by itself cannot be told where
+    answers are lost; and what a reset asks for is right after any silence.
+    """
+    return f"the robot's controller said nothing for {silence_s:.1f} s, it was reset or hung"

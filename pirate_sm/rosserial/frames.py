@@ -1,0 +1,104 @@
+"""Frames of rosserial, protocol revision 1, as bytes.
+
+A frame is ``FF FE | length | check | topic | payload | check``, little-endian; each group with its
+check sums to 255 modulo 256. An 8-bit sum lets some damage through: who uses a payload must be
+able to tell.
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import NamedTuple
+
+SYNC = b"\xff\xfe"
+OVERHEAD_BYTES = 8
+LONGEST_PAYLOAD = 512
+"""The largest buffer of the Arduino client's default build."""
+
+_HEAD = struct.Struct("<2sHB")
+_TOPIC = struct.Struct("<H")
+_BEFORE_PAYLOAD = _HEAD.size + _TOPIC.size
+
+
+class Frame(NamedTuple):
+    """A payload on a topic, which is a number on this connection."""
+
+    topic: int
+    payload: bytes
+
+
+def encode(topic: int, payload: bytes = b"") -> bytes:
+    """Return the bytes of a frame, to be written in one call.
+
+    Raises:
+        ValueError: The payload is longer than any receiver takes, or the topic no 16-bit number.
+    """
+    if len(payload) > LONGEST_PAYLOAD or not 0 <= topic <= 0xFFFF:
+        raise ValueError(f"no frame holds {len(payload)} bytes for topic {topic}")
+    length = len(payload)
+    head = _HEAD.pack(SYNC, length, 255 - (length % 256 + length // 256) % 256)
+    body = _TOPIC.pack(topic) + payload
+    return b"".join((head, body, bytes((255 - sum(body) % 256,))))
+
+
+class Decoder:
+    """Finds the frames in a stream of bytes, whatever is between them.
+
+    This is the host's reader; the firmware's, which loses more, is
+    :class:`pirate_sm.bay.reception.Reception`. A byte that begins no frame is dropped alone and
+    the search goes on behind it, so damage costs only the damaged frame. The result does not
+    depend on how the stream is cut.
+
+    Attributes:
+        dropped: How many bytes belonged to no frame.
+        longest: The longest payload that can come. A longer length is damage: it is dropped at
+            once and withholds nothing of what follows.
+    """
+
+    def __init__(self) -> None:
+        """Start with an empty stream."""
+        self._pending = bytearray()
+        self.dropped = 0
+        self.longest = LONGEST_PAYLOAD
+
+    def feed(self, data: bytes) -> list[Frame]:
+        """Return the frames that these bytes complete, oldest first."""
+        pending = self._pending
+        pending += data
+        frames: list[Frame] = []
+        at = 0
+        while True:
+            start = pending.find(SYNC, at)
+            if start < 0:
+                # The last byte may be the first half of a beginning.
+                start = len(pending) - pending.endswith(SYNC[:1])
+                self.dropped += max(start - at, 0)
+                at = max(start, at)
+                break
+            self.dropped += start - at
+            at = start
+            end = self._end(at)
+            if end > len(pending):
+                break
+            if end:
+                topic = _TOPIC.unpack_from(pending, at + _HEAD.size)[0]
+                frames.append(Frame(topic, bytes(pending[at + _BEFORE_PAYLOAD : end - 1])))
+                at = end
+            else:
+                self.dropped += 1
+                at += 1
+        del pending[:at]
+        return frames
+
+    def _end(self, at: int) -> int:
+        """Return where the frame at this place ends; past the end if unknown yet, 0 if none."""
+        pending = self._pending
+        if len(pending) - at < _HEAD.size:
+            return len(pending) + 1
+        _, length, check = _HEAD.unpack_from(pending, at)
+        if (length % 256 + length // 256 + check) % 256 != 255 or length > self.longest:
+            return 0
+        end: int = at + OVERHEAD_BYTES + length
+        if end <= len(pending) and sum(pending[at + _HEAD.size : end]) % 256 != 255:
+            return 0
+        return end

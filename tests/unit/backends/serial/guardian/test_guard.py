@@ -1,0 +1,238 @@
+"""What the guardian decides, in virtual time."""
+
+from __future__ import annotations
+
+from math import inf
+
+import pytest
+
+from pirate_sm.backends.serial.guardian.guard import (
+    REOPEN_EVERY_S,
+    Action,
+    Finish,
+    Guard,
+    Reopen,
+    ToPort,
+    ToRunner,
+)
+from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note
+from pirate_sm.bay.node_handle import NodeHandle
+from pirate_sm.rosserial.frames import Decoder, Frame, encode
+
+from ..bench import ARRAY, ECHO, FIRST_PUBLISHER, FIRST_SUBSCRIBER, STATE, WANTED, topic
+
+SAFE = encode(FIRST_SUBSCRIBER, b"safe array")
+DRIVE = encode(FIRST_SUBSCRIBER, b"drive array")
+ECHOED = encode(FIRST_PUBLISHER, b"safe array")
+HEARD, STOPPED = ToRunner(Note(Kind.HEARD)), ToRunner(Note(Kind.STOPPED))
+OVERRULED = ToRunner(Note(Kind.OVERRULED))
+STOP, ASK = encode(11), encode(0)
+BOOT_S, STAY_S = 2.0, 60.0
+
+
+def beating(now: float = 0.0) -> Guard:
+    """A guard whose runner has driven the robot."""
+    guard = Guard(Instructions(0.3, WANTED, BOOT_S, STAY_S))
+    guard.opened(now - 10.0)
+    guard.hear(Note(Kind.WRITE, DRIVE), now - 1.0)
+    guard.hear(Note(Kind.BEAT, SAFE), now)
+    return guard
+
+
+def until(guard: Guard, end_s: float) -> list[tuple[float, Action]]:
+    done: list[tuple[float, Action]] = []
+    while guard.due_s <= end_s and not any(isinstance(each, Finish) for _, each in done[-2:]):
+        now = guard.due_s
+        done += [(now, action) for action in guard.tick(now)]
+    return done
+
+
+def written(done: list[tuple[float, Action]]) -> list[tuple[float, bytes]]:
+    return [(round(at_s, 6), each.data) for at_s, each in done if isinstance(each, ToPort)]
+
+
+def introductions(shift: int) -> bytes:
+    """What a device that was reset answers, its topics numbered anew."""
+    publishers = topic(FIRST_PUBLISHER + shift, ECHO), topic(FIRST_PUBLISHER + shift + 1, STATE)
+    node = NodeHandle(publishers, (topic(FIRST_SUBSCRIBER + shift, ARRAY),))
+    says = node.take(Frame(0, b""), 0.0).says
+    return b"".join(encode(*frame) for frame in says)
+
+
+def test_it_relays_both_ways() -> None:
+    guard = beating()
+
+    assert guard.hear(Note(Kind.WRITE, b"out"), 0.1) == [ToPort(b"out")]
+    assert guard.receive(b"in", 0.1) == [ToRunner(Note(Kind.DATA, b"in"))]
+    assert guard.hear(Note(Kind.BEAT, SAFE), 0.1) == [HEARD]
+    assert guard.hear(Note(Kind.LEAVE), 0.1) == [Finish()]
+
+
+def test_a_runner_that_beats_is_left_alone() -> None:
+    guard = beating()
+    for beat in range(100):
+        assert until(guard, beat * 0.25) == []
+        guard.hear(Note(Kind.BEAT, SAFE), beat * 0.25)
+
+
+def test_a_silent_runner_is_overruled_in_time_and_told() -> None:
+    done = until(beating(), 0.31)
+
+    assert [(round(at_s, 6), each) for at_s, each in done] == [
+        (0.3, OVERRULED),
+        (0.3, ToPort(SAFE)),
+    ]
+
+
+def test_one_more_beat_is_allowed_when_the_guardian_itself_stood_still() -> None:
+    guard = beating()
+    assert until(guard, 0.2) == []
+    assert guard.tick(3.0) == []  # its wait came back much later than it asked for
+    assert until(guard, 3.25) == []
+    guard.hear(Note(Kind.BEAT, SAFE), 3.26)
+    assert until(guard, 3.5) == []
+
+    assert OVERRULED in [each for _, each in until(guard, 3.6)]
+
+
+def test_it_has_nothing_to_send_before_anything_was_set_in_motion() -> None:
+    guard = Guard(Instructions(0.3, WANTED))
+    guard.opened(0.0)
+    guard.hear(Note(Kind.BEAT, b""), 0.0)
+
+    assert guard.due_s == inf
+    assert guard.bereave(1.0) == [Finish()]
+
+
+def test_what_a_runner_wrote_before_it_stood_still_does_not_pass_until_it_has_understood() -> None:
+    guard = beating()
+    until(guard, 0.5)
+
+    assert guard.hear(Note(Kind.WRITE, DRIVE), 0.6) == []
+    guard.hear(Note(Kind.HEED), 0.7)
+    assert guard.hear(Note(Kind.WRITE, SAFE), 0.7) == [ToPort(SAFE)]
+
+
+def test_when_the_runner_dies_the_safe_frame_is_repeated_until_it_is_echoed() -> None:
+    guard = beating()
+    assert guard.bereave(0.1) == [ToPort(SAFE)]
+    assert written(until(guard, 0.35)) == [(0.2, SAFE), (0.3, SAFE)]
+
+    assert guard.receive(ECHOED, 0.36) == [ToPort(STOP), Finish()]
+
+
+def test_bytes_that_a_talking_device_says_end_nothing() -> None:
+    guard = beating()
+    guard.bereave(0.1)
+
+    assert guard.receive(encode(FIRST_PUBLISHER + 1, b"a state"), 0.2) == []
+    assert guard.receive(b"a", 0.2) == []
+    assert guard.receive(encode(FIRST_PUBLISHER, b"drive array"), 0.2) == []
+    assert guard.acting
+
+
+def test_an_unconfirmed_stop_is_tried_for_as_long_as_it_was_told_and_no_longer() -> None:
+    guard = beating()
+    done = [(0.0, each) for each in guard.bereave(0.0)] + until(guard, 2 * STAY_S)
+    safe_s = [at_s for at_s, data in written(done) if data == SAFE]
+
+    assert done[-1] == (STAY_S, Finish(stopped=False))
+    assert max(b - a for a, b in zip(safe_s, [*safe_s[1:], STAY_S], strict=True)) < 0.15
+
+
+def test_a_runner_that_leaves_while_the_stop_is_unconfirmed_dismisses_nobody() -> None:
+    guard = beating()
+    until(guard, 0.31)
+
+    assert not any(isinstance(each, Finish) for each in guard.hear(Note(Kind.LEAVE), 0.4))
+    assert Finish() in guard.receive(ECHOED, 0.5)
+
+
+def test_the_safe_frame_waits_until_the_ring_of_the_device_has_room() -> None:
+    guard = beating()
+    guard.hear(Note(Kind.WRITE, bytes(48)), 0.1)
+
+    assert guard.bereave(0.11) == []
+    assert written(until(guard, 0.2))[0] == (0.13, SAFE)
+
+
+def test_a_late_echo_of_what_the_runner_wrote_itself_confirms_nothing() -> None:
+    guard = beating()
+    guard.hear(Note(Kind.WRITE, SAFE), 0.0)
+    guard.hear(Note(Kind.WRITE, DRIVE), 0.05)
+    guard.bereave(0.06)
+    until(guard, 0.1)
+
+    assert guard.receive(ECHOED, 0.12) == []
+    until(guard, 0.4)
+    assert Finish() in guard.receive(ECHOED, 0.4)
+
+
+def test_a_port_that_comes_back_to_no_runner_is_opened_and_asked_for_its_new_numbers() -> None:
+    guard = beating()
+    guard.lost("unplugged", 0.1)
+    assert guard.bereave(0.2) == []
+    done = until(guard, 9.0)
+    assert {each for _, each in done} == {Reopen()}
+    assert done[1][0] - done[0][0] == pytest.approx(REOPEN_EVERY_S)
+
+    guard.opened(9.0)
+    assert until(guard, 9.0 + BOOT_S - 0.01) == []  # the boot loader listens
+    asked = written(until(guard, 9.0 + BOOT_S + 0.35))
+    assert {data for _, data in asked} == {ASK}, "no number is known on this connection"
+
+    guard.receive(introductions(7) * 2, 11.4)
+    (_, data), *_ = written(until(guard, 11.5))
+    assert Decoder().feed(data) == [(FIRST_SUBSCRIBER + 7, b"safe array")]
+    echo = encode(FIRST_PUBLISHER + 7, b"safe array")
+    assert guard.receive(echo, 11.6) == [ToPort(STOP), Finish()]
+
+
+def test_numbers_that_were_learnt_before_the_port_went_away_again_are_not_used_after() -> None:
+    guard = beating()
+    guard.bereave(0.0)
+    guard.receive(introductions(7) * 2, 0.1)
+    guard.lost("unplugged", 0.2)
+    guard.opened(5.0)
+
+    assert until(guard, 5.0 + BOOT_S - 0.01) == []
+    assert {data for _, data in written(until(guard, 9.0))} == {ASK}
+
+
+def test_a_device_that_was_reset_in_between_is_asked_while_the_old_number_goes_on() -> None:
+    guard = beating()
+    guard.bereave(0.0)
+    data = {data for _, data in written(until(guard, 1.0))}
+
+    assert data == {SAFE, ASK}
+
+
+def test_a_port_that_cannot_be_opened_at_first_is_tried_again() -> None:
+    guard = Guard(Instructions(0.3, WANTED, BOOT_S))
+    guard.hear(Note(Kind.BEAT, SAFE), 0.0)
+    guard.refused("not there", 0.0)
+    guard.bereave(0.1)
+
+    assert until(guard, 0.6) == [(0.5, Reopen())]
+
+
+def test_the_stop_that_an_earlier_run_left_undone_comes_before_anything_of_the_new_one() -> None:
+    guard = Guard(Instructions(0.3, WANTED, BOOT_S))
+    guard.opened(0.0)
+    guard.hear(Note(Kind.STOP, b"safe array"), 0.0)
+    assert guard.hear(Note(Kind.WRITE, DRIVE), 0.1) == []
+    until(guard, BOOT_S)
+    guard.receive(introductions(0) * 2, BOOT_S)
+    assert written(until(guard, BOOT_S + 0.05))[-1][1] == SAFE
+
+    assert STOPPED in guard.receive(ECHOED, BOOT_S + 0.1)
+    guard.hear(Note(Kind.HEED), BOOT_S + 0.2)
+    assert guard.hear(Note(Kind.WRITE, DRIVE), BOOT_S + 0.3) == [ToPort(DRIVE)]
+
+
+def test_a_runner_that_dies_after_it_was_overruled_leaves_a_robot_that_is_safe_already() -> None:
+    guard = beating()
+    until(guard, 0.31)
+    guard.receive(ECHOED, 0.35)
+
+    assert guard.bereave(1.0) == [ToPort(STOP), Finish()]

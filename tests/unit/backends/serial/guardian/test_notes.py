@@ -1,0 +1,30 @@
+"""What runner and guardian say to each other travels through a pipe."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note, NoteReader
+
+from ..bench import WANTED
+
+
+@given(
+    notes=st.lists(st.builds(Note, st.sampled_from(Kind), st.binary(max_size=50))),
+    cut=st.integers(1, 20),
+)
+def test_notes_travel_in_any_pieces(notes: list[Note], cut: int) -> None:
+    data = b"".join(note.to_bytes() for note in notes)
+    reader = NoteReader()
+    read = []
+    for at in range(0, len(data), cut):
+        read += reader.feed(data[at : at + cut])
+
+    assert read == notes
+
+
+def test_instructions_come_back_as_they_were_given_but_for_texts_for_people() -> None:
+    given = Instructions(0.3, tuple(each._replace(text="uint8 x") for each in WANTED), 2.0, 60.0)
+
+    assert Instructions.from_json(given.to_json()) == given._replace(wanted=WANTED)

@@ -1,0 +1,146 @@
+"""The exchange by itself: bytes and times go in, no port is behind it."""
+
+from __future__ import annotations
+
+import pytest
+
+from pirate_sm.backends.serial.link.exchange import Exchange
+from pirate_sm.backends.serial.link.link_plan import LinkPlan
+from pirate_sm.model.events import SubmitResult
+from pirate_sm.rosserial.frames import Decoder, encode
+
+from ..device import NUMBERS, Device
+
+CLAMPING = (0.0,) * 4 + (-0.7, 1.0, 0.7, -1.0) + (0.0,) * 10
+OTHER = (0.0,) * 4 + (-0.6, 0.0, 0.6, 0.0) + (0.0,) * 10
+TURN_S = 0.01
+SILENCE_S = 2.0
+"""Longer than eight waits for an echo, after which an array's fate would be unknown."""
+
+
+class Talk:
+    """An exchange and what a device says to it, one turn each 10 ms.
+
+    Attributes:
+        arrays: Payloads of the arrays that were written.
+        able: Whether there is a port.
+        speaking: Whether the device reports; ``echoing``: whether it echoes.
+    """
+
+    def __init__(self, plan: LinkPlan) -> None:
+        self.device = Device(plan)
+        self.now = 0.0
+        self.exchange = Exchange(plan, self.now, 0.0, 57600)
+        self.arrays: list[bytes] = []
+        self.results: list[SubmitResult] = []
+        self.able = self.speaking = self.echoing = True
+
+    def start(self) -> None:
+        """Topics are known and every board has reported."""
+        self.now = 2.5
+        for _ in range(2):
+            for data in self.device.introduce():
+                self.exchange.receive(data, self.now)
+        assert self.exchange.conversation.known
+        self.exchange.watch()
+        self.run(0.5)
+
+    def run(self, seconds: float) -> None:
+        end_s = self.now + seconds
+        while self.now < end_s:
+            self.now += TURN_S
+            if self.speaking:
+                self.exchange.receive(encode(NUMBERS["state"], self.device.state()), self.now)
+            while data := self.exchange.write(self.now, self.able):
+                self.answer(data)
+            events = self.exchange.take()
+            self.results += [event for event in events if isinstance(event, SubmitResult)]
+
+    def answer(self, data: bytes) -> None:
+        [(topic, payload)] = Decoder().feed(data)
+        if topic != NUMBERS["setpoints"]:
+            return
+        self.arrays.append(payload)
+        if self.echoing:
+            self.exchange.receive(encode(NUMBERS["echo"], payload), self.now)
+
+    def submit(self, number: int, values: tuple[float, ...]) -> None:
+        self.exchange.submit(number, values, self.now)
+
+    def interrupt(self) -> None:
+        """The controller falls silent, and goes on by itself after longer than a moment."""
+        self.speaking = self.echoing = False
+        self.run(SILENCE_S)
+        assert self.exchange.outage is not None
+        self.speaking = True
+
+
+@pytest.fixture
+def talk(plan: LinkPlan) -> Talk:
+    talk = Talk(plan)
+    talk.start()
+    return talk
+
+
+def test_an_array_does_not_expire_while_the_controller_is_away(talk: Talk) -> None:
+    talk.echoing = False
+    talk.submit(1, CLAMPING)
+    talk.run(0.1)
+    talk.interrupt()
+
+    assert talk.results == [], "its fate is open until the controller is back"
+
+
+def test_an_array_does_not_expire_while_whoever_was_told_of_an_outage_decides(talk: Talk) -> None:
+    talk.echoing = False
+    talk.submit(1, CLAMPING)
+    talk.run(0.1)
+    talk.interrupt()
+    talk.echoing = True
+    talk.run(0.5)
+    assert talk.exchange.aside
+
+    assert talk.results == []
+    talk.exchange.resume(talk.now)
+    talk.run(0.5)
+    assert talk.results == [SubmitResult(1, "accepted")]
+
+
+def test_it_is_not_settled_while_something_newer_than_the_safe_array_waits(talk: Talk) -> None:
+    talk.submit(1, CLAMPING)
+    talk.run(0.5)
+    talk.interrupt()
+    talk.echoing = True
+    talk.run(0.5)
+    assert talk.exchange.aside
+    assert talk.exchange.settled, "the safe array is in force"
+
+    talk.submit(2, OTHER)
+
+    assert not talk.exchange.settled
+    talk.exchange.resume(talk.now)
+    talk.run(0.5)
+    assert talk.exchange.settled
+
+
+def test_it_is_not_settled_while_an_outage_lasts(talk: Talk) -> None:
+    talk.submit(1, CLAMPING)
+    talk.run(0.5)
+    assert talk.exchange.settled
+    talk.interrupt()
+
+    assert not talk.exchange.settled
+
+
+def test_nothing_is_written_or_counted_as_written_without_a_port(talk: Talk) -> None:
+    talk.able = False
+    written = talk.exchange.counts.written
+    talk.submit(1, CLAMPING)
+    talk.run(0.1)
+
+    assert talk.arrays == []
+    assert talk.exchange.counts.written == written
+    talk.able = True
+    talk.run(0.1)
+    assert len(talk.arrays) == 1
+    assert talk.results == [SubmitResult(1, "accepted")]
