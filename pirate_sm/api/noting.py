@@ -10,7 +10,7 @@ from os import PathLike
 from pathlib import Path
 
 from pirate_sm.api.result import Run
-from pirate_sm.engine.robot_state import RobotState
+from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.folders import shown

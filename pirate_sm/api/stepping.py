@@ -11,7 +11,7 @@ from typing import Self, Unpack
 from pirate_sm.api.asked import Mission, Options, prepared
 from pirate_sm.api.noting import Notes, noted
 from pirate_sm.api.result import Run
-from pirate_sm.engine.operating import why_not_command
+from pirate_sm.engine.mission.operator import why_not_command
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import BackendError, UsageError
 from pirate_sm.expressions import Expression, compile_condition

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import inf, sqrt
 
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.geometry.clamping import press_n, span_m
 from pirate_sm.geometry.route import Piece, Route
 from pirate_sm.geometry.space import GRAVITY_M_S2, dot

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot_view import RobotView
-from pirate_sm.engine.sight import AnglesSpec, HeldSpec, SeenSpec, StandingSpec
+from pirate_sm.engine.robot.confirmation_spec import AnglesSpec, HeldSpec, SeenSpec, StandingSpec
 from pirate_sm.loading.problems import Path
 
 

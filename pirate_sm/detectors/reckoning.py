@@ -21,7 +21,7 @@ from collections.abc import Sequence
 from math import isnan, nan
 from typing import NamedTuple
 
-from pirate_sm.engine.body_spec import WHOLE, BodySpec, known
+from pirate_sm.engine.sensing.body_spec import WHOLE, BodySpec, known
 from pirate_sm.geometry.plane import flat, turned
 from pirate_sm.geometry.route import Piece, Route
 from pirate_sm.geometry.space import Place

@@ -10,20 +10,17 @@ from collections.abc import Callable, Sequence
 from math import inf, isnan
 from typing import Any
 
-from pirate_sm.engine import (
-    environment,
-    looking,
-    machine,
-    operating,
-    pausing,
-    robot_state,
-    rules,
-    scripted,
-    seeing,
-)
-from pirate_sm.engine.diverting import divert, meet
-from pirate_sm.engine.ending import end, finish
-from pirate_sm.engine.faults import (
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.mission import operator, pausing, scripted_signals
+from pirate_sm.engine.mission.diverting import divert, meet
+from pirate_sm.engine.mission.ending import end, finish
+from pirate_sm.engine.mission.interpreter import advance, next_deadline, spoken
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.robot import commands, confirmation, robot_state, start_check
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import Finished, RobotState
+from pirate_sm.engine.safety import rules
+from pirate_sm.engine.safety.faults import (
     ANEW,
     Found,
     begin_anew,
@@ -32,14 +29,10 @@ from pirate_sm.engine.faults import (
     no_faults,
     unsettle,
 )
-from pirate_sm.engine.interpreter import advance, next_deadline, spoken
-from pirate_sm.engine.moments import has_come
-from pirate_sm.engine.program import Program
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import Finished, RobotState
-from pirate_sm.engine.sensing import forget_stale, nothing_known, observe
+from pirate_sm.engine.safety.rule_watch import watch
+from pirate_sm.engine.sensing import environment
+from pirate_sm.engine.sensing.conversion import forget_stale, nothing_known, observe
 from pirate_sm.engine.state import EngineState, MissionState, Setting, Words
-from pirate_sm.engine.watching import watch
 from pirate_sm.model import events
 from pirate_sm.model.effects import (
     Detected,
@@ -97,7 +90,7 @@ class Engine:
         words = (*robot_state.states_of(self.robot, robot), None, None)
         mission = MissionState(self.program.start, offset_s=now_s, pause_wanted=paused)
         following, _ = rules.follow(self.program, self.robot, rules.unseen(self.program), robot, 0)
-        look = None if self.nominal else seeing.begin(self.robot, robot, now_s)
+        look = None if self.nominal else confirmation.begin(self.robot, robot, now_s)
         state = EngineState(
             robot, sensing, mission, no_faults(self.robot), words, rules=following,
             surveyed=environment.nothing_surveyed(nominal=self.nominal), look=look,
@@ -105,12 +98,12 @@ class Engine:
         effects: list[Effect] = [robot_state.state_change(self.robot, robot)]
         for report in seen:
             if isinstance(report, events.SignalReport):
-                state = scripted.told(self, state, report, effects)
+                state = scripted_signals.told(self, state, report, effects)
         return self._settle(state, state, now_s, effects)
 
     def _declared(self) -> RobotState:
         """The robot as the program says it is: on paper that is so, sensors must confirm it."""
-        declared = robot_state.at_rest_in if self.nominal else seeing.declared_in
+        declared = robot_state.at_rest_in if self.nominal else confirmation.declared_in
         return declared(self.robot, self.program.start_configuration)
 
     def step(
@@ -133,7 +126,7 @@ class Engine:
         if type(event) is events.SensorFrame:
             state = self._frame(state, event, now_s, effects)
         elif type(event) is events.SignalReport:  # counts from the next event on
-            return scripted.told(self, state, event, effects), tuple(effects)
+            return scripted_signals.told(self, state, event, effects), tuple(effects)
         else:
             state = _ON[type(event)](self, state, event, now_s, effects)
         return self._settle(before, state, now_s, effects)
@@ -201,7 +194,7 @@ class Engine:
         self, state: EngineState, event: events.SubmitResult, now: float, effects: list[Effect]
     ) -> EngineState:
         flight = state.robot.flight
-        robot, finished = machine.resolve(self.robot, state.robot, event, now, effects)
+        robot, finished = commands.resolve(self.robot, state.robot, event, now, effects)
         state = self._moved(state, robot)
         state = self._finished(state, finished)
         if flight is None or event.setpoint_id != flight.setpoint_id:
@@ -251,7 +244,7 @@ class Engine:
             state = finish(state, now, effects)
         elif not state.mission.ended:
             if state.look is not None:
-                state = looking.go_on(self.setting, state, state.look, now, effects)
+                state = start_check.go_on(self.setting, state, state.look, now, effects)
             state = self._see_done(state, now, effects)
             # Whether the next command would break a rule is asked of where the rules are now.
             state = judged = self._judge(before, state, now, effects)
@@ -299,7 +292,7 @@ class Engine:
         return state
 
     def _watch(self, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
-        robot, finished = machine.watch(
+        robot, finished = commands.watch(
             self.robot, state.robot, state.sensing, now, self.nominal, effects,
             denied=self.robot.denied_by(state.faults.raised),
         )  # fmt: skip
@@ -334,7 +327,7 @@ class Engine:
         if has_come(now, state.word_until_s):
             words = (*state.words[:-2], None, state.words[-1])
             state = state._replace(words=words, word_until_s=inf)
-        robot = machine.resend(state.robot, now, effects)
+        robot = commands.resend(state.robot, now, effects)
         if robot is not state.robot:
             state = state._replace(robot=robot)
         if self.nominal or not has_come(now, state.sensing.checked_s + self._listen_every_s):
@@ -387,11 +380,11 @@ _ON: dict[type, _Handler] = {
     events.EnvironmentReport: environment.hear,
     events.SubmitResult: Engine._submitted,
     events.FaultReport: Engine._fault_report,
-    events.OperatorCommand: operating.command,
-    events.Answer: operating.answer,
-    events.Skip: operating.skip,
-    events.CommandFailed: scripted.undone,
-    events.Abort: operating.abort,
+    events.OperatorCommand: operator.command,
+    events.Answer: operator.answer,
+    events.Skip: operator.skip,
+    events.CommandFailed: scripted_signals.undone,
+    events.Abort: operator.abort,
     events.Pause: pausing.want,
     events.Resume: pausing.go_on,
     events.Step: pausing.go_on,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import isnan
 
 from pirate_sm.detectors.reckoning import Reckoned, Reckoner
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import confirmed_parts
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
 from pirate_sm.geometry.space import Place
 from pirate_sm.model.body import Body

@@ -7,7 +7,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.expressions import NumberType
 from pirate_sm.model import effects as fx
 from pirate_sm.model.effect_words import choice_words

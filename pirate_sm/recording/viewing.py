@@ -14,7 +14,7 @@ from importlib.resources import files
 from math import isfinite
 from typing import Any, NamedTuple
 
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.expressions import EnumType
 from pirate_sm.geometry.kinematics import link_poses

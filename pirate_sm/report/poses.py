@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import confirmed_parts
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
 from pirate_sm.geometry.plane import walls
 from pirate_sm.geometry.space import Place

@@ -7,7 +7,7 @@ from math import inf
 from typing import Literal, NamedTuple
 
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.program import Program, Wait
+from pirate_sm.engine.mission.program import Program, Wait
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import (
     Ask,

@@ -6,7 +6,7 @@ from itertools import pairwise
 from math import isnan
 from typing import NamedTuple
 
-from pirate_sm.engine.robot_state import confirmed_parts
+from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.geometry.plane import nearest_on
 from pirate_sm.geometry.space import Place
 from pirate_sm.showing.snapshot import Snapshot

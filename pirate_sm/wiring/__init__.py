@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 
 from pirate_sm.detectors.choice import Asked, Detecting, detecting
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.program import Wait
+from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import BackendError, PirateError, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pirate_sm.detectors.choice import Places
-from pirate_sm.engine.robot_state import at_rest_in
+from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.registry import Plugin

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from pirate_sm.backends.trace import IDEAL, SCRIPTED, TraceBackend, Verdicts
-from pirate_sm.engine.program import Wait
+from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.course import played
 from pirate_sm.loading.mission import LoadedMission

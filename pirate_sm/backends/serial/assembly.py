@@ -8,7 +8,7 @@ from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.backends.serial.guardian.guarded_port import GuardedPort
 from pirate_sm.backends.serial.guardian.notes import Instructions
 from pirate_sm.backends.serial.link.link_plan import LinkPlan, plan_of
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
 from pirate_sm.rosserial.messages import read_messages, serial_of

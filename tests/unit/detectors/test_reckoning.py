@@ -6,7 +6,7 @@ from math import asin, isnan, nan, radians, sqrt
 import pytest
 
 from pirate_sm.detectors.reckoning import Reckoned, Reckoner
-from pirate_sm.engine.body_spec import BodySpec, Vee
+from pirate_sm.engine.sensing.body_spec import BodySpec, Vee
 from pirate_sm.model.pipe import Mitre, Pipe, Straight
 
 LINK, ASIDE = 0.1, 0.035

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from driving import BOTH_CLAMPED, IDLE, REAR_CLAMPED, Driver, command, write_mission
 
-from pirate_sm.engine.program import HandlerSpec
+from pirate_sm.engine.mission.program import HandlerSpec
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 

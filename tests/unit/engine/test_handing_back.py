@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pirate_sm.engine.robot_state import state_change
+from pirate_sm.engine.robot.robot_state import state_change
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from pirate_sm.engine.hearing import LONGEST, loss_after, silent_limit_s
-from pirate_sm.engine.robot import LinkSpec
+from pirate_sm.engine.robot.robot_spec import LinkSpec
+from pirate_sm.engine.sensing.report_loss import LONGEST, loss_after, silent_limit_s
 
 PERIOD_S = 0.1
 LINK = LinkSpec(PERIOD_S, 0.5, 1.0, 0.2, 5)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.operating import why_not_command
+from pirate_sm.engine.mission.operator import why_not_command
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model.effects import CommandStatus
 from pirate_sm.model.events import Abort, OperatorCommand, SubmitResult, Tick

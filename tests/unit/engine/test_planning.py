@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.engine.planning import opened, plans
-from pirate_sm.engine.robot_state import Mark, at_rest_in, refusal, states_of
+from pirate_sm.engine.robot.planning import opened, plans
+from pirate_sm.engine.robot.robot_state import Mark, at_rest_in, refusal, states_of
 from pirate_sm.loading.by_hand import by_hand
 from pirate_sm.loading.robot import load_robot
 

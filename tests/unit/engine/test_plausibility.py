@@ -10,10 +10,10 @@ from driving import BOTH_CLAMPED, IDLE, PIRATE
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.engine import plausibility
-from pirate_sm.engine.channels import Reading
-from pirate_sm.engine.plausibility import sift, unseen
-from pirate_sm.engine.watched import PlausibilitySpec, WatchedSpec, WatchSpec
+from pirate_sm.engine.sensing import plausibility
+from pirate_sm.engine.sensing.plausibility import sift, unseen
+from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
+from pirate_sm.engine.sensing.sensor_memory import Reading
 from pirate_sm.loading.robot import load_robot
 
 EVERY_S = 0.125

@@ -15,7 +15,7 @@ from driving import (
     command,
 )
 
-from pirate_sm.engine.robot_state import DECLARED, STOPPED, Mark, at_rest_in, refusal
+from pirate_sm.engine.robot.robot_state import DECLARED, STOPPED, Mark, at_rest_in, refusal
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import Skip
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from driving import BOTH_CLAMPED, DRIVING_FORWARD, IDLE, NEWT, REAR_CLAMPED, Driver, command
 
-from pirate_sm.engine.sight import Sight
+from pirate_sm.engine.robot.confirmation_spec import Sight
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 

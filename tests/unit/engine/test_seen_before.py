@@ -7,8 +7,8 @@ from math import radians
 import pytest
 
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import at_rest_in
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model.effects import Setpoints

@@ -5,7 +5,7 @@ from typing import Literal
 
 import pytest
 
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.loading.robot import load_robot
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from pirate_sm.backends.serial.link.wanted_topics import Wanted
 from pirate_sm.backends.serial.link.wire_slots import WireSlot
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile, Slot
 from pirate_sm.model.wire import Serial

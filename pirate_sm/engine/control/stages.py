@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from math import isnan
 
-from pirate_sm.engine.criteria import CriterionSpec
-from pirate_sm.engine.done import Loop, holds
-from pirate_sm.engine.robot import RobotSpec, StageSpec
-from pirate_sm.engine.robot_state import (
+from pirate_sm.engine.robot.criteria import CriterionSpec
+from pirate_sm.engine.robot.done import Loop, holds
+from pirate_sm.engine.robot.robot_spec import RobotSpec, StageSpec
+from pirate_sm.engine.robot.robot_state import (
     POSTURE,
     Motion,
     Numbers,
@@ -19,7 +19,7 @@ from pirate_sm.engine.robot_state import (
     known_values,
     posture_of,
 )
-from pirate_sm.engine.sensing import Sensing
+from pirate_sm.engine.sensing.conversion import Sensing
 
 
 def stage_array(

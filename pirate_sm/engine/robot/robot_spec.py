@@ -13,11 +13,11 @@ from functools import cached_property
 from math import nan
 from typing import Literal, NamedTuple, TypeAlias
 
-from pirate_sm.engine.body_spec import BodySpec
-from pirate_sm.engine.chart_table import ChartTable
-from pirate_sm.engine.criteria import CriterionSpec
-from pirate_sm.engine.sight import Sight
-from pirate_sm.engine.watched import PlausibilitySpec, WatchedSpec
+from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.robot.confirmation_spec import Sight
+from pirate_sm.engine.robot.criteria import CriterionSpec
+from pirate_sm.engine.sensing.body_spec import BodySpec
+from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec
 from pirate_sm.expressions import Expression, Vocabulary
 
 BUILT_IN_FAULTS: Mapping[str, bool] = {

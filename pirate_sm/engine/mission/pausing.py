@@ -5,10 +5,10 @@ from __future__ import annotations
 from math import nan
 from typing import TYPE_CHECKING
 
-from pirate_sm.engine import machine, robot_state, seeing
-from pirate_sm.engine.program import Program
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import Finished, RobotState
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.robot import commands, confirmation, robot_state
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import Finished, RobotState
 from pirate_sm.engine.state import BeforePause, EngineState, MissionState
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import GoTo, Pause, Resume, Step
@@ -39,11 +39,11 @@ def begin_if_wanted(
         return state
     before = BeforePause(body.values, body.loops, body.configuration, body.motion is not None)
     if not robot_state.is_safe(robot, body):
-        doubted = machine.doubt(robot, body)
+        doubted = commands.doubt(robot, body)
         before = before._replace(doubts=doubted.marks - body.marks)
         if before.doubts:
             effects.append(robot_state.state_change(robot, doubted))
-        body = machine.stop(robot, doubted, state.sensing, effects)
+        body = commands.stop(robot, doubted, state.sensing, effects)
     effects.append(Log("info", "paused: wheels stopped, deadlines frozen"))
     paused = mission._replace(pause_wanted=False, paused_s=now, before_pause=before)
     return state._replace(robot=body, mission=paused)
@@ -66,7 +66,7 @@ def take_over(robot: RobotSpec, state: EngineState, effects: list[Effect]) -> En
     before, body = state.mission.before_pause, state.robot
     if before is None or not before.suspended:
         return state
-    body = machine.fail(robot, body, TAKEN_OVER, effects)
+    body = commands.fail(robot, body, TAKEN_OVER, effects)
     untouched = (nan,) * len(body.values)
     mission = state.mission._replace(
         result=Finished(False, TAKEN_OVER),
@@ -99,7 +99,7 @@ def go_to(
         return state
     body, mission = state.robot, state.mission
     if body.motion is not None:
-        body = machine.fail(engine.robot, body, TAKEN_OVER, effects)
+        body = commands.fail(engine.robot, body, TAKEN_OVER, effects)
     begin = engine.program.beginning(event.phase)
     assert begin is not None  # why_not_to has looked
     effects.append(Log("info", f"handed back at {event.phase}"))
@@ -120,7 +120,7 @@ def why_not_to(program: Program, state: EngineState, phase: str) -> str:
     if not state.mission.paused:
         return "pause the mission first"
     if state.look is not None:
-        return seeing.LOOKING
+        return confirmation.LOOKING
     if state.robot.flight is not None:
         return "setpoints are in flight"
     if state.robot.motion is not None and not state.mission.suspended:
@@ -166,7 +166,7 @@ def resume(
             since_s=nan,
         )
         body = body._replace(motion=motion)
-    body = machine.reassert(body, before.values, before.loops, effects)
+    body = commands.reassert(body, before.values, before.loops, effects)
     if body.marks & before.doubts:
         body = body._replace(marks=body.marks - before.doubts)
         effects.append(robot_state.state_change(robot, body))

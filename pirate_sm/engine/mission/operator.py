@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pirate_sm.engine import machine, pausing, robot_state, seeing
-from pirate_sm.engine.ending import end
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.mission import pausing
+from pirate_sm.engine.mission.ending import end
+from pirate_sm.engine.robot import commands, confirmation, robot_state
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import CommandStatus, Effect, Log
 from pirate_sm.model.events import Abort, Answer, OperatorCommand, Skip
@@ -26,7 +27,7 @@ def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
     if state.mission.ended or state.mission.ending is not None:
         return "impossible: the mission is ending"
     if state.look is not None:
-        return f"impossible: {seeing.LOOKING}"
+        return f"impossible: {confirmation.LOOKING}"
     if state.robot.motion is not None and not state.mission.suspended:
         return "impossible: another command is under way"
     if state.robot.flight is not None:
@@ -47,7 +48,7 @@ def command(
         effects.append(CommandStatus(event.command, "refused", reason))
         return state
     state = pausing.take_over(engine.robot, state, effects)
-    robot = machine.begin(engine.robot, state.robot, state.sensing, index, None, "", effects)
+    robot = commands.begin(engine.robot, state.robot, state.sensing, index, None, "", effects)
     return state._replace(robot=robot)
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import nan
 from typing import TYPE_CHECKING
 
-from pirate_sm.engine import machine
-from pirate_sm.engine.robot_state import Finished
+from pirate_sm.engine.robot import commands
+from pirate_sm.engine.robot.robot_state import Finished
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import CommandFailed, SignalReport
@@ -53,6 +53,6 @@ def undone(
     if not engine.nominal or body.motion is None or body.flight is not None:
         effects.append(Log("warning", "no command is under way that a script could let fail"))
         return state
-    body = machine.fail(engine.robot, body, event.reason, effects)
+    body = commands.fail(engine.robot, body, event.reason, effects)
     mission = state.mission._replace(result=Finished(False, event.reason))
     return state._replace(robot=body, mission=mission)

@@ -11,11 +11,19 @@ from __future__ import annotations
 from math import degrees, inf, isnan, nan
 from typing import NamedTuple
 
-from pirate_sm.engine.criteria import AcceptedSpec
-from pirate_sm.engine.done import still
-from pirate_sm.engine.moments import has_come
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import (
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.robot.confirmation_spec import (
+    AnglesSpec,
+    DrivenSpec,
+    HeldSpec,
+    ImpliedSpec,
+    SeenSpec,
+    StandingSpec,
+)
+from pirate_sm.engine.robot.criteria import AcceptedSpec
+from pirate_sm.engine.robot.done import still
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import (
     DECLARED,
     STOPPED,
     Mark,
@@ -23,14 +31,6 @@ from pirate_sm.engine.robot_state import (
     RobotState,
     at_rest_in,
     states_of,
-)
-from pirate_sm.engine.sight import (
-    AnglesSpec,
-    DrivenSpec,
-    HeldSpec,
-    ImpliedSpec,
-    SeenSpec,
-    StandingSpec,
 )
 
 CODE = "start.contradicted"

@@ -8,10 +8,10 @@ hold, or one of two marks.
 
 from __future__ import annotations
 
-from pirate_sm.engine import machine, robot_state
-from pirate_sm.engine.program import Program, RuleSpec
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import RobotState
+from pirate_sm.engine.mission.program import Program, RuleSpec
+from pirate_sm.engine.robot import commands, robot_state
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.model.events import SubmitResult
 
 NUMBERS = ("clamps", "confirmed_clamps", "driven_wheels")
@@ -87,7 +87,7 @@ def forbids(robot: RobotSpec, program: Program, places: tuple[int, ...], begun: 
     if not places or flight is None or motion is None:
         return ""
     accepted = SubmitResult(flight.setpoint_id, "accepted")
-    body, _ = machine.resolve(robot, begun, accepted, 0.0, [])
+    body, _ = commands.resolve(robot, begun, accepted, 0.0, [])
     name = robot.commands[motion.command].name
     _, broken = follow(program, robot, places, body, 1, name)
     return "; ".join(said(rule) for rule in broken)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from pirate_sm.engine import machine, robot_state
-from pirate_sm.engine.moments import has_come
-from pirate_sm.engine.program import Question
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.mission.program import Question
+from pirate_sm.engine.robot import commands, robot_state
 from pirate_sm.engine.state import Ending, EngineState, Setting
 from pirate_sm.model.effects import Ask, CommandStatus, Effect, Ended, Outcome
 
@@ -37,14 +37,14 @@ def end(
         motion = robot.motion
         command = setting.robot.commands[motion.command].name
         effects.append(CommandStatus(command, "failed", "the mission ended", motion.place))
-        robot = machine.doubt_grip(setting.robot, robot)._replace(motion=None)
+        robot = commands.doubt_grip(setting.robot, robot)._replace(motion=None)
     if not robot.sent and _may_stay(setting, state):
         effects.append(Ended(outcome, message, name))
         return state._replace(mission=state.mission._replace(ended=True), robot=robot)
-    doubted = machine.doubt(setting.robot, robot)
+    doubted = commands.doubt(setting.robot, robot)
     if doubted.marks != state.robot.marks:
         effects.append(robot_state.state_change(setting.robot, doubted))
-    robot = machine.stop(setting.robot, doubted, state.sensing, effects)
+    robot = commands.stop(setting.robot, doubted, state.sensing, effects)
     ending = Ending(outcome, message, name, now + SAFE_STOP_LIMIT_S)
     return state._replace(robot=robot, mission=state.mission._replace(ending=ending))
 

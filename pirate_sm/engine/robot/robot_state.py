@@ -6,11 +6,11 @@ from functools import lru_cache
 from math import inf, isnan, nan
 from typing import Literal, NamedTuple
 
-from pirate_sm.engine.chart_table import Configuration
-from pirate_sm.engine.criteria import CriterionSpec
-from pirate_sm.engine.done import Loop
 from pirate_sm.engine.records import often_replaced
-from pirate_sm.engine.robot import CommandSpec, PostureSpec, RobotSpec
+from pirate_sm.engine.robot.chart_table import Configuration
+from pirate_sm.engine.robot.criteria import CriterionSpec
+from pirate_sm.engine.robot.done import Loop
+from pirate_sm.engine.robot.robot_spec import CommandSpec, PostureSpec, RobotSpec
 from pirate_sm.model.effects import StateChange
 
 Numbers = tuple[float, ...]

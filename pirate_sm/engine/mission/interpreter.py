@@ -6,11 +6,10 @@ from collections.abc import Callable
 from math import inf, isnan, nan
 from typing import Any
 
-from pirate_sm.engine import machine, robot_state, rules, seeing
-from pirate_sm.engine.ending import end, withdraw
-from pirate_sm.engine.moments import has_come
-from pirate_sm.engine.pacing import MOST_TURNS, RUNAWAY, counted, too_fast
-from pirate_sm.engine.program import (
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.mission.ending import end, withdraw
+from pirate_sm.engine.mission.phase_rate import MOST_TURNS, RUNAWAY, counted, too_fast
+from pirate_sm.engine.mission.program import (
     STOP,
     Branch,
     Do,
@@ -23,7 +22,9 @@ from pirate_sm.engine.program import (
     TriggerSpec,
     Wait,
 )
-from pirate_sm.engine.sensing import with_changes
+from pirate_sm.engine.robot import commands, confirmation, robot_state
+from pirate_sm.engine.safety import rules
+from pirate_sm.engine.sensing.conversion import with_changes
 from pirate_sm.engine.state import EngineState, MissionState, Setting, Words
 from pirate_sm.model.effects import (
     TAKEN,
@@ -168,7 +169,7 @@ def _do(
         cause = f"{name} ({it.place}) was refused as {reason}"
         return fail(setting, state, cause, it.failed, now, effects)
     sent: list[Effect] = []
-    robot = machine.begin(
+    robot = commands.begin(
         setting.robot, state.robot, state.sensing, it.command, it.timeout_s, it.place, sent
     )
     forbidden = rules.forbids(setting.robot, setting.program, state.rules, robot)
@@ -185,7 +186,7 @@ def _awaited(
 ) -> EngineState:
     mission = state.mission
     if mission.skipped is not None and state.robot.flight is None:
-        robot = machine.skip(setting.robot, state.robot, effects)
+        robot = commands.skip(setting.robot, state.robot, effects)
         return _go(state._replace(robot=robot), it.next)
     if mission.result is None:
         return state
@@ -212,7 +213,7 @@ def _require(
 ) -> EngineState:
     names = robot_state.states_of(setting.robot, state.robot)
     # What any accepted array confirms is so as soon as the called mission commands something.
-    open_ = state.robot.marks - seeing.awaiting(setting.robot, state.robot)
+    open_ = state.robot.marks - confirmation.awaiting(setting.robot, state.robot)
     doubtful = robot_state.unconfirmed(setting.robot, state.robot._replace(marks=open_))
     wrong = [
         f"{setting.robot.regions[region]} is {names[region]}"

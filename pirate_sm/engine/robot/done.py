@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import copysign, isnan
 from typing import NamedTuple
 
-from pirate_sm.engine.criteria import (
+from pirate_sm.engine.robot.criteria import (
     AcceptedSpec,
     AlignedSpec,
     BelowSpec,
@@ -15,7 +15,7 @@ from pirate_sm.engine.criteria import (
     StoppedSpec,
     TurningSpec,
 )
-from pirate_sm.engine.robot import LoopSpec, RobotSpec
+from pirate_sm.engine.robot.robot_spec import LoopSpec, RobotSpec
 
 Numbers = tuple[float, ...]
 

@@ -1,9 +1,9 @@
-"""The rules of a robot are watched: what breaks one ends the mission (see ``engine.rules``)."""
+"""The rules of a robot are watched: what breaks one ends the mission (see ``engine.safety.rules``)."""
 
 from __future__ import annotations
 
-from pirate_sm.engine import rules
-from pirate_sm.engine.ending import end
+from pirate_sm.engine.mission.ending import end
+from pirate_sm.engine.safety import rules
 from pirate_sm.engine.state import EngineState, Setting
 from pirate_sm.model.effects import Effect, Fault, Log
 

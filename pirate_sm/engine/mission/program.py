@@ -150,7 +150,7 @@ Instruction: TypeAlias = Enter | Do | Branch | Require | Wait | Question | Say |
 
 
 class RuleSpec(NamedTuple):
-    """A safety rule in force for this mission; its conditions see the facts of ``engine.rules``.
+    """A safety rule in force for this mission; its conditions see the facts of ``engine.safety.rules``.
 
     Attributes:
         after: From when on it applies; None: always.

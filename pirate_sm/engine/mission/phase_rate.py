@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pirate_sm.engine.program import Program
+from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.state import MissionState
 
 RUNAWAY = "mission.runaway"

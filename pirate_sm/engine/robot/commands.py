@@ -11,12 +11,20 @@ from collections.abc import Mapping
 from math import inf, isnan, nan
 from types import MappingProxyType
 
-from pirate_sm.engine import seeing
-from pirate_sm.engine.criteria import AcceptedSpec
-from pirate_sm.engine.done import Loop, must_hold_s, told
-from pirate_sm.engine.moments import has_come
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import (
+from pirate_sm.engine.control.stages import (
+    is_done,
+    looped_values,
+    stage_array,
+    unknown_angle,
+    why_late,
+    without_loops,
+)
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.robot import confirmation
+from pirate_sm.engine.robot.criteria import AcceptedSpec
+from pirate_sm.engine.robot.done import Loop, must_hold_s, told
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import (
     DENIED,
     POSTURE,
     STOPPED,
@@ -35,15 +43,7 @@ from pirate_sm.engine.robot_state import (
     state_change,
     touched,
 )
-from pirate_sm.engine.sensing import Sensing
-from pirate_sm.engine.stages import (
-    is_done,
-    looped_values,
-    stage_array,
-    unknown_angle,
-    why_late,
-    without_loops,
-)
+from pirate_sm.engine.sensing.conversion import Sensing
 from pirate_sm.model.effects import CommandStatus, Effect, Setpoints
 from pirate_sm.model.events import SubmitResult
 
@@ -95,7 +95,7 @@ def resolve(
         return state._replace(flight=waiting), None
     if result.status == "accepted":
         state = state._replace(values=flight.values, seeking=flight.seeking, flight=None)
-        if (confirmed := seeing.accepted(robot, state)) is not state:
+        if (confirmed := confirmation.accepted(robot, state)) is not state:
             state = confirmed
             effects.append(state_change(robot, state))
         if flight.purpose == "gate" and state.motion is not None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from pirate_sm.engine import machine, pausing, robot_state
-from pirate_sm.engine.ending import end, withdraw
-from pirate_sm.engine.faults import Found
+from pirate_sm.engine.mission import pausing
+from pirate_sm.engine.mission.ending import end, withdraw
+from pirate_sm.engine.robot import commands, robot_state
+from pirate_sm.engine.safety.faults import Found
 from pirate_sm.engine.state import EngineState, Setting
 from pirate_sm.model.effects import Effect, Fault
 
@@ -18,7 +19,7 @@ def meet(
         return state
     if fault.denies:
         state = state._replace(
-            robot=machine.deny(setting.robot, state.robot, fault.denies, effects)
+            robot=commands.deny(setting.robot, state.robot, fault.denies, effects)
         )
     if mission.ending:
         effects.append(Fault(fault.code, fault.message, "stop"))
@@ -46,10 +47,10 @@ def divert(setting: Setting, state: EngineState, now: float, effects: list[Effec
         withdraw(setting, state, effects)
         if robot.motion is not None:
             reason = f"interrupted by {mission.cause}"
-            robot = machine.fail(setting.robot, robot, reason, effects)
-        robot = machine.doubt(setting.robot, robot)
+            robot = commands.fail(setting.robot, robot, reason, effects)
+        robot = commands.doubt(setting.robot, robot)
         effects.append(robot_state.state_change(setting.robot, robot))
-        robot = machine.stop(setting.robot, robot, state.sensing, effects)
+        robot = commands.stop(setting.robot, robot, state.sensing, effects)
         mission = mission._replace(stopped=True, begun=False)
         return state._replace(robot=robot, mission=mission)
     mission = pausing.forget(mission, robot).at(handler.go)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
-from pirate_sm.engine.criteria import AcceptedSpec
+from pirate_sm.engine.robot.criteria import AcceptedSpec
 
 
 class LoadedJoint(NamedTuple):

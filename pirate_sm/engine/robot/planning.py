@@ -13,16 +13,17 @@ from heapq import heappop, heappush
 from itertools import count
 from typing import NamedTuple
 
-from pirate_sm.engine import machine, robot_state, rules
-from pirate_sm.engine.program import Program
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import Mark, RobotState
-from pirate_sm.engine.sensing import Sensing, nothing_known
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.robot import commands, robot_state
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import Mark, RobotState
+from pirate_sm.engine.safety import rules
+from pirate_sm.engine.sensing.conversion import Sensing, nothing_known
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import SubmitResult
 
 RulePlaces = tuple[int, ...]
-"""Where each safety rule is, as :func:`pirate_sm.engine.rules.follow` counts."""
+"""Where each safety rule is, as :func:`pirate_sm.engine.safety.rules.follow` counts."""
 
 _Key = tuple[int, frozenset[Mark], RulePlaces]
 
@@ -145,12 +146,12 @@ def _letting_go(robot: RobotSpec, body: RobotState, target: int) -> str:
 def _done(robot: RobotSpec, body: RobotState, sensing: Sensing, command: int) -> RobotState:
     """Return the robot after the command, with each of its arrays accepted and each stage done."""
     effects: list[Effect] = []
-    body = machine.begin(robot, body, sensing, command, None, "", effects)
+    body = commands.begin(robot, body, sensing, command, None, "", effects)
     later_s = robot.commands[command].nominal_s
     while body.motion is not None or body.flight is not None:
         if body.flight is not None:
             accepted = SubmitResult(body.flight.setpoint_id, "accepted")
-            body, _ = machine.resolve(robot, body, accepted, 0.0, effects)
+            body, _ = commands.resolve(robot, body, accepted, 0.0, effects)
         else:
-            body, _ = machine.watch(robot, body, sensing, later_s, True, effects)
+            body, _ = commands.watch(robot, body, sensing, later_s, True, effects)
     return body

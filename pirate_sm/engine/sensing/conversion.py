@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from math import atan2, hypot, inf, isfinite, isnan, nan, sqrt
 from typing import NamedTuple
 
-from pirate_sm.engine import plausibility
-from pirate_sm.engine.channels import Reading, Record
-from pirate_sm.engine.hearing import loss_after
-from pirate_sm.engine.robot import BoardSpec, RobotSpec, Vector
+from pirate_sm.engine.robot.robot_spec import BoardSpec, RobotSpec, Vector
+from pirate_sm.engine.sensing import plausibility
+from pirate_sm.engine.sensing.report_loss import loss_after
+from pirate_sm.engine.sensing.sensor_memory import Reading, Record
 from pirate_sm.geometry.clamping import height_m
 from pirate_sm.model.events import FaultReport, SensorFrame
 

@@ -7,8 +7,8 @@ from itertools import product
 from math import prod
 from typing import NamedTuple, TypeAlias
 
-from pirate_sm.engine.robot import RobotSpec, StageSpec
-from pirate_sm.engine.robot_state import RobotState, refusal
+from pirate_sm.engine.robot.robot_spec import RobotSpec, StageSpec
+from pirate_sm.engine.robot.robot_state import RobotState, refusal
 
 States: TypeAlias = tuple[str, ...]
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from math import isnan, nan
 from typing import NamedTuple
 
-from pirate_sm.engine import plausibility
-from pirate_sm.engine.hearing import silent_limit_s
-from pirate_sm.engine.moments import has_come
-from pirate_sm.engine.robot import BoardSpec, RobotSpec
-from pirate_sm.engine.sensing import Sensing, nothing_known
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.robot.robot_spec import BoardSpec, RobotSpec
+from pirate_sm.engine.sensing import plausibility
+from pirate_sm.engine.sensing.conversion import Sensing, nothing_known
+from pirate_sm.engine.sensing.report_loss import silent_limit_s
 from pirate_sm.engine.state import FaultState, Words
 
 ANEW = frozenset({"firmware.reset", "link.interrupted"})

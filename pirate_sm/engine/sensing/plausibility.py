@@ -19,8 +19,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf, isnan, nan
 
-from pirate_sm.engine.channels import Channel, Numbers, Reading, Record
-from pirate_sm.engine.watched import PlausibilitySpec, WatchedSpec, WatchSpec
+from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
+from pirate_sm.engine.sensing.sensor_memory import Channel, Numbers, Reading, Record
 from pirate_sm.model.events import FaultReport
 
 STUCK = "sensor.stuck"

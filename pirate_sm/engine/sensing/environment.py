@@ -21,8 +21,8 @@ from math import atan2, hypot, inf, isnan, nan, pi, radians, remainder
 from statistics import median
 from typing import TYPE_CHECKING, NamedTuple
 
-from pirate_sm.engine.moments import has_come
-from pirate_sm.engine.robot_state import confirmed_parts
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.geometry.plane import turned
 from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
 from pirate_sm.model.effects import Environment
@@ -30,9 +30,9 @@ from pirate_sm.model.effects import Environment
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from pirate_sm.engine.body_spec import BodySpec
     from pirate_sm.engine.engine import Engine
-    from pirate_sm.engine.robot import RobotSpec
+    from pirate_sm.engine.robot.robot_spec import RobotSpec
+    from pirate_sm.engine.sensing.body_spec import BodySpec
     from pirate_sm.engine.state import EngineState
     from pirate_sm.model.effects import Effect
     from pirate_sm.model.events import EnvironmentReport
