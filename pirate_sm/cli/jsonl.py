@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import isfinite
 from typing import Any, TextIO
 
@@ -18,6 +18,8 @@ FORMAT = 1
 """Changes when a reader of the lines would have to."""
 
 _DIGITS = 6
+
+_WITHDRAWN = "the question is withdrawn"
 
 
 class JsonLines:
@@ -61,9 +63,9 @@ class JsonLines:
     def see(self, effects: Sequence[fx.Effect], now_s: float) -> None:
         """A line for each effect has been handed to whoever reads."""
         for effect in effects:
-            make = _LINES.get(type(effect))
-            if make is not None and not self._is_known(effect):
-                self._write(now_s, *make(self, effect))
+            kind, rest = self._line(effect)
+            if kind and not self._is_known(effect):
+                self._write(now_s, kind, rest)
         self._out.flush()
 
     def _is_known(self, effect: fx.Effect) -> bool:
@@ -81,13 +83,44 @@ class JsonLines:
             text = json.dumps(line, allow_nan=False)
         self._out.write(f"{text}\n")
 
-    def _state(self, it: fx.StateChange) -> tuple[str, dict[str, Any]]:
-        states = dict(zip(self._regions, it.states, strict=True))
-        return "state", {"state": states, "unconfirmed": list(it.unconfirmed)}
+    def _line(self, effect: fx.Effect) -> tuple[str, dict[str, Any]]:  # noqa: C901 - one case each
+        """Return the type of an effect's line, empty where it has none, and what stands in it."""
+        match effect:
+            case fx.Setpoints(setpoint_id, values):
+                return "setpoints", {"id": setpoint_id, "values": [_number(v) for v in values]}
+            case fx.CommandStatus():
+                return "command", {**effect._asdict(), "place": effect.place or None}
+            case fx.StateChange(states, unconfirmed):
+                named = dict(zip(self._regions, states, strict=True))
+                return "state", {"state": named, "unconfirmed": list(unconfirmed)}
+            case fx.PhaseChange(phase):
+                return "phase", {"phase": phase, "status": "entered"}
+            case fx.WaitArmed():
+                return "phase", _waiting(effect)
+            case fx.TriggerFired():
+                nominal = self._situation.prepared.engine.nominal
+                reason = told_reason(effect, nominal=nominal)
+                return "trigger", {**effect._asdict(), "reason": reason}
+            case fx.Detected(word):
+                return "detected", {"word": word}
+            case fx.Environment(segment):
+                measures = {name: _number(getattr(effect, name)) for name in effect._fields[1:]}
+                return "environment", {"segment": segment, **measures}
+            case fx.Fault():
+                return "fault", effect._asdict()
+            case fx.Log(level, message):
+                return "log", {"level": level, "message": message}
+            case fx.Ask(question, choices):
+                asked = f"{question} ({' / '.join(choices)})" if question else _WITHDRAWN
+                return "log", {"level": "info", "message": asked}
+            case fx.Ended():
+                return "end", self._end(effect)
+            case fx.WakeAt():
+                return "", {}
 
-    def _end(self, it: fx.Ended) -> tuple[str, dict[str, Any]]:
+    def _end(self, it: fx.Ended) -> dict[str, Any]:
         there = self._situation
-        return "end", {
+        return {
             "outcome": it.outcome,
             "end": it.end or None,
             "message": it.message,
@@ -102,75 +135,11 @@ def _number(value: float | None) -> float | None:
     return round(value, _DIGITS) if value is not None and isfinite(value) else None
 
 
-def _command(_: JsonLines, it: fx.CommandStatus) -> tuple[str, dict[str, Any]]:
-    place = it.place or None
-    return "command", {
-        "name": it.name, "status": it.status, "reason": it.reason, "place": place,
-    }  # fmt: skip
-
-
-def _setpoints(_: JsonLines, it: fx.Setpoints) -> tuple[str, dict[str, Any]]:
-    return "setpoints", {"id": it.setpoint_id, "values": [_number(v) for v in it.values]}
-
-
-def _phase(_: JsonLines, it: fx.PhaseChange) -> tuple[str, dict[str, Any]]:
-    return "phase", {"phase": it.phase, "status": "entered"}
-
-
-def _wait(_: JsonLines, it: fx.WaitArmed) -> tuple[str, dict[str, Any]]:
+def _waiting(it: fx.WaitArmed) -> dict[str, Any]:
     triggers = zip(it.triggers, it.conditions, strict=True)
-    return "phase", {
+    return {
         "phase": it.phase,
         "status": "waiting",
         "triggers": [{"trigger": name, "condition": text} for name, text in triggers],
         "deadline_s": _number(it.deadline_s),
     }
-
-
-def _trigger(lines: JsonLines, it: fx.TriggerFired) -> tuple[str, dict[str, Any]]:
-    nominal = lines._situation.prepared.engine.nominal
-    return "trigger", {**it._asdict(), "reason": told_reason(it, nominal=nominal)}
-
-
-def _detected(_: JsonLines, it: fx.Detected) -> tuple[str, dict[str, Any]]:
-    return "detected", {"word": it.word}
-
-
-def _environment(_: JsonLines, it: fx.Environment) -> tuple[str, dict[str, Any]]:
-    return "environment", {
-        "segment": it.segment,
-        "roll_rad": _number(it.roll_rad),
-        "pitch_rad": _number(it.pitch_rad),
-        "diameter_m": _number(it.diameter_m),
-    }
-
-
-def _fault(_: JsonLines, it: fx.Fault) -> tuple[str, dict[str, Any]]:
-    return "fault", it._asdict()
-
-
-def _log(_: JsonLines, it: fx.Log) -> tuple[str, dict[str, Any]]:
-    return "log", {"level": it.level, "message": it.message}
-
-
-def _ask(_: JsonLines, it: fx.Ask) -> tuple[str, dict[str, Any]]:
-    if not it.question:
-        return "log", {"level": "info", "message": "the question is withdrawn"}
-    return "log", {"level": "info", "message": f"{it.question} ({' / '.join(it.choices)})"}
-
-
-_LINES: dict[type, Callable[[JsonLines, Any], tuple[str, dict[str, Any]]]] = {
-    fx.Setpoints: _setpoints,
-    fx.CommandStatus: _command,
-    fx.StateChange: JsonLines._state,
-    fx.PhaseChange: _phase,
-    fx.WaitArmed: _wait,
-    fx.TriggerFired: _trigger,
-    fx.Detected: _detected,
-    fx.Environment: _environment,
-    fx.Fault: _fault,
-    fx.Log: _log,
-    Answered: _log,
-    fx.Ask: _ask,
-    fx.Ended: JsonLines._end,
-}

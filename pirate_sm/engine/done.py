@@ -118,20 +118,22 @@ def told(
     robot: RobotSpec, criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]
 ) -> str:
     """In words, what showed that the command is done; which joints a wall has stopped."""
-    if isinstance(criterion, ReachedSpec):
-        names = robot.vocabulary.numbers
-        stopped = [names[loop.angle] for loop in loops if not loop.arrived(numbers)]
-        if stopped:
-            return f"{', '.join(stopped)} stopped by the wall, standing still under torque"
-        return "every joint has come to its angle"
-    return _TOLD[type(criterion)]
-
-
-_TOLD: dict[type, str] = {
-    AcceptedSpec: "setpoints accepted",
-    StalledSpec: "the joints stand still under torque",
-    TurningSpec: "a driven wheel turns",
-    StoppedSpec: "the wheels stand still",
-    AlignedSpec: "the angle is at its setpoint",
-    BelowSpec: "near zero",
-}
+    match criterion:
+        case ReachedSpec():
+            names = robot.vocabulary.numbers
+            stopped = [names[loop.angle] for loop in loops if not loop.arrived(numbers)]
+            if stopped:
+                return f"{', '.join(stopped)} stopped by the wall, standing still under torque"
+            return "every joint has come to its angle"
+        case AcceptedSpec():
+            return "setpoints accepted"
+        case StalledSpec():
+            return "the joints stand still under torque"
+        case TurningSpec():
+            return "a driven wheel turns"
+        case StoppedSpec():
+            return "the wheels stand still"
+        case AlignedSpec():
+            return "the angle is at its setpoint"
+        case BelowSpec():
+            return "near zero"

@@ -6,9 +6,8 @@ way, the wait's triggers as listed, then time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import inf, isnan
-from typing import Any
 
 from pirate_sm.engine import (
     environment,
@@ -135,7 +134,7 @@ class Engine:
         elif type(event) is events.SignalReport:  # counts from the next event on
             return scripted.told(self, state, event, effects), tuple(effects)
         else:
-            state = _ON[type(event)](self, state, event, now_s, effects)
+            state = self._meet(state, event, now_s, effects)
         return self._settle(before, state, now_s, effects)
 
     def signals(self, state: EngineState) -> dict[str, float]:
@@ -152,6 +151,29 @@ class Engine:
         return state.robot.seeking if flight is None else flight.seeking
 
     # --- events -----------------------------------------------------------------------------
+
+    def _meet(
+        self, state: EngineState, event: events.Event, now: float, effects: list[Effect]
+    ) -> EngineState:
+        match event:
+            case events.SubmitResult():
+                return self._submitted(state, event, now, effects)
+            case events.Tick():
+                return state
+            case events.SensorFrame():
+                return self._frame(state, event, now, effects)
+            case events.SignalReport():
+                return scripted.told(self, state, event, effects)
+            case events.DetectorWord():
+                return self._word(state, event, now, effects)
+            case events.EnvironmentReport():
+                return environment.hear(self, state, event, now, effects)
+            case events.FaultReport():
+                return self._fault_report(state, event, now, effects)
+            case events.CommandFailed():
+                return scripted.undone(self, state, event, now, effects)
+            case _:
+                return operating.obey(self.setting, state, event, now, effects)
 
     def _frame(
         self, state: EngineState, event: events.SensorFrame, now: float, effects: list[Effect]
@@ -177,11 +199,6 @@ class Engine:
 
     def _found(self, report: events.FaultReport) -> Found:
         return Found(report.code, report.message, self._known_faults.get(report.code, True))
-
-    def _tick(
-        self, state: EngineState, event: events.Tick, now: float, effects: list[Effect]
-    ) -> EngineState:
-        return state
 
     def _word(
         self, state: EngineState, event: events.DetectorWord, now: float, effects: list[Effect]
@@ -374,24 +391,3 @@ class Engine:
     def _listen_every_s(self) -> float:
         link = self.robot.link
         return min(link.stale_after_s, link.silent_after_s) / 2
-
-
-_Handler = Callable[[Engine, EngineState, Any, float, list[Effect]], EngineState]
-
-
-_ON: dict[type, _Handler] = {
-    events.Tick: Engine._tick,
-    events.DetectorWord: Engine._word,
-    events.EnvironmentReport: environment.hear,
-    events.SubmitResult: Engine._submitted,
-    events.FaultReport: Engine._fault_report,
-    events.OperatorCommand: operating.command,
-    events.Answer: operating.answer,
-    events.Skip: operating.skip,
-    events.CommandFailed: scripted.undone,
-    events.Abort: operating.abort,
-    events.Pause: pausing.want,
-    events.Resume: pausing.go_on,
-    events.Step: pausing.go_on,
-    events.GoTo: pausing.go_to,
-}

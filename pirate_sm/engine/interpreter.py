@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import inf, isnan, nan
-from typing import Any
+from typing import assert_never
 
 from pirate_sm.engine import machine, robot_state, rules, seeing
 from pirate_sm.engine.ending import end, withdraw
@@ -16,6 +15,7 @@ from pirate_sm.engine.program import (
     Do,
     Enter,
     Finish,
+    Instruction,
     Question,
     Raise,
     Require,
@@ -58,13 +58,39 @@ def advance(setting: Setting, state: EngineState, now: float, effects: list[Effe
         )
         if over and not mission.begun:
             return state
-        after = _KINDS[type(instruction)](setting, state, instruction, now, effects)
+        after = _execute(setting, state, instruction, now, effects)
         if after.mission.pc == mission.pc and after.mission.begun:
             return after
         if after is state:
             return state
         state = after
     return end(setting, state, "failed", ROUND_AND_ROUND, "", now, effects)
+
+
+def _execute(
+    setting: Setting, state: EngineState, it: Instruction, now: float, effects: list[Effect]
+) -> EngineState:
+    match it:
+        case Wait():
+            return _wait(setting, state, it, now, effects)
+        case Do():
+            return _do(setting, state, it, now, effects)
+        case Enter():
+            return _enter(setting, state, it, now, effects)
+        case Branch():
+            return _branch(setting, state, it, now, effects)
+        case Require():
+            return _require(setting, state, it, now, effects)
+        case Question():
+            return _question(setting, state, it, now, effects)
+        case Say():
+            return _say(setting, state, it, now, effects)
+        case Raise():
+            return _raise(setting, state, it, now, effects)
+        case Finish():
+            return _finish(setting, state, it, now, effects)
+        case _:
+            assert_never(it)
 
 
 def spoken(setting: Setting, state: EngineState) -> MissionState:
@@ -340,18 +366,3 @@ def _finish(
 ) -> EngineState:
     message = it.message.replace("{cause}", state.mission.cause or "no failure")
     return end(setting, state, it.outcome, message, it.end, now, effects)
-
-
-_Kind = Callable[[Setting, EngineState, Any, float, list[Effect]], EngineState]
-
-_KINDS: dict[type, _Kind] = {
-    Enter: _enter,
-    Do: _do,
-    Branch: _branch,
-    Require: _require,
-    Wait: _wait,
-    Question: _question,
-    Say: _say,
-    Raise: _raise,
-    Finish: _finish,
-}

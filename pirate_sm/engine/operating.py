@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import assert_never
 
 from pirate_sm.engine import machine, pausing, robot_state, seeing
 from pirate_sm.engine.ending import end
 from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.state import EngineState
+from pirate_sm.engine.state import EngineState, Setting
 from pirate_sm.model.effects import CommandStatus, Effect, Log
-from pirate_sm.model.events import Abort, Answer, OperatorCommand, Skip
-
-if TYPE_CHECKING:
-    from pirate_sm.engine.engine import Engine
+from pirate_sm.model.events import (
+    Abort,
+    Answer,
+    GoTo,
+    OperatorCommand,
+    Pause,
+    Request,
+    Resume,
+    Skip,
+    Step,
+)
 
 
 def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
@@ -34,26 +41,49 @@ def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
     return robot_state.refusal(robot, state.robot, index)
 
 
-def command(
-    engine: Engine, state: EngineState, event: OperatorCommand, now: float, effects: list[Effect]
+def obey(
+    setting: Setting, state: EngineState, request: Request, now: float, effects: list[Effect]
+) -> EngineState:
+    """Do what a person asks for, or say why not."""
+    match request:
+        case OperatorCommand():
+            return _command(setting, state, request, effects)
+        case Answer():
+            return _answer(state, request, effects)
+        case Skip():
+            return _skip(state, request, effects)
+        case Pause():
+            return pausing.want(state)
+        case Resume():
+            return pausing.resume(setting.robot, state, now, False, effects)
+        case Step():
+            return pausing.resume(setting.robot, state, now, True, effects)
+        case GoTo():
+            return pausing.go_to(setting, state, request, now, effects)
+        case Abort():
+            return end(setting, state, "interrupted", request.reason, "", now, effects)
+        case _:
+            assert_never(request)
+
+
+def _command(
+    setting: Setting, state: EngineState, event: OperatorCommand, effects: list[Effect]
 ) -> EngineState:
     """Begin the command, or refuse it with the reason; a suspended command is ended by it."""
-    index = engine.robot.table.command_index.get(event.command)
+    index = setting.robot.table.command_index.get(event.command)
     if index is None:
         reason = "impossible: there is no such command"
     else:
-        reason = why_not_command(engine.robot, state, index)
+        reason = why_not_command(setting.robot, state, index)
     if reason or index is None:
         effects.append(CommandStatus(event.command, "refused", reason))
         return state
-    state = pausing.take_over(engine.robot, state, effects)
-    robot = machine.begin(engine.robot, state.robot, state.sensing, index, None, "", effects)
+    state = pausing.take_over(setting.robot, state, effects)
+    robot = machine.begin(setting.robot, state.robot, state.sensing, index, None, "", effects)
     return state._replace(robot=robot)
 
 
-def answer(
-    engine: Engine, state: EngineState, event: Answer, now: float, effects: list[Effect]
-) -> EngineState:
+def _answer(state: EngineState, event: Answer, effects: list[Effect]) -> EngineState:
     """Note the answer, which the open question takes."""
     if state.mission.paused:
         effects.append(Log("warning", "no answer is taken while paused"))
@@ -61,18 +91,9 @@ def answer(
     return state._replace(mission=state.mission._replace(answer=event.choice))
 
 
-def skip(
-    engine: Engine, state: EngineState, event: Skip, now: float, effects: list[Effect]
-) -> EngineState:
+def _skip(state: EngineState, event: Skip, effects: list[Effect]) -> EngineState:
     """Note that a wait or question is passed over."""
     if state.mission.paused:
         effects.append(Log("warning", "nothing is passed over while paused"))
         return state
     return state._replace(mission=state.mission._replace(skipped=event.trigger))
-
-
-def abort(
-    engine: Engine, state: EngineState, event: Abort, now: float, effects: list[Effect]
-) -> EngineState:
-    """End the run because the operator, or who drives the engine, wants it."""
-    return end(engine.setting, state, "interrupted", event.reason, "", now, effects)

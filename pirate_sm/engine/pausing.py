@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 from math import nan
-from typing import TYPE_CHECKING
 
 from pirate_sm.engine import machine, robot_state, seeing
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import Finished, RobotState
-from pirate_sm.engine.state import BeforePause, EngineState, MissionState
+from pirate_sm.engine.state import BeforePause, EngineState, MissionState, Setting
 from pirate_sm.model.effects import Effect, Log
-from pirate_sm.model.events import GoTo, Pause, Resume, Step
-
-if TYPE_CHECKING:
-    from pirate_sm.engine.engine import Engine
-
+from pirate_sm.model.events import GoTo
 
 TAKEN_OVER = "the operator took over"
 
 
-def want(
-    engine: Engine, state: EngineState, event: Pause, now: float, effects: list[Effect]
-) -> EngineState:
+def want(state: EngineState) -> EngineState:
     """The mission pauses as soon as no array is in flight."""
     mission = state.mission
     if mission.paused or mission.ending:
@@ -75,23 +68,16 @@ def take_over(robot: RobotSpec, state: EngineState, effects: list[Effect]) -> En
     return state._replace(robot=body, mission=mission)
 
 
-def go_on(
-    engine: Engine, state: EngineState, event: Resume | Step, now: float, effects: list[Effect]
-) -> EngineState:
-    """The mission goes on, with a ``Step`` for one instruction."""
-    return resume(engine.robot, state, now, isinstance(event, Step), effects)
-
-
 def go_to(
-    engine: Engine, state: EngineState, event: GoTo, now: float, effects: list[Effect]
+    setting: Setting, state: EngineState, event: GoTo, now: float, effects: list[Effect]
 ) -> EngineState:
     """The paused mission goes on with the phase, if the robot is still as it was then.
 
     Whether the phase can run from there is known to who sends the event: see
     :mod:`pirate_sm.checking.entries`.
     """
-    here = robot_state.state_change(engine.robot, state.robot)
-    obstacle = why_not_to(engine.program, state, event.phase)
+    here = robot_state.state_change(setting.robot, state.robot)
+    obstacle = why_not_to(setting.program, state, event.phase)
     if not obstacle and here != (event.states, event.unconfirmed):
         obstacle = "the robot is not any more in the states that were looked at"
     if obstacle:
@@ -99,8 +85,8 @@ def go_to(
         return state
     body, mission = state.robot, state.mission
     if body.motion is not None:
-        body = machine.fail(engine.robot, body, TAKEN_OVER, effects)
-    begin = engine.program.beginning(event.phase)
+        body = machine.fail(setting.robot, body, TAKEN_OVER, effects)
+    begin = setting.program.beginning(event.phase)
     assert begin is not None  # why_not_to has looked
     effects.append(Log("info", f"handed back at {event.phase}"))
     mission = mission.at(begin)._replace(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, suppress
 from math import nan
 from pathlib import Path
@@ -98,22 +98,48 @@ class _Tables:
         row = (it.at_s, int(it.content["known"]), *(it.content.get(name, nan) for name in columns))
         self._row("places", ["time_s", "known", *columns], row)
 
-    def effect(self, at_s: float, effect: fx.Effect) -> None:
+    def effect(self, at_s: float, effect: fx.Effect) -> None:  # noqa: C901 - one case each
         """The effect is a line of its topic, where it has one."""
-        make = _TOPICS.get(type(effect))
-        if make is None:
-            return
-        topic, header, rows = make(self, effect)
+        header: Sequence[str] = effect._fields
+        rows: Iterable[Row] = (effect,)
+        match effect:
+            case fx.Setpoints(setpoint_id, values):
+                slots = self._robot.slots
+                names = (f"{s.name}_{'rad' if s.unit == 'angle' else 'duty'}" for s in slots)
+                topic, header, rows = (
+                    "setpoints",
+                    ("setpoint_id", *names),
+                    ((setpoint_id, *values),),
+                )
+            case fx.StateChange(states, unconfirmed):
+                topic, header = "states", (*self._robot.regions, "unconfirmed")
+                rows = ((*states, " ".join(unconfirmed)),)
+            case fx.WaitArmed(phase, triggers, conditions, deadline_s):
+                topic, header = "waits", ("phase", "trigger", "condition", "deadline_s")
+                armed = zip(triggers, conditions, strict=True)
+                rows = ((phase, name, text, deadline_s) for name, text in armed)
+            case fx.Ask(question, choices):
+                topic, rows = "questions", ((question, " / ".join(choices)),)
+            case fx.CommandStatus():
+                topic = "commands"
+            case fx.PhaseChange():
+                topic = "phases"
+            case fx.TriggerFired():
+                topic = "triggers"
+            case fx.Detected():
+                topic = "detector"
+            case fx.Environment():
+                topic = "environment"
+            case fx.Fault():
+                topic = "faults"
+            case fx.Log():
+                topic = "log"
+            case fx.Ended():
+                topic = "end"
+            case fx.WakeAt():
+                return
         for row in rows:
             self._row(topic, ["time_s", *header], (at_s, *row))
-
-    def setpoints(self, it: fx.Setpoints) -> tuple[str, list[str], Iterable[Row]]:
-        names = [f"{s.name}_{'rad' if s.unit == 'angle' else 'duty'}" for s in self._robot.slots]
-        return "setpoints", ["setpoint_id", *names], [(it.setpoint_id, *it.values)]
-
-    def state(self, it: fx.StateChange) -> tuple[str, list[str], Iterable[Row]]:
-        row = (*it.states, " ".join(it.unconfirmed))
-        return "states", [*self._robot.regions, "unconfirmed"], [row]
 
     def _row(self, topic: str, header: list[str], row: Row) -> None:
         writer = self._writers.get(topic)
@@ -147,40 +173,3 @@ def _cell(value: Any) -> Any:
 
 _FORMULAS = ("=", "+", "-", "@", "\t", "\r")
 """What a spreadsheet takes for the beginning of a formula (OWASP, CSV injection)."""
-
-
-def _plain(topic: str) -> Callable[[_Tables, Any], tuple[str, list[str], Iterable[Row]]]:
-    """A topic whose columns are the fields of its effect."""
-
-    def make(tables: _Tables, it: Any) -> tuple[str, list[str], Iterable[Row]]:
-        return topic, list(it._fields), [tuple(it)]
-
-    return make
-
-
-def _waits(tables: _Tables, it: fx.WaitArmed) -> tuple[str, list[str], Iterable[Row]]:
-    rows = [
-        (it.phase, name, text, it.deadline_s)
-        for name, text in zip(it.triggers, it.conditions, strict=True)
-    ]
-    return "waits", ["phase", "trigger", "condition", "deadline_s"], rows
-
-
-def _asked(tables: _Tables, it: fx.Ask) -> tuple[str, list[str], Iterable[Row]]:
-    return "questions", ["question", "choices"], [(it.question, " / ".join(it.choices))]
-
-
-_TOPICS: dict[type, Callable[[_Tables, Any], tuple[str, list[str], Iterable[Row]]]] = {
-    fx.Setpoints: _Tables.setpoints,
-    fx.StateChange: _Tables.state,
-    fx.CommandStatus: _plain("commands"),
-    fx.PhaseChange: _plain("phases"),
-    fx.WaitArmed: _waits,
-    fx.TriggerFired: _plain("triggers"),
-    fx.Detected: _plain("detector"),
-    fx.Environment: _plain("environment"),
-    fx.Fault: _plain("faults"),
-    fx.Log: _plain("log"),
-    fx.Ask: _asked,
-    fx.Ended: _plain("end"),
-}

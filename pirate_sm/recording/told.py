@@ -21,7 +21,7 @@ class Told(NamedTuple):
     line: int = 0
 
 
-def told(effect: fx.Effect) -> Told | None:
+def told(effect: fx.Effect) -> Told | None:  # noqa: C901 - one case each
     """What there is to say about an effect; None where a log has no use for it."""
     match effect:
         case fx.Log():
@@ -43,7 +43,7 @@ def told(effect: fx.Effect) -> Told | None:
             return Told("info", f"{question} ({' / '.join(choices)})")
         case fx.Ended(outcome, message):
             return Told("info" if outcome == "succeeded" else "error", _with(outcome, message))
-        case _:
+        case fx.Setpoints() | fx.StateChange() | fx.Environment() | fx.Ask() | fx.WakeAt():
             return None
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import takewhile
 from math import degrees, isinf
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.engine.robot import RobotSpec, SlotSpec
 from pirate_sm.model import effects as fx
-from pirate_sm.runtime.companions import Answered
 
 if TYPE_CHECKING:
     from pirate_sm.backends.pico.health import LinkHealth
@@ -50,10 +49,35 @@ class Teller:
         self._states: tuple[str, ...] = ()
         self._unconfirmed: tuple[str, ...] = ()
 
-    def lines(self, effect: fx.Effect) -> list[Line]:
+    def lines(self, effect: fx.Effect) -> list[Line]:  # noqa: C901 - one case each
         """The lines about one effect; none where nothing has changed for a person."""
-        tell = _TELL.get(type(effect))
-        return tell(self, effect) if tell else []
+        match effect:
+            case fx.CommandStatus():
+                return self._command(effect)
+            case fx.StateChange():
+                return self._state(effect)
+            case fx.Setpoints():
+                return self._setpoints(effect)
+            case fx.PhaseChange():
+                return [Line("phase", effect.phase)]
+            case fx.WaitArmed():
+                return [self._wait(effect)]
+            case fx.TriggerFired():
+                reason = told_reason(effect, nominal=self._nominal)
+                return [Line("trigger", f"{reason} → {effect.go}")]
+            case fx.Detected():
+                return [Line("detected", effect.word)]
+            case fx.Environment():
+                known = filter(None, (effect.segment or "unknown", effect.measures))
+                return [Line("pipe", ", ".join(known))]
+            case fx.Fault():
+                return [self._fault(effect)]
+            case fx.Log():
+                return [Line("log" if effect.level == "info" else effect.level, effect.message)]
+            case fx.Ask(question, choices):
+                return [Line("asks", f"{question} ({' / '.join(choices)})")] if question else []
+            case fx.WakeAt() | fx.Ended():
+                return []
 
     def _command(self, it: fx.CommandStatus) -> list[Line]:
         place = f" ({it.place})" if it.place and it.status in ("refused", "failed") else ""
@@ -84,48 +108,14 @@ class Teller:
         self._values = it.values
         return [Line("setpoints", f"#{it.setpoint_id} {', '.join(changes) or 'unchanged'}")]
 
-    def _phase(self, it: fx.PhaseChange) -> list[Line]:
-        return [Line("phase", it.phase)]
-
-    def _wait(self, it: fx.WaitArmed) -> list[Line]:
+    def _wait(self, it: fx.WaitArmed) -> Line:
         limit = "" if isinf(it.deadline_s) else f", at most until {it.deadline_s:.1f} s"
-        return [Line("waits", f"for {' or '.join(it.conditions)}{limit}")]
+        return Line("waits", f"for {' or '.join(it.conditions)}{limit}")
 
-    def _trigger(self, it: fx.TriggerFired) -> list[Line]:
-        return [Line("trigger", f"{told_reason(it, nominal=self._nominal)} → {it.go}")]
-
-    def _detected(self, it: fx.Detected) -> list[Line]:
-        return [Line("detected", it.word)]
-
-    def _environment(self, it: fx.Environment) -> list[Line]:
-        return [Line("pipe", ", ".join(filter(None, (it.segment or "unknown", it.measures))))]
-
-    def _fault(self, it: fx.Fault) -> list[Line]:
+    def _fault(self, it: fx.Fault) -> Line:
         then = {"continue": "logged, the mission goes on", "stop": "safe stop"}
         handling = then.get(it.handling, f"→ {it.handling}")
-        return [Line("fault", f"{it.code}: {it.message} ({handling})")]
-
-    def _log(self, it: fx.Log) -> list[Line]:
-        return [Line("log" if it.level == "info" else it.level, it.message)]
-
-    def _ask(self, it: fx.Ask) -> list[Line]:
-        return [Line("asks", f"{it.question} ({' / '.join(it.choices)})")] if it.question else []
-
-
-_TELL: dict[type, Callable[[Teller, Any], list[Line]]] = {
-    fx.CommandStatus: Teller._command,
-    fx.StateChange: Teller._state,
-    fx.Setpoints: Teller._setpoints,
-    fx.PhaseChange: Teller._phase,
-    fx.WaitArmed: Teller._wait,
-    fx.TriggerFired: Teller._trigger,
-    fx.Detected: Teller._detected,
-    fx.Environment: Teller._environment,
-    fx.Fault: Teller._fault,
-    fx.Log: Teller._log,
-    Answered: Teller._log,
-    fx.Ask: Teller._ask,
-}
+        return Line("fault", f"{it.code}: {it.message} ({handling})")
 
 
 def changed_setpoints(
