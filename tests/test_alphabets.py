@@ -104,6 +104,12 @@ ALPHABETS = {
         "NewOf(Frozen)",
         ("loading/robot_signals.py", "showing/anatomy.py"),
     ),
+    "origin of a fault": Alphabet(
+        "model/fault_codes.py",
+        'Literal["sensors", "link", "surroundings", "program"]',
+        "NewOrigin(Enum)",
+        ("checking/reports/text.py",),
+    ),
 }
 
 

@@ -14,6 +14,8 @@ from pirate_sm.checking.project import Report, Wishes, check_paths
 from pirate_sm.checking.rehearsal import Rehearse
 from pirate_sm.checking.reports.text import explained, listed, text_report
 from pirate_sm.errors import UsageError
+from pirate_sm.model.fault_codes import BUILT_IN_FAULTS
+from pirate_sm.spelling import nearest
 from pirate_sm.visible import visible
 
 CLEAN, FOUND, NOTHING = 0, 1, 2
@@ -75,7 +77,7 @@ def run_check(wishes: CheckWishes) -> int:
 
 
 def run_explain(code: str | None) -> int:
-    """What the catalogue says of the code stands on standard output; of all codes the titles.
+    """Write what is known of a code to standard output; without one the titles of all codes.
 
     Raises:
         UsageError: There is no such code.
@@ -83,8 +85,9 @@ def run_explain(code: str | None) -> int:
     if code is None:
         _say(listed())
         return 0
-    if code not in catalogue.entries():
-        close = catalogue.nearest_code(code)
+    known = {**catalogue.entries(), **BUILT_IN_FAULTS}
+    if code not in known:
+        close = nearest(code, known)
         hint = f"did you mean '{close}'?" if close else "`pirate explain` lists them all"
         raise UsageError(f"there is no code '{code[:100]}': {hint}")
     _say(explained(code))

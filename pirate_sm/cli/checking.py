@@ -107,7 +107,7 @@ def explain(
     ] = None,
     debug: Annotated[bool, _DEBUG] = False,
 ) -> None:
-    """Say what a finding's code means, why it matters and how it is mended."""
+    """Say what the code of a finding or fault means, why it matters and how it is mended."""
     from pirate_sm.cli.guard import guarded
 
     def work() -> int:

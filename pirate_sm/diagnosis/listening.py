@@ -16,12 +16,12 @@ from pirate_sm.backends.pico.framing import Decoder, encode
 from pirate_sm.backends.pico.messages import Malformed
 from pirate_sm.backends.pico.plan import STATE
 from pirate_sm.backends.pico.port import Port
-from pirate_sm.backends.pico.recovery import RESET
 from pirate_sm.backends.pico.topics import PUBLISHER, REQUEST_TOPICS, SUBSCRIBER, TIME
 from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject, TopicFact
 from pirate_sm.diagnosis.records import Records
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import FaultReport, SensorFrame, SubmitResult
+from pirate_sm.model.fault_codes import BuiltInFault
 
 _MORE_WITHIN_S = 1.5
 """A device that has introduced some of its topics has introduced the rest by then."""
@@ -185,7 +185,7 @@ class Listening:
             elif isinstance(event, SubmitResult):
                 self.results[event.setpoint_id] = event
             elif isinstance(event, FaultReport):
-                self._resets += event.code == RESET
+                self._resets += event.code == BuiltInFault.FIRMWARE_RESET.code
 
     def _meet(self, topic: int, payload: bytes) -> None:
         """A board that nobody expects is noticed."""

@@ -46,6 +46,7 @@ from pirate_sm.model.effects import (
     Log,
     WakeAt,
 )
+from pirate_sm.model.fault_codes import BuiltInFault
 
 Effects = tuple[Effect, ...]
 
@@ -224,7 +225,8 @@ class Engine:
         limit = self.robot.link.resend_limit
         if event.status == "unknown" and flight.tries > limit:
             message = f"setpoints were not confirmed after {limit} repeats"
-            state = meet(self.setting, state, Found("link.no_echo", message, False), now, effects)
+            found = Found.built_in(BuiltInFault.LINK_NO_ECHO, message)
+            state = meet(self.setting, state, found, now, effects)
         elif event.status in {"rejected", "superseded"} and flight.purpose != "gate":
             # Only a command can be refused; without the array the robot is not what it seems.
             message = f"the backend has {event.status} setpoints: {event.reason or 'no reason'}"
@@ -236,7 +238,7 @@ class Engine:
     ) -> EngineState:
         ending = state.mission.ending
         if ending is None:
-            found = Found("backend.failed", message, False)
+            found = Found.built_in(BuiltInFault.BACKEND_FAILED, message)
             return meet(self.setting, state, found, now, effects)
         ending = ending._replace(message=f"{ending.message} ({message})")
         return state._replace(mission=state.mission._replace(ending=ending))

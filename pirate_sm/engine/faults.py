@@ -11,8 +11,9 @@ from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.robot import BoardSpec, RobotSpec
 from pirate_sm.engine.sensing import Sensing, nothing_known
 from pirate_sm.engine.state import FaultState, Words
+from pirate_sm.model.fault_codes import BuiltInFault
 
-ANEW = frozenset({"firmware.reset", "link.interrupted"})
+ANEW = frozenset({BuiltInFault.FIRMWARE_RESET.code, BuiltInFault.LINK_INTERRUPTED.code})
 """After these what was known of the robot is past, and counters may begin at zero."""
 
 
@@ -23,6 +24,11 @@ class Found(NamedTuple):
     message: str
     catchable: bool
     denies: frozenset[int] = frozenset()
+
+    @classmethod
+    def built_in(cls, fault: BuiltInFault, message: str) -> Found:
+        """Return a fault that any robot can have."""
+        return cls(fault.code, message, fault.catchable)
 
 
 def no_faults(robot: RobotSpec) -> FaultState:
@@ -87,7 +93,7 @@ def _blind(
             blind ^= {target}
             if target in blind:
                 name = robot.vocabulary.numbers[target]
-                found.append(Found("sensor.silent", f"{name} has no value", True))
+                found.append(Found.built_in(BuiltInFault.SENSOR_SILENT, f"{name} has no value"))
     return blind, found
 
 
@@ -133,7 +139,7 @@ def listen(
         if every <= faults.silent:
             return faults, ()
         message = f"no board has reported for {silent_after_s:g} s"
-        return faults._replace(silent=every), (Found("link.silent", message, False),)
+        return faults._replace(silent=every), (Found.built_in(BuiltInFault.LINK_SILENT, message),)
     if newest_s <= now - silent_after_s / 2:
         return faults, ()
     limit_s = silent_limit_s(robot.link, sensing.loss)
@@ -142,10 +148,9 @@ def listen(
     if not new:
         return faults, ()
     return faults._replace(silent=silent | faults.silent), tuple(
-        Found(
-            "sensor.silent",
+        Found.built_in(
+            BuiltInFault.SENSOR_SILENT,
             f"board {board.id} ({board.module}) has not reported for {limit_s:.3g} s",
-            True,
         )
         for board in robot.boards.values()
         if board.position in new

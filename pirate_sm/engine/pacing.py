@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.state import MissionState
+from pirate_sm.model.fault_codes import BuiltInFault
 
-RUNAWAY = "mission.runaway"
+RUNAWAY = BuiltInFault.MISSION_RUNAWAY.code
 """The fault of a mission whose phases follow each other faster than sensors can speak."""
 
 MOST_TURNS = 4

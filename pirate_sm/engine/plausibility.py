@@ -22,12 +22,7 @@ from math import inf, isnan, nan
 from pirate_sm.engine.channels import Channel, Numbers, Reading, Record
 from pirate_sm.engine.watched import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.model.events import FaultReport
-
-STUCK = "sensor.stuck"
-SPIKING = "sensor.spiking"
-RANGE = "sensor.range"
-JUMPED = "sensor.jumped"
-UNASKED = "motion.unasked"
+from pirate_sm.model.fault_codes import BuiltInFault
 
 
 def unseen(watched: WatchedSpec) -> Record:
@@ -192,14 +187,16 @@ def _weigh(
         return channel, channel.good
     if not possible:
         if not channel.outside and len(held) > spec.hold_back:
-            reports.append(FaultReport(RANGE, _outside(watch, value)))
+            reports.append(BuiltInFault.SENSOR_RANGE.report(_outside(watch, value)))
             channel = channel._replace(outside=True)
         return channel, nan
     if not watch.joint or channel.seen <= spec.hold_back:
         return _believed(channel), value
     where = f"from {watch.told(channel.good)} to {watch.told(value)}"
     message = f"{watch.name} has jumped {where}, faster than its motor can turn"
-    reports.append(FaultReport(JUMPED, f"{message}: it is unknown until it jumps back"))
+    reports.append(
+        BuiltInFault.SENSOR_JUMPED.report(f"{message}: it is unknown until it jumps back")
+    )
     return channel._replace(jumped=True, held=(value,)), nan
 
 
@@ -265,7 +262,7 @@ def _count_spike(
     if not often or now_s - channel.spiking_s <= spec.spikes_within_s:
         return channel
     message = f"{watch.name} has spiked {spec.spikes} times in {within_s:.1f} s"
-    reports.append(FaultReport(SPIKING, message))
+    reports.append(BuiltInFault.SENSOR_SPIKING.report(message))
     return channel._replace(spiking_s=now_s)
 
 
@@ -316,7 +313,7 @@ def _stuck(
         f"{watch.name} has shown the same for {spec.stuck_after_s:g} s while its motor is "
         "driven and bears no load: the sensor is stuck, or the motor gets no current"
     )
-    reports.append(FaultReport(STUCK, message))
+    reports.append(BuiltInFault.SENSOR_STUCK.report(message))
     return channel._replace(calm=False, good=value, good_s=now_s, wound=nan, stuck=value)
 
 
@@ -344,5 +341,5 @@ def _unasked(
     if channel.unasked:
         return channel
     message = f"{watch.name} moves though nothing was asked of its motor"
-    reports.append(FaultReport(UNASKED, message))
+    reports.append(BuiltInFault.MOTION_UNASKED.report(message))
     return channel._replace(unasked=True)

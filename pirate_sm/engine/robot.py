@@ -19,28 +19,7 @@ from pirate_sm.engine.criteria import CriterionSpec
 from pirate_sm.engine.sight import Sight
 from pirate_sm.engine.watched import PlausibilitySpec, WatchedSpec
 from pirate_sm.expressions import Expression, Vocabulary
-
-BUILT_IN_FAULTS: Mapping[str, bool] = {
-    "sensor.silent": True,
-    "sensor.stuck": True,
-    "sensor.spiking": True,
-    "sensor.range": True,
-    "sensor.jumped": True,
-    "motion.unasked": True,
-    "link.silent": False,
-    "link.lost": False,
-    "link.interrupted": True,
-    "link.no_echo": False,
-    "link.mismatch": False,
-    "runner.stalled": False,
-    "firmware.reset": True,
-    "backend.failed": False,
-    "pipe.impassable": True,
-    "rule.violated": False,
-    "start.contradicted": False,
-    "mission.runaway": False,
-}
-"""Faults that any robot can have, and whether a mission may catch them (rule 10)."""
+from pirate_sm.model.fault_codes import BuiltInFault
 
 
 class LoopSpec(NamedTuple):
@@ -334,5 +313,5 @@ class RobotSpec:
 
     def fault_codes(self) -> dict[str, bool]:
         """Every fault code of this robot and whether a mission may catch it."""
-        own = {fault.code: fault.catchable for fault in self.faults}
-        return {**BUILT_IN_FAULTS, **own}
+        known = (*BuiltInFault, *self.faults)
+        return {fault.code: fault.catchable for fault in known}

@@ -14,6 +14,7 @@ from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.events import SubmitResult
+from pirate_sm.model.fault_codes import BuiltInFault
 
 NUMBERS = ("clamps", "confirmed_clamps", "driven_wheels")
 """Numbers that conditions of rules know, in this order."""
@@ -21,7 +22,7 @@ NUMBERS = ("clamps", "confirmed_clamps", "driven_wheels")
 COMMAND = "command"
 """The word after those of the regions: the command just accepted, unknown at other times."""
 
-CODE = "rule.violated"
+CODE = BuiltInFault.RULE_VIOLATED.code
 
 _NOT_YET = -1
 _IN_FORCE = 0

@@ -32,8 +32,9 @@ from pirate_sm.engine.sight import (
     SeenSpec,
     StandingSpec,
 )
+from pirate_sm.model.fault_codes import BuiltInFault
 
-CODE = "start.contradicted"
+CODE = BuiltInFault.START_CONTRADICTED.code
 
 LOOKING = "the sensors are still being compared with the states that were declared"
 

@@ -15,12 +15,13 @@ from pirate_sm.engine.criteria import (
     StoppedSpec,
     TurningSpec,
 )
-from pirate_sm.engine.robot import BUILT_IN_FAULTS, CommandSpec, FaultSpec, PostureSpec
+from pirate_sm.engine.robot import CommandSpec, FaultSpec, PostureSpec
 from pirate_sm.expressions import Expression, ExpressionError, NumberType, compile_condition
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_signals import Signals
 from pirate_sm.model import criteria
 from pirate_sm.model import profile as model
+from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE, Quantity, describe
 
@@ -138,7 +139,7 @@ def _check_catchable(
     fault: model.FaultRule, number: int, rules: list[FaultSpec], problems: Problems
 ) -> None:
     """One code is caught or not, whoever raises it: else a mission could not tell."""
-    known = {**{rule.code: rule.catchable for rule in rules}, **BUILT_IN_FAULTS}
+    known = {each.code: each.catchable for each in (*rules, *BuiltInFault)}
     if known.get(fault.code, fault.catchable) != fault.catchable:
         can, must = ("can", "true") if known[fault.code] else ("cannot", "false")
         key = "catchable" if "catchable" in fault.model_fields_set else "code"

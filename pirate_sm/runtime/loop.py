@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from pirate_sm.errors import BackendError
 from pirate_sm.model.effects import Effect, Ended, Fault, Setpoints, WakeAt
 from pirate_sm.model.events import Abort, Event, SensorFrame, SignalReport, Tick
+from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.runtime.clock import Clock, WallClock
 from pirate_sm.runtime.companions import Counting, Onlooker
 from pirate_sm.runtime.observing import PULSE_S, Observer, Tap, Watcher
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from pirate_sm.engine.state import EngineState
     from pirate_sm.runtime.companions import Companion
 
-BACKEND_FAILED = "backend.failed"
+BACKEND_FAILED = BuiltInFault.BACKEND_FAILED.code
 UNCONFIRMED = "the safe setpoints were not confirmed"
 
 _MOST_IDLE_TURNS = 10_000

@@ -20,12 +20,11 @@ from pirate_sm.backends.pico.link import SetpointLink
 from pirate_sm.backends.pico.measurements import Measurements
 from pirate_sm.backends.pico.messages import Array, Malformed
 from pirate_sm.backends.pico.plan import ECHO, SETPOINTS, STATE, Plan
-from pirate_sm.backends.pico.recovery import BRIEF, RESET, Outage, Recovery, was_reset
+from pirate_sm.backends.pico.recovery import BRIEF, Outage, Recovery, was_reset
 from pirate_sm.backends.pico.stopped import Stopped
 from pirate_sm.backends.pico.throttle import Throttle
-from pirate_sm.model.events import Event, FaultReport
-
-MISMATCH = "link.mismatch"
+from pirate_sm.model.events import Event
+from pirate_sm.model.fault_codes import BuiltInFault
 
 _GREETING_BYTES = OVERHEAD_BYTES * 2
 """What the conversation itself writes is not longer."""
@@ -386,10 +385,10 @@ class Exchange:
             self.link.reassert(now)
         if known.again and self._flowing and not self._watching:
             self._flowing = False
-            self._events.append(FaultReport(RESET, was_reset(known.silence_s)))
+            self._events.append(BuiltInFault.FIRMWARE_RESET.report(was_reset(known.silence_s)))
 
     def _refuse(self, refused: Refused) -> None:
         self.refused.append(refused.reason)
         if self.heard:
             self.outage, self._given_up = None, True
-            self._events.append(FaultReport(MISMATCH, refused.reason))
+            self._events.append(BuiltInFault.LINK_MISMATCH.report(refused.reason))

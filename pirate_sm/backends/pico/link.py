@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 from pirate_sm.backends.pico.line_quality import NEVER, LineQuality, Refreshing
 from pirate_sm.model.events import FaultReport, SubmitResult, SubmitStatus
+from pirate_sm.model.fault_codes import BuiltInFault
 
 Integers = tuple[int, ...]
 
@@ -31,8 +32,6 @@ _HURRY = 0.6
 
 _REMEMBERED = 64
 _ROUNDING = 1e-6
-
-NO_ECHO = "link.no_echo"
 
 
 class WireSlot(NamedTuple):
@@ -379,7 +378,7 @@ class SetpointLink:
             self._tell(flight.order.setpoint_id, "unknown", reason)
         elif flight.needed and self._waiting is None:
             message = "the setpoints in force could not be confirmed again"
-            self._results.append(FaultReport(NO_ECHO, message))
+            self._results.append(BuiltInFault.LINK_NO_ECHO.report(message))
 
     def _tell(self, setpoint_id: int, status: SubmitStatus, reason: str) -> None:
         self._results.append(SubmitResult(setpoint_id, status, reason))

@@ -15,6 +15,7 @@ import numpy as np
 from pirate_sm.backends.simulator.world import World
 from pirate_sm.errors import UsageError
 from pirate_sm.model.events import FaultReport
+from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.model.simulation import Defect
 from pirate_sm.spelling import nearest
 
@@ -217,7 +218,7 @@ class FirmwareReset(Effect):
             return None
         self._next = math.inf
         self.world.restart_boards()
-        return FaultReport("firmware.reset", "the boards have started again")
+        return BuiltInFault.FIRMWARE_RESET.report("the boards have started again")
 
 
 KINDS: Mapping[str, Callable[[Defect, World, np.random.Generator], Effect]] = {
