@@ -5,51 +5,48 @@ from __future__ import annotations
 from pirate_sm.engine import machine, pausing, robot_state
 from pirate_sm.engine.ending import end, withdraw
 from pirate_sm.engine.faults import Found
-from pirate_sm.engine.state import EngineState, Setting
-from pirate_sm.model.effects import Effect, Fault
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import Fault
 
 
-def meet(
-    setting: Setting, state: EngineState, fault: Found, now: float, effects: list[Effect]
-) -> EngineState:
+def meet(moment: Moment, state: EngineState, fault: Found) -> EngineState:
     """The fault is handled as the mission says, or the mission ends."""
     mission = state.mission
     if mission.ended:
         return state
     if fault.denies:
-        state = state._replace(
-            robot=machine.deny(setting.robot, state.robot, fault.denies, effects)
-        )
+        state = state._replace(robot=machine.deny(moment, state.robot, fault.denies))
     if mission.ending:
-        effects.append(Fault(fault.code, fault.message, "stop"))
+        moment.tell(Fault(fault.code, fault.message, "stop"))
         return state
-    handler = setting.program.handler(mission.pc, fault.code) if fault.catchable else None
+    handler = moment.program.handler(mission.pc, fault.code) if fault.catchable else None
     cause = f"{fault.code}: {fault.message}"
     if handler is not None and handler.go is None:
-        effects.append(Fault(fault.code, fault.message, "continue"))
+        moment.tell(Fault(fault.code, fault.message, "continue"))
         return state
     if handler is None or mission.handling or mission.diverting:
-        effects.append(Fault(fault.code, fault.message, "stop"))
-        return end(setting, state, "fault", cause, "", now, effects)
-    effects.append(Fault(fault.code, fault.message, handler.go_name))
+        moment.tell(Fault(fault.code, fault.message, "stop"))
+        return end(moment, state, "fault", cause, "")
+    moment.tell(Fault(fault.code, fault.message, handler.go_name))
     mission = mission._replace(diverting=handler, stopped=False, cause=cause)
     return state._replace(mission=mission)
 
 
-def divert(setting: Setting, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
+def divert(moment: Moment, state: EngineState) -> EngineState:
     """Once the array in flight is resolved and the wheels are stopped, the handler begins."""
     mission, robot = state.mission, state.robot
     handler = mission.diverting
     if handler is None or handler.go is None or robot.flight is not None:
         return state
     if not mission.stopped:
-        withdraw(setting, state, effects)
+        withdraw(moment, state)
         if robot.motion is not None:
             reason = f"interrupted by {mission.cause}"
-            robot = machine.fail(setting.robot, robot, reason, effects)
-        robot = machine.doubt(setting.robot, robot)
-        effects.append(robot_state.state_change(setting.robot, robot))
-        robot = machine.stop(setting.robot, robot, state.sensing, effects)
+            robot = machine.fail(moment, robot, reason)
+        robot = machine.doubt(moment.robot, robot)
+        moment.tell(robot_state.state_change(moment.robot, robot))
+        robot = machine.stop(moment, robot, state.sensing)
         mission = mission._replace(stopped=True, begun=False)
         return state._replace(robot=robot, mission=mission)
     mission = pausing.forget(mission, robot).at(handler.go)

@@ -14,6 +14,7 @@ from types import MappingProxyType
 from pirate_sm.engine import seeing
 from pirate_sm.engine.criteria import AcceptedSpec
 from pirate_sm.engine.done import Loop, must_hold_s, told
+from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.moments import has_come
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import (
@@ -44,46 +45,43 @@ from pirate_sm.engine.stages import (
     why_late,
     without_loops,
 )
-from pirate_sm.model.effects import CommandStatus, Effect, Setpoints
+from pirate_sm.model.effects import CommandStatus, Setpoints
 from pirate_sm.model.events import SubmitResult
 
 _NOTHING_DENIED: Mapping[int, str] = MappingProxyType({})
 
 
 def begin(
-    robot: RobotSpec,
+    moment: Moment,
     state: RobotState,
     sensing: Sensing,
     command: int,
     timeout_s: float | None,
     place: str,
-    effects: list[Effect],
 ) -> RobotState:
     """The command's first array has been sent; the chart waits for its acceptance.
 
     To be called only where :func:`refusal` is empty and no array is in flight.
     """
-    spec = robot.commands[command]
-    target = robot.table.follow(state.configuration, command)
+    spec = moment.robot.commands[command]
+    target = moment.robot.table.follow(state.configuration, command)
     motion = Motion(command, target, spec.timeout_s if timeout_s is None else timeout_s, place)
     posture = spec.posture(target)
     if posture is not None:
-        blind = unknown_angle(robot, posture.writes, sensing)
+        blind = unknown_angle(moment.robot, posture.writes, sensing)
         motion = motion._replace(stage=POSTURE, blind=blind)
     state = state._replace(motion=motion)
-    regions, stage = _touched(robot, state, motion)
+    regions, stage = _touched(moment.robot, state, motion)
     stage = POSTURE if posture is not None else stage
-    values, loops = stage_array(robot, state, sensing, regions, stage)
-    effects.append(CommandStatus(spec.name, "sent", "", place))
-    return _send(state._replace(loops=loops), values, "gate", effects)
+    values, loops = stage_array(moment.robot, state, sensing, regions, stage)
+    moment.tell(CommandStatus(spec.name, "sent", "", place))
+    return _send(moment, state._replace(loops=loops), values, "gate")
 
 
 def resolve(
-    robot: RobotSpec,
+    moment: Moment,
     state: RobotState,
     result: SubmitResult,
-    now: float,
-    effects: list[Effect],
 ) -> tuple[RobotState, Finished | None]:
     """The array in flight has met its fate; a command's first array has moved the chart.
 
@@ -93,39 +91,36 @@ def resolve(
     if flight is None or result.setpoint_id != flight.setpoint_id:
         return state, None
     if result.status == "unknown":
-        waiting = flight._replace(resend_at_s=now + robot.link.resend_after_s)
+        waiting = flight._replace(resend_at_s=moment.now_s + moment.robot.link.resend_after_s)
         return state._replace(flight=waiting), None
     if result.status == "accepted":
         state = state._replace(values=flight.values, seeking=flight.seeking, flight=None)
-        if (confirmed := seeing.accepted(robot, state)) is not state:
+        if (confirmed := seeing.accepted(moment.robot, state)) is not state:
             state = confirmed
-            effects.append(state_change(robot, state))
+            moment.tell(state_change(moment.robot, state))
         if flight.purpose == "gate" and state.motion is not None:
-            state = _accept(robot, state, state.motion, now, effects)
+            state = _accept(moment, state, state.motion)
         return state, None
     state = state._replace(flight=None)
     if flight.purpose == "gate" and state.motion is not None:
         reason = f"setpoints {result.status}" + (f": {result.reason}" if result.reason else "")
-        return fail(robot, state, reason, effects), Finished(False, reason)
+        return fail(moment, state, reason), Finished(False, reason)
     return state, None
 
 
-def resend(state: RobotState, now: float, effects: list[Effect]) -> RobotState:
+def resend(moment: Moment, state: RobotState) -> RobotState:
     """An array of unknown fate has been sent again, under its own id, when that was due."""
     flight = state.flight
-    if flight is None or not has_come(now, flight.resend_at_s):
+    if flight is None or not has_come(moment.now_s, flight.resend_at_s):
         return state
-    effects.append(Setpoints(flight.setpoint_id, flight.values))
+    moment.tell(Setpoints(flight.setpoint_id, flight.values))
     return state._replace(flight=flight._replace(tries=flight.tries + 1, resend_at_s=inf))
 
 
 def watch(
-    robot: RobotSpec,
+    moment: Moment,
     state: RobotState,
     sensing: Sensing,
-    now: float,
-    nominal: bool,
-    effects: list[Effect],
     *,
     denied: Mapping[int, str] = _NOTHING_DENIED,
 ) -> tuple[RobotState, Finished | None]:
@@ -136,12 +131,9 @@ def watch(
     follow.
 
     Args:
-        robot: The robot.
-        state: Its state.
+        moment: When it is, and what happens.
+        state: The robot's state.
         sensing: What is known now.
-        now: Time in seconds.
-        nominal: Take the command as done after its nominal duration instead of by signals.
-        effects: Taken along and added to.
         denied: Parts that do not hold, and the words of the fault that shows it. A command that
             clamps one is not done.
 
@@ -151,35 +143,35 @@ def watch(
     motion = state.motion
     if motion is None or isnan(motion.accepted_s):
         return state, None
-    spec = robot.commands[motion.command]
+    spec = moment.robot.commands[motion.command]
     free = state.flight is None
-    if nominal:
-        if free and has_come(now, motion.accepted_s + spec.nominal_s):
-            return _complete(robot, state, sensing, "nominal duration has passed", effects)
+    if moment.nominal:
+        if free and has_come(moment.now_s, motion.accepted_s + spec.nominal_s):
+            return _complete(moment, state, sensing, "nominal duration has passed")
         return state, None
-    since_s, done = motion.since_s, criterion_of(robot, motion)
+    since_s, done = motion.since_s, criterion_of(moment.robot, motion)
     why_not = _why_not_clamped(state, motion, denied) if denied else ""
-    if not why_not and is_done(robot, state, motion, done, sensing):
-        since_s = now if isnan(since_s) else since_s
+    if not why_not and is_done(moment.robot, state, motion, done, sensing):
+        since_s = moment.now_s if isnan(since_s) else since_s
         held_s = must_hold_s(done, sensing.numbers, state.loops)
-        if free and has_come(now, since_s + held_s):
-            reason = told(robot, done, sensing.numbers, state.loops)
-            return _complete(robot, state, sensing, reason, effects)
+        if free and has_come(moment.now_s, since_s + held_s):
+            reason = told(moment.robot, done, sensing.numbers, state.loops)
+            return _complete(moment, state, sensing, reason)
     elif not isnan(since_s):
         since_s = nan
-    if free and (motion.blind or has_come(now, motion.deadline_s)):
-        reason = motion.blind or why_late(robot, state, motion, sensing)
+    if free and (motion.blind or has_come(moment.now_s, motion.deadline_s)):
+        reason = motion.blind or why_late(moment.robot, state, motion, sensing)
         reason = f"{reason}: {why_not}" if why_not else reason
-        return fail(robot, state, reason, effects), Finished(False, reason)
+        return fail(moment, state, reason), Finished(False, reason)
     if since_s is not motion.since_s:
         state = state._replace(motion=motion._replace(since_s=since_s))
     if free and state.loops:
-        values = looped_values(robot, state, sensing)
-        state = _send_if_new(state, values, effects)
+        values = looped_values(moment.robot, state, sensing)
+        state = _send_if_new(moment, state, values)
     return state, None
 
 
-def fail(robot: RobotSpec, state: RobotState, reason: str, effects: list[Effect]) -> RobotState:
+def fail(moment: Moment, state: RobotState, reason: str) -> RobotState:
     """The command under way is over without being done; its states stay unconfirmed.
 
     Its position loops stop where they are. Where it was to take a posture first, how the held
@@ -188,19 +180,19 @@ def fail(robot: RobotSpec, state: RobotState, reason: str, effects: list[Effect]
     motion = state.motion
     if motion is None:
         return state
-    name = robot.commands[motion.command].name
-    effects.append(CommandStatus(name, "failed", reason, motion.place))
-    return _end_motion(doubt_grip(robot, state), effects)
+    name = moment.robot.commands[motion.command].name
+    moment.tell(CommandStatus(name, "failed", reason, motion.place))
+    return _end_motion(moment, doubt_grip(moment.robot, state))
 
 
-def skip(robot: RobotSpec, state: RobotState, effects: list[Effect]) -> RobotState:
+def skip(moment: Moment, state: RobotState) -> RobotState:
     """The operator has passed over the command under way; its states stay unconfirmed."""
     motion = state.motion
     if motion is None:
         return state
-    name = robot.commands[motion.command].name
-    effects.append(CommandStatus(name, "skipped", "by the operator", motion.place))
-    return _end_motion(doubt_grip(robot, state), effects)
+    name = moment.robot.commands[motion.command].name
+    moment.tell(CommandStatus(name, "skipped", "by the operator", motion.place))
+    return _end_motion(moment, doubt_grip(moment.robot, state))
 
 
 def doubt_grip(robot: RobotSpec, state: RobotState) -> RobotState:
@@ -217,16 +209,14 @@ def doubt_grip(robot: RobotSpec, state: RobotState) -> RobotState:
     return state._replace(marks=state.marks | marks)
 
 
-def stop(
-    robot: RobotSpec, state: RobotState, sensing: Sensing, effects: list[Effect]
-) -> RobotState:
+def stop(moment: Moment, state: RobotState, sensing: Sensing) -> RobotState:
     """The safe array has been sent, whatever else was in flight."""
-    values = safe_values(robot, state, sensing.numbers)
-    return _send(state._replace(loops=()), values, "stop", effects)
+    values = safe_values(moment.robot, state, sensing.numbers)
+    return _send(moment, state._replace(loops=()), values, "stop")
 
 
 def reassert(
-    state: RobotState, values: Numbers, loops: tuple[Loop, ...], effects: list[Effect]
+    moment: Moment, state: RobotState, values: Numbers, loops: tuple[Loop, ...]
 ) -> RobotState:
     """Send an actuation again that was in force before a pause; NaN keeps the present value."""
     kept = tuple(
@@ -234,7 +224,7 @@ def reassert(
     )
     if kept == state.values and not loops:
         return state
-    return _send(state._replace(loops=loops), kept, "loop", effects)
+    return _send(moment, state._replace(loops=loops), kept, "loop")
 
 
 def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
@@ -246,15 +236,13 @@ def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
     return state._replace(marks=state.marks | stopped)
 
 
-def deny(
-    robot: RobotSpec, state: RobotState, parts: frozenset[int], effects: list[Effect]
-) -> RobotState:
+def deny(moment: Moment, state: RobotState, parts: frozenset[int]) -> RobotState:
     """Mark the clamps of these parts as unconfirmed where they have been confirmed."""
-    lost = confirmed_parts(robot, state) & parts
+    lost = confirmed_parts(moment.robot, state) & parts
     if lost:
         marks = state.marks | {Mark("part", part, DENIED) for part in lost}
         state = state._replace(marks=marks)
-        effects.append(state_change(robot, state))
+        moment.tell(state_change(moment.robot, state))
     return state
 
 
@@ -267,10 +255,8 @@ def _why_not_clamped(state: RobotState, motion: Motion, denied: Mapping[int, str
     return next((denied[m.which] for m in own if m.kind == "part" and m.which in denied), "")
 
 
-def _send(
-    state: RobotState, values: Numbers, purpose: Purpose, effects: list[Effect]
-) -> RobotState:
-    effects.append(Setpoints(state.next_id, values))
+def _send(moment: Moment, state: RobotState, values: Numbers, purpose: Purpose) -> RobotState:
+    moment.tell(Setpoints(state.next_id, values))
     seeking = frozenset(loop.slot for loop in state.loops)
     flight = Flight(state.next_id, values, purpose, seeking=seeking)
     return state._replace(flight=flight, next_id=state.next_id + 1, sent=True)
@@ -292,14 +278,12 @@ def _touched(robot: RobotSpec, state: RobotState, motion: Motion) -> tuple[tuple
     return tuple(sorted(regions)), max(stages, default=1) - 1
 
 
-def _accept(
-    robot: RobotSpec, state: RobotState, motion: Motion, now: float, effects: list[Effect]
-) -> RobotState:
+def _accept(moment: Moment, state: RobotState, motion: Motion) -> RobotState:
     """The chart has moved; what the command changed is unconfirmed."""
-    name = robot.commands[motion.command].name
-    made = made_by(robot, state, motion.command)
-    held, was_held = robot.held[motion.target], robot.held[state.configuration]
-    again = {m.which for m in retried(robot, state, motion.command) if m.kind == "part"}
+    name = moment.robot.commands[motion.command].name
+    made = made_by(moment.robot, state, motion.command)
+    held, was_held = moment.robot.held[motion.target], moment.robot.held[state.configuration]
+    again = {m.which for m in retried(moment.robot, state, motion.command) if m.kind == "part"}
     marks = {
         mark
         for mark in state.marks
@@ -308,19 +292,19 @@ def _accept(
     }
     marks |= {Mark("region", region, motion.command) for region in made}
     marks |= {Mark("part", part, motion.command) for part in (held - was_held) | again & held}
-    effects.append(CommandStatus(name, "accepted", "", motion.place))
+    moment.tell(CommandStatus(name, "accepted", "", motion.place))
     state = state._replace(
         configuration=motion.target,
         marks=frozenset(marks),
-        motion=motion._replace(accepted_s=now, deadline_s=now + motion.timeout_s),
+        motion=motion._replace(accepted_s=moment.now_s, deadline_s=moment.now_s + motion.timeout_s),
     )
-    if not isinstance(robot.commands[motion.command].done, AcceptedSpec):
-        effects.append(state_change(robot, state))
+    if not isinstance(moment.robot.commands[motion.command].done, AcceptedSpec):
+        moment.tell(state_change(moment.robot, state))
     return state
 
 
 def _complete(
-    robot: RobotSpec, state: RobotState, sensing: Sensing, reason: str, effects: list[Effect]
+    moment: Moment, state: RobotState, sensing: Sensing, reason: str
 ) -> tuple[RobotState, Finished | None]:
     """The next stage is in force, or the command is done and what it changed is confirmed."""
     motion = state.motion
@@ -328,35 +312,35 @@ def _complete(
     regions = tuple(
         sorted(m.which for m in state.marks if m.kind == "region" and m.command == motion.command)
     )
-    target = robot.table.configurations[state.configuration]
-    stages = max((len(robot.actuation[r][target[r]]) for r in regions), default=1)
+    target = moment.robot.table.configurations[state.configuration]
+    stages = max((len(moment.robot.actuation[r][target[r]]) for r in regions), default=1)
     if motion.stage + 1 < stages:
         resting = state._replace(values=without_loops(state))
-        values, loops = stage_array(robot, resting, sensing, regions, motion.stage + 1)
-        state = _send_if_new(state._replace(loops=loops), values, effects)
+        values, loops = stage_array(moment.robot, resting, sensing, regions, motion.stage + 1)
+        state = _send_if_new(moment, state._replace(loops=loops), values)
         if loops or motion.stage == POSTURE:
             later = motion._replace(stage=motion.stage + 1, since_s=nan)
             return state._replace(motion=later), None
         state = state._replace(motion=None)
     else:
-        state = _end_motion(state, effects)
+        state = _end_motion(moment, state)
     marks = frozenset(mark for mark in state.marks if mark.command != motion.command)
     state = state._replace(marks=marks)
-    name = robot.commands[motion.command].name
-    effects.append(CommandStatus(name, "done", reason, motion.place))
-    effects.append(state_change(robot, state))
+    name = moment.robot.commands[motion.command].name
+    moment.tell(CommandStatus(name, "done", reason, motion.place))
+    moment.tell(state_change(moment.robot, state))
     return state, Finished(True, reason)
 
 
-def _end_motion(state: RobotState, effects: list[Effect]) -> RobotState:
+def _end_motion(moment: Moment, state: RobotState) -> RobotState:
     """Nothing is under way; slots that a loop has really driven are zero, and no others.
 
     A command that was never accepted has driven nothing: what its loops were to take over may
     hold a clamp.
     """
     values = without_loops(state)
-    return _send_if_new(state._replace(motion=None, loops=()), values, effects)
+    return _send_if_new(moment, state._replace(motion=None, loops=()), values)
 
 
-def _send_if_new(state: RobotState, values: Numbers, effects: list[Effect]) -> RobotState:
-    return state if values == state.latest else _send(state, values, "loop", effects)
+def _send_if_new(moment: Moment, state: RobotState, values: Numbers) -> RobotState:
+    return state if values == state.latest else _send(moment, state, values, "loop")

@@ -6,9 +6,10 @@ from typing import assert_never
 
 from pirate_sm.engine import machine, pausing, robot_state, seeing
 from pirate_sm.engine.ending import end
+from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.state import EngineState, Setting
-from pirate_sm.model.effects import CommandStatus, Effect, Log
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import CommandStatus
 from pirate_sm.model.events import (
     Abort,
     Answer,
@@ -41,59 +42,55 @@ def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
     return robot_state.refusal(robot, state.robot, index)
 
 
-def obey(
-    setting: Setting, state: EngineState, request: Request, now: float, effects: list[Effect]
-) -> EngineState:
+def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
     """Do what a person asks for, or say why not."""
     match request:
         case OperatorCommand():
-            return _command(setting, state, request, effects)
+            return _command(moment, state, request)
         case Answer():
-            return _answer(state, request, effects)
+            return _answer(moment, state, request)
         case Skip():
-            return _skip(state, request, effects)
+            return _skip(moment, state, request)
         case Pause():
             return pausing.want(state)
         case Resume():
-            return pausing.resume(setting.robot, state, now, False, effects)
+            return pausing.resume(moment, state, one_step=False)
         case Step():
-            return pausing.resume(setting.robot, state, now, True, effects)
+            return pausing.resume(moment, state, one_step=True)
         case GoTo():
-            return pausing.go_to(setting, state, request, now, effects)
+            return pausing.go_to(moment, state, request)
         case Abort():
-            return end(setting, state, "interrupted", request.reason, "", now, effects)
+            return end(moment, state, "interrupted", request.reason, "")
         case _:
             assert_never(request)
 
 
-def _command(
-    setting: Setting, state: EngineState, event: OperatorCommand, effects: list[Effect]
-) -> EngineState:
+def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> EngineState:
     """Begin the command, or refuse it with the reason; a suspended command is ended by it."""
-    index = setting.robot.table.command_index.get(event.command)
+    index = moment.robot.table.command_index.get(event.command)
     if index is None:
         reason = "impossible: there is no such command"
     else:
-        reason = why_not_command(setting.robot, state, index)
+        reason = why_not_command(moment.robot, state, index)
     if reason or index is None:
-        effects.append(CommandStatus(event.command, "refused", reason))
+        moment.tell(CommandStatus(event.command, "refused", reason))
         return state
-    state = pausing.take_over(setting.robot, state, effects)
-    robot = machine.begin(setting.robot, state.robot, state.sensing, index, None, "", effects)
+    state = pausing.take_over(moment, state)
+    robot = machine.begin(moment, state.robot, state.sensing, index, None, "")
     return state._replace(robot=robot)
 
 
-def _answer(state: EngineState, event: Answer, effects: list[Effect]) -> EngineState:
+def _answer(moment: Moment, state: EngineState, event: Answer) -> EngineState:
     """Note the answer, which the open question takes."""
     if state.mission.paused:
-        effects.append(Log("warning", "no answer is taken while paused"))
+        moment.warn("no answer is taken while paused")
         return state
     return state._replace(mission=state.mission._replace(answer=event.choice))
 
 
-def _skip(state: EngineState, event: Skip, effects: list[Effect]) -> EngineState:
+def _skip(moment: Moment, state: EngineState, event: Skip) -> EngineState:
     """Note that a wait or question is passed over."""
     if state.mission.paused:
-        effects.append(Log("warning", "nothing is passed over while paused"))
+        moment.warn("nothing is passed over while paused")
         return state
     return state._replace(mission=state.mission._replace(skipped=event.trigger))

@@ -5,11 +5,11 @@ from __future__ import annotations
 from math import nan
 
 from pirate_sm.engine import machine, robot_state, seeing
+from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.program import Program
-from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import Finished, RobotState
-from pirate_sm.engine.state import BeforePause, EngineState, MissionState, Setting
-from pirate_sm.model.effects import Effect, Log
+from pirate_sm.engine.state import BeforePause, EngineState, MissionState
+from pirate_sm.model.effects import Log
 from pirate_sm.model.events import GoTo
 
 TAKEN_OVER = "the operator took over"
@@ -23,22 +23,20 @@ def want(state: EngineState) -> EngineState:
     return state._replace(mission=mission._replace(pause_wanted=True))
 
 
-def begin_if_wanted(
-    robot: RobotSpec, state: EngineState, now: float, effects: list[Effect]
-) -> EngineState:
+def begin_if_wanted(moment: Moment, state: EngineState) -> EngineState:
     """A wanted pause has begun, unless an array is still in flight."""
     mission, body = state.mission, state.robot
     if not mission.pause_wanted or mission.ending or mission.diverting or body.flight:
         return state
     before = BeforePause(body.values, body.loops, body.configuration, body.motion is not None)
-    if not robot_state.is_safe(robot, body):
-        doubted = machine.doubt(robot, body)
+    if not robot_state.is_safe(moment.robot, body):
+        doubted = machine.doubt(moment.robot, body)
         before = before._replace(doubts=doubted.marks - body.marks)
         if before.doubts:
-            effects.append(robot_state.state_change(robot, doubted))
-        body = machine.stop(robot, doubted, state.sensing, effects)
-    effects.append(Log("info", "paused: wheels stopped, deadlines frozen"))
-    paused = mission._replace(pause_wanted=False, paused_s=now, before_pause=before)
+            moment.tell(robot_state.state_change(moment.robot, doubted))
+        body = machine.stop(moment, doubted, state.sensing)
+    moment.tell(Log("info", "paused: wheels stopped, deadlines frozen"))
+    paused = mission._replace(pause_wanted=False, paused_s=moment.now_s, before_pause=before)
     return state._replace(robot=body, mission=paused)
 
 
@@ -50,7 +48,7 @@ def forget(mission: MissionState, body: RobotState) -> MissionState:
     return mission._replace(before_pause=now)
 
 
-def take_over(robot: RobotSpec, state: EngineState, effects: list[Effect]) -> EngineState:
+def take_over(moment: Moment, state: EngineState) -> EngineState:
     """End the command that the pause has suspended: the operator gives another one.
 
     A mission that goes on afterwards finds that its step has failed, and everything else as the
@@ -59,7 +57,7 @@ def take_over(robot: RobotSpec, state: EngineState, effects: list[Effect]) -> En
     before, body = state.mission.before_pause, state.robot
     if before is None or not before.suspended:
         return state
-    body = machine.fail(robot, body, TAKEN_OVER, effects)
+    body = machine.fail(moment, body, TAKEN_OVER)
     untouched = (nan,) * len(body.values)
     mission = state.mission._replace(
         result=Finished(False, TAKEN_OVER),
@@ -68,33 +66,31 @@ def take_over(robot: RobotSpec, state: EngineState, effects: list[Effect]) -> En
     return state._replace(robot=body, mission=mission)
 
 
-def go_to(
-    setting: Setting, state: EngineState, event: GoTo, now: float, effects: list[Effect]
-) -> EngineState:
+def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
     """The paused mission goes on with the phase, if the robot is still as it was then.
 
     Whether the phase can run from there is known to who sends the event: see
     :mod:`pirate_sm.checking.entries`.
     """
-    here = robot_state.state_change(setting.robot, state.robot)
-    obstacle = why_not_to(setting.program, state, event.phase)
+    here = robot_state.state_change(moment.robot, state.robot)
+    obstacle = why_not_to(moment.program, state, event.phase)
     if not obstacle and here != (event.states, event.unconfirmed):
         obstacle = "the robot is not any more in the states that were looked at"
     if obstacle:
-        effects.append(Log("warning", f"{event.phase} does not begin: {obstacle}"))
+        moment.warn(f"{event.phase} does not begin: {obstacle}")
         return state
     body, mission = state.robot, state.mission
     if body.motion is not None:
-        body = machine.fail(setting.robot, body, TAKEN_OVER, effects)
-    begin = setting.program.beginning(event.phase)
+        body = machine.fail(moment, body, TAKEN_OVER)
+    begin = moment.program.beginning(event.phase)
     assert begin is not None  # why_not_to has looked
-    effects.append(Log("info", f"handed back at {event.phase}"))
+    moment.tell(Log("info", f"handed back at {event.phase}"))
     mission = mission.at(begin)._replace(
         handling="",
         cause="",
         before_pause=None,
         paused_s=nan,
-        offset_s=mission.offset_s + now - mission.paused_s,
+        offset_s=mission.offset_s + moment.now_s - mission.paused_s,
     )
     return state._replace(robot=body, mission=mission)
 
@@ -128,9 +124,7 @@ def why_not_on(state: EngineState) -> str:
     return ""
 
 
-def resume(
-    robot: RobotSpec, state: EngineState, now: float, one_step: bool, effects: list[Effect]
-) -> EngineState:
+def resume(moment: Moment, state: EngineState, *, one_step: bool) -> EngineState:
     """The mission goes on where it was, all its deadlines later by the length of the pause.
 
     In another configuration than before the pause it stays paused: its actuation must not be
@@ -142,9 +136,9 @@ def resume(
         return state._replace(mission=mission._replace(pause_wanted=one_step))
     obstacle = why_not_on(state)
     if obstacle:
-        effects.append(Log("warning", f"still paused: {obstacle}"))
+        moment.warn(f"still paused: {obstacle}")
         return state
-    length = now - mission.paused_s
+    length = moment.now_s - mission.paused_s
     if body.motion is not None:
         motion = body.motion._replace(
             accepted_s=body.motion.accepted_s + length,
@@ -152,11 +146,11 @@ def resume(
             since_s=nan,
         )
         body = body._replace(motion=motion)
-    body = machine.reassert(body, before.values, before.loops, effects)
+    body = machine.reassert(moment, body, before.values, before.loops)
     if body.marks & before.doubts:
         body = body._replace(marks=body.marks - before.doubts)
-        effects.append(robot_state.state_change(robot, body))
-    effects.append(Log("info", "resumed"))
+        moment.tell(robot_state.state_change(moment.robot, body))
+    moment.tell(Log("info", "resumed"))
     running = mission._replace(
         paused_s=nan, offset_s=mission.offset_s + length, before_pause=None, one_step=one_step
     )

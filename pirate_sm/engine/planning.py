@@ -14,11 +14,11 @@ from itertools import count
 from typing import NamedTuple
 
 from pirate_sm.engine import machine, robot_state, rules
+from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.program import Program
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import Mark, RobotState
 from pirate_sm.engine.sensing import Sensing, nothing_known
-from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import SubmitResult
 
 RulePlaces = tuple[int, ...]
@@ -129,7 +129,7 @@ def _steps(
     for command, spec in enumerate(robot.commands):
         if robot_state.refusal(robot, body, command):
             continue
-        after = _done(robot, body, sensing, command)
+        after = _done(robot, program, body, sensing, command)
         following, broken = rules.follow(program, robot, places, after, 1, spec.name)
         hindrance = _letting_go(robot, body, after.configuration)
         if not hindrance and broken:
@@ -142,15 +142,17 @@ def _letting_go(robot: RobotSpec, body: RobotState, target: int) -> str:
     return f"it lets go of {parts}, and no other part is confirmed to hold" if parts else ""
 
 
-def _done(robot: RobotSpec, body: RobotState, sensing: Sensing, command: int) -> RobotState:
+def _done(
+    robot: RobotSpec, program: Program, body: RobotState, sensing: Sensing, command: int
+) -> RobotState:
     """Return the robot after the command, with each of its arrays accepted and each stage done."""
-    effects: list[Effect] = []
-    body = machine.begin(robot, body, sensing, command, None, "", effects)
-    later_s = robot.commands[command].nominal_s
+    now = Moment(robot, program, 0.0, nominal=True)
+    later = Moment(robot, program, robot.commands[command].nominal_s, nominal=True)
+    body = machine.begin(now, body, sensing, command, None, "")
     while body.motion is not None or body.flight is not None:
         if body.flight is not None:
             accepted = SubmitResult(body.flight.setpoint_id, "accepted")
-            body, _ = machine.resolve(robot, body, accepted, 0.0, effects)
+            body, _ = machine.resolve(now, body, accepted)
         else:
-            body, _ = machine.watch(robot, body, sensing, later_s, True, effects)
+            body, _ = machine.watch(later, body, sensing)
     return body

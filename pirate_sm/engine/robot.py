@@ -214,6 +214,11 @@ class LinkSpec:
     resend_after_s: float
     resend_limit: int
 
+    @cached_property
+    def listen_every_s(self) -> float:
+        """How often to look which boards are silent and which signals stale."""
+        return min(self.stale_after_s, self.silent_after_s) / 2
+
 
 @dataclass(frozen=True)
 class RobotSpec:

@@ -9,6 +9,7 @@ hold, or one of two marks.
 from __future__ import annotations
 
 from pirate_sm.engine import machine, robot_state
+from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.program import Program, RuleSpec
 from pirate_sm.engine.robot import RobotSpec
 from pirate_sm.engine.robot_state import RobotState
@@ -76,15 +77,17 @@ def follow(
     return tuple(after), tuple(broken)
 
 
-def forbids(robot: RobotSpec, program: Program, state: EngineState, command: int) -> str:
+def forbids(moment: Moment, state: EngineState, command: int) -> str:
     """Which rules the command would break as soon as it is accepted; empty: none."""
     if not state.rules:
         return ""
-    body = machine.begin(robot, state.robot, state.sensing, command, None, "", [])
+    robot, program = moment.robot, moment.program
+    trial = Moment(robot, program, 0.0)
+    body = machine.begin(trial, state.robot, state.sensing, command, None, "")
     flight = body.flight
     assert flight is not None  # a command begins with an array
     accepted = SubmitResult(flight.setpoint_id, "accepted")
-    body, _ = machine.resolve(robot, body, accepted, 0.0, [])
+    body, _ = machine.resolve(trial, body, accepted)
     name = robot.commands[command].name
     _, broken = follow(program, robot, state.rules, body, 1, name)
     return "; ".join(said(rule) for rule in broken)

@@ -7,22 +7,15 @@ from typing import NamedTuple
 
 from pirate_sm.engine.done import Loop
 from pirate_sm.engine.environment import Surveyed
-from pirate_sm.engine.program import HandlerSpec, Program
+from pirate_sm.engine.program import HandlerSpec
 from pirate_sm.engine.records import often_replaced
 from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import Finished, Mark, RobotState
+from pirate_sm.engine.robot_state import STOPPED, Finished, Mark, RobotState, obeyed, states_of
 from pirate_sm.engine.seeing import Look
 from pirate_sm.engine.sensing import Sensing
 from pirate_sm.model.effects import Outcome
 
 Words = tuple[str | None, ...]
-
-
-class Setting(NamedTuple):
-    """What does not change during a run."""
-
-    robot: RobotSpec
-    program: Program
 
 
 class Ending(NamedTuple):
@@ -163,3 +156,26 @@ class EngineState(NamedTuple):
     rules: tuple[int, ...] = ()
     surveyed: Surveyed = Surveyed()
     look: Look | None = None
+
+    def moved(self, robot: RobotSpec, body: RobotState) -> EngineState:
+        """Return the state with the robot as it is now; the words say its configuration."""
+        if body.configuration == self.robot.configuration:
+            return self._replace(robot=body)
+        return self._replace(robot=body, words=(*states_of(robot, body), *self.words[-2:]))
+
+    def finished(self, command: Finished | None) -> EngineState:
+        """Return the state in which the mission knows how its command ended.
+
+        During a pause commands are the operator's.
+        """
+        if command is None or self.mission.paused:
+            return self
+        return self._replace(mission=self.mission._replace(result=command))
+
+    def obeyed_words(self, robot: RobotSpec) -> Words:
+        """Return what rules for faults see: wheels stopped by a pause or a fault are not stuck."""
+        if self.mission.before_pause is None:
+            marks = self.robot.marks  # mostly none: do not begin to look
+            if not marks or all(mark.command != STOPPED for mark in marks):
+                return self.words
+        return (*obeyed(robot, self.robot), *self.words[-2:])

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from pirate_sm.engine import rules
 from pirate_sm.engine.ending import end
-from pirate_sm.engine.state import EngineState, Setting
-from pirate_sm.model.effects import Effect, Fault, Log
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import Fault
 
 
-def watch(
-    setting: Setting, before: EngineState, state: EngineState, now: float, effects: list[Effect]
-) -> EngineState:
+def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
     """The rules know what has become of the robot; one that the mission breaks ends it.
 
     What the operator commands is theirs to answer for: it is told, and the mission goes on.
@@ -22,17 +21,15 @@ def watch(
         return state
     if not accepted and state.mission.diverting is not None:
         return state  # the mission has broken nothing: its wheels are stopped before the handler
-    name = setting.robot.commands[motion.command].name if motion is not None else None
+    name = moment.robot.commands[motion.command].name if motion is not None else None
     places, broken = rules.follow(
-        setting.program, setting.robot, state.rules, new, int(accepted), name if accepted else None
+        moment.program, moment.robot, state.rules, new, int(accepted), name if accepted else None
     )
     state = state._replace(rules=places)
     for rule in broken:
         if motion is not None and not motion.place:
-            effects.append(Log("warning", f"{name}, given by hand, violates {rules.said(rule)}"))
+            moment.warn(f"{name}, given by hand, violates {rules.said(rule)}")
         elif not (state.mission.ending or state.mission.ended):
-            effects.append(Fault(rules.CODE, rules.said(rule), "stop"))
-            state = end(
-                setting, state, "fault", f"{rules.CODE}: {rules.said(rule)}", "", now, effects
-            )
+            moment.tell(Fault(rules.CODE, rules.said(rule), "stop"))
+            state = end(moment, state, "fault", f"{rules.CODE}: {rules.said(rule)}", "")
     return state

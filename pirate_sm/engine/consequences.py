@@ -1,0 +1,140 @@
+"""What follows from an event: what is due, done, broken or next, and when to look again."""
+
+from __future__ import annotations
+
+from math import inf, isnan
+
+from pirate_sm.engine import looking, machine, pausing, robot_state, surroundings
+from pirate_sm.engine.diverting import divert, meet
+from pirate_sm.engine.ending import end, finish
+from pirate_sm.engine.faults import listen, unsettle
+from pirate_sm.engine.interpreter import advance, next_deadline, spoken
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.moments import has_come
+from pirate_sm.engine.sensing import forget_stale
+from pirate_sm.engine.state import EngineState
+from pirate_sm.engine.watching import watch
+from pirate_sm.model.effects import WakeAt
+
+
+def settle(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
+    """Return the state after everything that follows from an event at this moment.
+
+    Args:
+        moment: When it is, and what happens.
+        before: The state before the event.
+        state: The state with the event in it.
+    """
+    due = has_come(moment.now_s, state.wake_at_s)
+    if due:
+        state = _housekeep(moment, state)
+    if moment.now_s >= state.surveyed.due_s and not state.mission.ended:  # nothing follows the end
+        state = surroundings.look_round(moment, state)
+    judged = before
+    if state.mission.ending is not None:
+        state = finish(moment, state)
+    elif not state.mission.ended:
+        if state.look is not None:
+            state = looking.go_on(moment, state, state.look)
+        state = _see_done(moment, state)
+        # Whether the next command would break a rule is asked of where the rules are now.
+        state = judged = _judge(moment, before, state)
+        if not (state.mission.ending or state.mission.ended):
+            state = _go_on(moment, state)
+    state = _judge(moment, judged, state)
+    mission = state.mission
+    if mission.answer is not None or mission.skipped is not None:
+        state = state._replace(mission=spoken(moment, state))
+    changed = (
+        state.robot is not before.robot
+        or state.mission is not before.mission
+        or state.word_until_s != before.word_until_s
+        or state.look is not before.look
+    )
+    if changed or moment.effects or due:
+        state = _set_wake(moment, state)
+    return state
+
+
+def _judge(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
+    if state.robot is before.robot or not state.rules:
+        return state
+    return watch(moment, before, state)
+
+
+def _see_done(moment: Moment, state: EngineState) -> EngineState:
+    if state.robot.motion is None or state.mission.suspended:
+        return state
+    return _watch(moment, state)
+
+
+def _go_on(moment: Moment, state: EngineState) -> EngineState:
+    if state.look is None:  # nothing is commanded before it is over
+        if state.mission.diverting is not None:
+            state = divert(moment, state)
+        if state.mission.pause_wanted:
+            state = pausing.begin_if_wanted(moment, state)
+        state = advance(moment, state)
+    limit_s = moment.program.time_limit_s
+    if limit_s < inf and has_come(state.mission.clock(moment.now_s), limit_s):
+        message = f"the mission's time limit of {limit_s:g} s has passed"
+        state = end(moment, state, "failed", message, "")
+    if state.mission.pause_wanted:
+        state = pausing.begin_if_wanted(moment, state)
+    return state
+
+
+def _watch(moment: Moment, state: EngineState) -> EngineState:
+    robot, finished = machine.watch(
+        moment, state.robot, state.sensing, denied=moment.robot.denied_by(state.faults.raised)
+    )
+    if robot is not state.robot:
+        state = state.moved(moment.robot, robot)
+    return state.finished(finished)
+
+
+def _housekeep(moment: Moment, state: EngineState) -> EngineState:
+    """What grows old has been looked at: signals, boards, the detector's word, the flight."""
+    if has_come(moment.now_s, state.word_until_s):
+        words = (*state.words[:-2], None, state.words[-1])
+        state = state._replace(words=words, word_until_s=inf)
+    robot = machine.resend(moment, state.robot)
+    if robot is not state.robot:
+        state = state._replace(robot=robot)
+    if moment.nominal or not has_come(
+        moment.now_s, state.sensing.checked_s + moment.robot.link.listen_every_s
+    ):
+        return state
+    sensing = forget_stale(moment.robot, state.sensing, moment.now_s)
+    faults = state.faults
+    if sensing.stale != state.sensing.stale:
+        faults = unsettle(moment.robot, faults, sensing, state.obeyed_words(moment.robot))
+    faults, found = listen(moment.robot, faults, sensing, moment.now_s)
+    state = state._replace(sensing=sensing, faults=faults)
+    for fault in found:
+        state = meet(moment, state, fault)
+    return state
+
+
+def _set_wake(moment: Moment, state: EngineState) -> EngineState:
+    """Who drives the engine knows when time alone will change something."""
+    if state.mission.ended:
+        return state
+    body = state.robot
+    if state.mission.suspended:
+        body = body._replace(motion=None)  # its deadline is frozen
+    wake = min(
+        robot_state.next_deadline(moment.robot, body, moment.nominal),
+        next_deadline(moment, state),
+        state.word_until_s,
+    )
+    if state.look is not None and not state.mission.ending:
+        wake = min(wake, state.look.due_s)
+    if moment.nominal:
+        wake = min(wake, state.surveyed.due_s)
+    else:
+        wake = min(wake, state.sensing.checked_s + moment.robot.link.listen_every_s)
+    if wake == state.wake_at_s or isnan(wake):
+        return state
+    moment.tell(WakeAt(wake))
+    return state._replace(wake_at_s=wake)

@@ -1,0 +1,43 @@
+"""What the engine works with while it answers one event."""
+
+from __future__ import annotations
+
+from pirate_sm.engine.program import Program
+from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.model.effects import Effect, Log
+
+
+class Moment:
+    """One moment of a run, and what has happened in it so far.
+
+    Functions take a state and return the next one; what the outside must do or know of it they add
+    to ``effects`` in order (decision 38).
+
+    Args:
+        robot: What runs.
+        program: The mission.
+        now_s: Seconds since the run began.
+        nominal: Whether commands are taken as done after their nominal duration.
+
+    Attributes:
+        effects: What has happened, in order.
+    """
+
+    __slots__ = ("effects", "nominal", "now_s", "program", "robot")
+
+    def __init__(
+        self, robot: RobotSpec, program: Program, now_s: float, *, nominal: bool = False
+    ) -> None:
+        self.robot = robot
+        self.program = program
+        self.now_s = now_s
+        self.nominal = nominal
+        self.effects: list[Effect] = []
+
+    def tell(self, effect: Effect) -> None:
+        """Add what has happened."""
+        self.effects.append(effect)
+
+    def warn(self, message: str) -> None:
+        """Add a warning for the operator."""
+        self.effects.append(Log("warning", message))
