@@ -17,7 +17,9 @@ from pirate_sm.engine.watching import watch
 from pirate_sm.model.effects import WakeAt
 
 
-def settle(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
+def settle(  # noqa: C901 - asked at every event, so most of it is asked here
+    moment: Moment, before: EngineState, state: EngineState
+) -> EngineState:
     """Return the state after everything that follows from an event at this moment.
 
     Args:
@@ -36,12 +38,15 @@ def settle(moment: Moment, before: EngineState, state: EngineState) -> EngineSta
     elif not state.mission.ended:
         if state.look is not None:
             state = looking.go_on(moment, state, state.look)
-        state = _see_done(moment, state)
+        if state.robot.motion is not None and not state.mission.suspended:
+            state = _watch(moment, state)
         # Whether the next command would break a rule is asked of where the rules are now.
-        state = judged = _judge(moment, before, state)
+        if state.robot is not before.robot:
+            state = judged = watch(moment, before, state)
         if not (state.mission.ending or state.mission.ended):
             state = _go_on(moment, state)
-    state = _judge(moment, judged, state)
+    if state.robot is not judged.robot:
+        state = watch(moment, judged, state)
     mission = state.mission
     if mission.answer is not None or mission.skipped is not None:
         state = state._replace(mission=spoken(moment, state))
@@ -54,18 +59,6 @@ def settle(moment: Moment, before: EngineState, state: EngineState) -> EngineSta
     if changed or moment.effects or due:
         state = _set_wake(moment, state)
     return state
-
-
-def _judge(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
-    if state.robot is before.robot or not state.rules:
-        return state
-    return watch(moment, before, state)
-
-
-def _see_done(moment: Moment, state: EngineState) -> EngineState:
-    if state.robot.motion is None or state.mission.suspended:
-        return state
-    return _watch(moment, state)
 
 
 def _go_on(moment: Moment, state: EngineState) -> EngineState:

@@ -81,7 +81,7 @@ class Engine:
             robot, sensing, mission, no_faults(self.robot), words, rules=following,
             surveyed=environment.nothing_surveyed(nominal=self.nominal), look=look,
         )  # fmt: skip
-        moment = Moment(self.robot, self.program, now_s, nominal=self.nominal)
+        moment = Moment(self.robot, self.program, self.nominal, now_s)
         moment.tell(robot_state.state_change(self.robot, robot))
         for report in seen:
             if isinstance(report, events.SignalReport):
@@ -108,7 +108,7 @@ class Engine:
         """
         if state.mission.ended:
             return state, ()
-        moment = Moment(self.robot, self.program, now_s, nominal=self.nominal)
+        moment = Moment(self.robot, self.program, self.nominal, now_s)
         after = _take(moment, state, event)
         if type(event) is not events.SignalReport:  # that counts from the next event on
             after = settle(moment, state, after)

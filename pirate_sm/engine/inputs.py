@@ -42,7 +42,7 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
 
 
 def _found(moment: Moment, report: FaultReport) -> Found:
-    catchable = moment.robot.fault_codes().get(report.code, True)
+    catchable = moment.robot.fault_codes.get(report.code, True)
     return Found(report.code, report.message, catchable)
 
 

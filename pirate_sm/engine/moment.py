@@ -11,32 +11,28 @@ class Moment:
     """One moment of a run, and what has happened in it so far.
 
     Functions take a state and return the next one; what the outside must do or know of it they add
-    to ``effects`` in order (decision 38).
+    to ``effects`` in order.
 
     Args:
         robot: What runs.
         program: The mission.
-        now_s: Seconds since the run began.
         nominal: Whether commands are taken as done after their nominal duration.
+        now_s: Seconds since the run began.
 
     Attributes:
         effects: What has happened, in order.
+        tell: Adds what has happened.
     """
 
-    __slots__ = ("effects", "nominal", "now_s", "program", "robot")
+    __slots__ = ("effects", "nominal", "now_s", "program", "robot", "tell")
 
-    def __init__(
-        self, robot: RobotSpec, program: Program, now_s: float, *, nominal: bool = False
-    ) -> None:
+    def __init__(self, robot: RobotSpec, program: Program, nominal: bool, now_s: float) -> None:
         self.robot = robot
         self.program = program
         self.now_s = now_s
         self.nominal = nominal
         self.effects: list[Effect] = []
-
-    def tell(self, effect: Effect) -> None:
-        """Add what has happened."""
-        self.effects.append(effect)
+        self.tell = self.effects.append
 
     def warn(self, message: str) -> None:
         """Add a warning for the operator."""

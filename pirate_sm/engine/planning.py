@@ -146,8 +146,8 @@ def _done(
     robot: RobotSpec, program: Program, body: RobotState, sensing: Sensing, command: int
 ) -> RobotState:
     """Return the robot after the command, with each of its arrays accepted and each stage done."""
-    now = Moment(robot, program, 0.0, nominal=True)
-    later = Moment(robot, program, robot.commands[command].nominal_s, nominal=True)
+    now = Moment(robot, program, True, 0.0)
+    later = Moment(robot, program, True, robot.commands[command].nominal_s)
     body = machine.begin(now, body, sensing, command, None, "")
     while body.motion is not None or body.flight is not None:
         if body.flight is not None:

@@ -277,6 +277,8 @@ class RobotSpec:
 
         Each comes with the words of the rule.
         """
+        if not faults:
+            return {}
         rules = [self.faults[index] for index in sorted(faults)]
         return {part: rule.message for rule in rules for part in rule.denies}
 
@@ -316,7 +318,8 @@ class RobotSpec:
             if write.how == "set" and write.value != 0 and write.slot in self.safe_zero
         )
 
-    def fault_codes(self) -> dict[str, bool]:
+    @cached_property
+    def fault_codes(self) -> Mapping[str, bool]:
         """Every fault code of this robot and whether a mission may catch it."""
         known = (*BuiltInFault, *self.faults)
         return {fault.code: fault.catchable for fault in known}

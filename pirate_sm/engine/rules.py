@@ -82,7 +82,7 @@ def forbids(moment: Moment, state: EngineState, command: int) -> str:
     if not state.rules:
         return ""
     robot, program = moment.robot, moment.program
-    trial = Moment(robot, program, 0.0)
+    trial = Moment(robot, program, moment.nominal, 0.0)
     body = machine.begin(trial, state.robot, state.sensing, command, None, "")
     flight = body.flight
     assert flight is not None  # a command begins with an array

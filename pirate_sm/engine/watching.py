@@ -14,6 +14,8 @@ def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
 
     What the operator commands is theirs to answer for: it is told, and the mission goes on.
     """
+    if not state.rules:
+        return state
     old, new = before.robot, state.robot
     motion = new.motion or old.motion
     accepted = old.configuration != new.configuration
