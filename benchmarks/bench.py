@@ -26,7 +26,7 @@ from typing import Any
 from benchmarks.campaign import run
 from benchmarks.console import measure_console
 from benchmarks.recording import measure_recording
-from pirate_sm.engine.chart_table import ChartTable
+from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.wiring import Order

@@ -20,7 +20,7 @@ _SETTLING_S, _WATCHED_S = 5.0, 2.0
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
-    from pirate_sm.engine.robot import RobotSpec
+    from pirate_sm.engine.robot.robot_spec import RobotSpec
     from pirate_sm.loading.mission import LoadedMission
     from pirate_sm.wiring import Order, Prepared
 

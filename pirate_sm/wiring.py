@@ -10,8 +10,8 @@ from pirate_sm.detectors.choice import Detecting, Kind, detecting
 from pirate_sm.detectors.odometry import Odometry
 from pirate_sm.detectors.true_places import TruePlaces
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.program import Wait
-from pirate_sm.engine.robot_state import at_rest_in
+from pirate_sm.engine.mission.program import Wait
+from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission

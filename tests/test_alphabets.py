@@ -42,7 +42,7 @@ ALPHABETS = {
         "model/events.py",
         "| Skip | Abort",
         "NewRequest(NamedTuple)",
-        ("engine/engine.py", "engine/operating.py", "report/timeline.py"),
+        ("engine/engine.py", "engine/mission/operator.py", "report/timeline.py"),
     ),
     "effect": Alphabet(
         "model/effects.py",
@@ -58,14 +58,14 @@ ALPHABETS = {
         ),
     ),
     "instruction": Alphabet(
-        "engine/program.py",
+        "engine/mission/program.py",
         "| Finish",
         "NewInstruction(NamedTuple)",
         (
             "checking/abilities.py",
             "checking/course.py",
             "console/leaping.py",
-            "engine/interpreter.py",
+            "engine/mission/interpreter.py",
         ),
     ),
     "step": Alphabet(
@@ -93,10 +93,10 @@ ALPHABETS = {
         ("drawing/criterion_text.py", "loading/robot_commands.py"),
     ),
     "resolved criterion": Alphabet(
-        "engine/criteria.py",
+        "engine/robot/criteria.py",
         "| BelowSpec",
         "NewCriterionSpec(NamedTuple)",
-        ("checking/robot_limits.py", "engine/done.py"),
+        ("checking/robot_limits.py", "engine/robot/done.py"),
     ),
     "derived signal": Alphabet(
         "model/derived.py",

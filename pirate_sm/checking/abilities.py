@@ -16,9 +16,9 @@ from typing import NamedTuple
 from pirate_sm.checking.exploring.explorer import WITHIN, Exploration, Step, explore
 from pirate_sm.checking.exploring.ledger import Ledger, ledger
 from pirate_sm.checking.mission import conditions_of
-from pirate_sm.engine import program as steps
-from pirate_sm.engine.program import Program
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.mission import program as steps
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import CommandStatus, Ended, PhaseChange
 

@@ -10,7 +10,7 @@ from pirate_sm.checking.exploring.ledger import Ledger
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
 from pirate_sm.checking.reach import within_reach
-from pirate_sm.engine.program import Branch
+from pirate_sm.engine.mission.program import Branch
 from pirate_sm.expressions import Expression
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place

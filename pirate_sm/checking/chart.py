@@ -40,7 +40,7 @@ from pirate_sm.loading.problems import Path, Place, Problems
 if TYPE_CHECKING:
     import ast
 
-    from pirate_sm.engine.chart_table import ChartTable
+    from pirate_sm.engine.robot.chart_table import ChartTable
     from pirate_sm.loading.robot import LoadedRobot
     from pirate_sm.loading.source import Document
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from math import copysign
 from typing import NamedTuple
 
-from pirate_sm.engine import program as steps
-from pirate_sm.engine.program import Program
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.mission import program as steps
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.profile import Profile
 
 MOST_SITUATIONS = 100_000

@@ -7,8 +7,8 @@ from dataclasses import replace
 from pirate_sm.checking.exploring.explorer import explore
 from pirate_sm.checking.exploring.ledger import Ledger, ledger
 from pirate_sm.checking.mission import conditions_of
-from pirate_sm.engine.program import Do, Require
-from pirate_sm.engine.robot_state import RobotState
+from pirate_sm.engine.mission.program import Do, Require
+from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.loading.mission import LoadedMission
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from math import cos, inf, sin, sqrt, tan
 from typing import NamedTuple
 
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.pipe import Mitre, Pipe
 from pirate_sm.model.profile import Profile
 

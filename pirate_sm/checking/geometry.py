@@ -13,7 +13,7 @@ from math import copysign, degrees, pi, remainder
 from pirate_sm.checking.course import Bends, Course, Situation, course_of
 from pirate_sm.checking.findings import Finding, Severity, at
 from pirate_sm.checking.fit import Fit, Leg, legs_of
-from pirate_sm.engine.program import Do
+from pirate_sm.engine.mission.program import Do
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
 from pirate_sm.loading.source import Document

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from pirate_sm.loading.chart_outline import ANY_OF
 
 if TYPE_CHECKING:
-    from pirate_sm.engine.chart_table import ChartTable
+    from pirate_sm.engine.robot.chart_table import ChartTable
 
 MOST_COMBINATIONS = 4096
 """Over more thinkable combinations than this a guard counts as neither always true nor never."""

@@ -22,7 +22,7 @@ from pirate_sm.checking.reach import reach_findings, within_reach
 from pirate_sm.checking.refusals import refusal_findings
 from pirate_sm.checking.times import time_findings
 from pirate_sm.checking.waits import wait_findings
-from pirate_sm.engine.program import Do, Program, Raise, Require, Say
+from pirate_sm.engine.mission.program import Do, Program, Raise, Require, Say
 from pirate_sm.loading.mission import TOLERABLE, LoadedMission, read_mission
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.source import Document

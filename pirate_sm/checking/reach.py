@@ -12,7 +12,7 @@ from pirate_sm.checking.exploring.pieces import borders, samples, signals
 from pirate_sm.checking.exploring.ranges import ANYTHING, Range, ranges
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
-from pirate_sm.engine.program import Branch, TriggerSpec, Wait
+from pirate_sm.engine.mission.program import Branch, TriggerSpec, Wait
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, tree
 from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.loading.mission import LoadedMission

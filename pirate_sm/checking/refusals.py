@@ -9,7 +9,7 @@ from pirate_sm.checking.exploring.ledger import Ledger, Visits
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
 from pirate_sm.checking.way import way
-from pirate_sm.engine.program import STOP, Do, Program, Require
+from pirate_sm.engine.mission.program import STOP, Do, Program, Require
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import CommandStatus
 

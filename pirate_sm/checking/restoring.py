@@ -7,8 +7,8 @@ from collections.abc import Collection, Mapping
 from pirate_sm.checking.entries import why_not_from
 from pirate_sm.checking.exploring.explorer import explore
 from pirate_sm.checking.mission import conditions_of
-from pirate_sm.engine.planning import Plan, RulePlaces, plans
-from pirate_sm.engine.robot_state import RobotState, at_rest_in
+from pirate_sm.engine.robot.planning import Plan, RulePlaces, plans
+from pirate_sm.engine.robot.robot_state import RobotState, at_rest_in
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import PhaseChange
 

@@ -7,7 +7,7 @@ from math import degrees, inf
 
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot_view import RobotView
-from pirate_sm.engine.criteria import (
+from pirate_sm.engine.robot.criteria import (
     AcceptedSpec,
     AlignedSpec,
     BelowSpec,

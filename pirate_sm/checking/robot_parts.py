@@ -7,7 +7,7 @@ from math import copysign
 
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot_view import RobotView, Written
-from pirate_sm.engine.criteria import AcceptedSpec, StalledSpec
+from pirate_sm.engine.robot.criteria import AcceptedSpec, StalledSpec
 
 
 def check_parts(view: RobotView) -> Iterator[Finding]:

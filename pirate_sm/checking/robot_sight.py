@@ -6,8 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot_view import RobotView
-from pirate_sm.engine.criteria import AcceptedSpec
-from pirate_sm.engine.sight import (
+from pirate_sm.engine.robot.confirmation_spec import (
     AnglesSpec,
     DrivenSpec,
     HeldSpec,
@@ -15,6 +14,7 @@ from pirate_sm.engine.sight import (
     SeenSpec,
     StandingSpec,
 )
+from pirate_sm.engine.robot.criteria import AcceptedSpec
 from pirate_sm.loading.problems import Path
 
 

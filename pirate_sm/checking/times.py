@@ -10,7 +10,7 @@ from pirate_sm.checking.exploring.explorer import Exploration
 from pirate_sm.checking.exploring.ledger import Ledger
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
-from pirate_sm.engine.program import Do, Question
+from pirate_sm.engine.mission.program import Do, Question
 from pirate_sm.loading.mission import LoadedMission
 
 

@@ -10,7 +10,7 @@ from pirate_sm.checking.exploring.ledger import Ledger
 from pirate_sm.checking.exploring.ranges import ranges
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.places import Places
-from pirate_sm.engine.program import Branch, Program, TriggerSpec, Wait
+from pirate_sm.engine.mission.program import Branch, Program, TriggerSpec, Wait
 from pirate_sm.expressions import Expression, tree
 from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.loading.mission import LoadedMission

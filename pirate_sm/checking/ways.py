@@ -6,11 +6,11 @@ from collections.abc import Collection, Iterable, Mapping
 from itertools import combinations
 from typing import NamedTuple
 
-from pirate_sm.engine.chart_table import ChartTable, Configuration
-from pirate_sm.engine.planning import Plan, plans
-from pirate_sm.engine.program import Program
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import RobotState, refusal
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.robot.chart_table import ChartTable, Configuration
+from pirate_sm.engine.robot.planning import Plan, plans
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import RobotState, refusal
 
 Wanted = Mapping[int, str]
 """By the index of a region the state that it shall come to; the others do not matter."""

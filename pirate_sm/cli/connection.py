@@ -9,7 +9,7 @@ from pathlib import Path
 from pirate_sm.backends.pico.assembly import STAY_S, guarded_port, read_plan
 from pirate_sm.diagnosis.facts import Subject
 from pirate_sm.diagnosis.listening import Listening
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import LoadedRobot, load_robot

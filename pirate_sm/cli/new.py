@@ -8,7 +8,7 @@ from importlib import resources
 from pathlib import Path
 from string import Template
 
-from pirate_sm.engine.robot_state import at_rest_in, refusal
+from pirate_sm.engine.robot.robot_state import at_rest_in, refusal
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import LoadedRobot, load_robot

@@ -16,9 +16,9 @@ from typing import Any
 from pirate_sm.checking.restoring import beginnings, restoring
 from pirate_sm.checking.ways import Way, hindered, way_to
 from pirate_sm.cli.run import read_pairs
-from pirate_sm.engine.planning import Plan
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import RobotState, at_rest_in, states_of
+from pirate_sm.engine.robot.planning import Plan
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import RobotState, at_rest_in, states_of
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.by_hand import by_hand

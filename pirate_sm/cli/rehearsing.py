@@ -9,8 +9,8 @@ from pathlib import Path
 
 from pirate_sm.checking.rehearsal import Nearly, Rehearsal, Rehearse, RehearsedRun
 from pirate_sm.cli.guard import say
-from pirate_sm.engine.moments import ROUNDING_S
-from pirate_sm.engine.program import Wait
+from pirate_sm.engine.deadlines import ROUNDING_S
+from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.folders import shown
 from pirate_sm.loading.mission import LoadedMission

@@ -16,7 +16,7 @@ from pirate_sm.console.dialogs import Choice, Confirm, Pick
 from pirate_sm.console.driver import STOP_KEY
 from pirate_sm.console.leaping import not_passed
 from pirate_sm.console.shelf import Listed, load_listed, shelf
-from pirate_sm.engine.planning import Plan
+from pirate_sm.engine.robot.planning import Plan
 from pirate_sm.errors import PirateError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import Answer, DetectorWord, Event, OperatorCommand, Pause, Skip, Step

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from string import ascii_lowercase
 
-from pirate_sm.engine.criteria import StoppedSpec
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import at_rest_in
+from pirate_sm.engine.robot.criteria import StoppedSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import at_rest_in
 
 LEAVE = "q"
 CONTROLS: Mapping[str, str] = {

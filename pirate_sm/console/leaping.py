@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator
 
-from pirate_sm.engine import program as steps
-from pirate_sm.engine.program import Program, Wait
+from pirate_sm.engine.mission import program as steps
+from pirate_sm.engine.mission.program import Program, Wait
 
 
 def not_passed(program: Program, phase: str, passed: Container[str]) -> str:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from rich.text import Text
 
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.showing.styled import MUTED, STRONG, line
 from pirate_sm.showing.telling import shortened
 

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 from pirate_sm.checking.entries import why_not_from
 from pirate_sm.console.keys import CONTROLS
-from pirate_sm.engine.operating import why_not_command
-from pirate_sm.engine.pausing import why_not_on, why_not_to
-from pirate_sm.engine.program import Wait
-from pirate_sm.engine.robot_state import RobotState, state_change
+from pirate_sm.engine.mission.operator import why_not_command
+from pirate_sm.engine.mission.pausing import why_not_on, why_not_to
+from pirate_sm.engine.mission.program import Wait
+from pirate_sm.engine.robot.robot_state import RobotState, state_change
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import GoTo, Resume
 from pirate_sm.showing.snapshot import Scene, Snapshot

@@ -11,9 +11,9 @@ from pirate_sm.checking.restoring import Beginnings, beginnings, restoring
 from pirate_sm.console.dialogs import Choice
 from pirate_sm.console.giving import Series
 from pirate_sm.console.reasons import Situation
-from pirate_sm.engine.planning import Plan
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import RobotState, state_change
+from pirate_sm.engine.robot.planning import Plan
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import RobotState, state_change
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.events import GoTo
 from pirate_sm.showing.snapshot import Scene

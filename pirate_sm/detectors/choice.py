@@ -9,7 +9,7 @@ from pirate_sm.detectors.listener import Address, read_address
 from pirate_sm.detectors.odometry import Odometry
 from pirate_sm.detectors.outside import OutsideWords
 from pirate_sm.detectors.true_places import TruePlaces
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile

@@ -12,7 +12,7 @@ from math import inf, isnan, nan
 from statistics import median
 
 from pirate_sm.detectors.rolling import Rolling
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 
 _PIECE_S = 0.3

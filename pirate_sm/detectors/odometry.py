@@ -9,9 +9,9 @@ from pirate_sm.detectors.odometer import Odometer
 from pirate_sm.detectors.reckoning import Reckoned, Reckoner
 from pirate_sm.detectors.route import Route
 from pirate_sm.detectors.words import Detector, words_of
-from pirate_sm.engine.body import WHOLE
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import confirmed_parts
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import confirmed_parts
+from pirate_sm.engine.sensing.body_spec import WHOLE
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import UsageError
 from pirate_sm.model.effects import Effect, Log

@@ -22,7 +22,7 @@ from math import cos, isnan, nan, sin
 from typing import NamedTuple
 
 from pirate_sm.detectors.route import Leg, Place, Route
-from pirate_sm.engine.body import WHOLE, BodySpec, known
+from pirate_sm.engine.sensing.body_spec import WHOLE, BodySpec, known
 
 _UNKNOWN: Place = (nan, nan)
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from math import inf, isnan
 
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 
 

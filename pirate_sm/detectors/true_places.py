@@ -7,7 +7,7 @@ from random import Random
 
 from pirate_sm.detectors.odometry import LOOK_EVERY_S
 from pirate_sm.detectors.words import Detector, words_of
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import DetectorWord, Event

@@ -8,7 +8,7 @@ from math import isfinite
 from typing import Any, Literal, NamedTuple
 
 from pirate_sm.backends.pico.plan import Plan
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.profile import Profile
 from pirate_sm.units import (
     ACCELERATION,

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from math import inf, isnan, nan
 
 from pirate_sm.diagnosis.facts import BoardFact, ChannelFact, Subject, shown
-from pirate_sm.engine.channels import Reading
-from pirate_sm.engine.plausibility import sift, unseen
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.sensing import convert
-from pirate_sm.engine.watched import WatchedSpec, WatchSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.sensing.conversion import convert
+from pirate_sm.engine.sensing.plausibility import sift, unseen
+from pirate_sm.engine.sensing.plausibility_spec import WatchedSpec, WatchSpec
+from pirate_sm.engine.sensing.sensor_memory import Reading
 from pirate_sm.expressions import NumberType
 from pirate_sm.model.events import SensorFrame
 from pirate_sm.model.fault_codes import BuiltInFault

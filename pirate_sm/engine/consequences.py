@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from math import inf, isnan
 
-from pirate_sm.engine import looking, machine, pausing, robot_state, surroundings
-from pirate_sm.engine.diverting import divert, meet
-from pirate_sm.engine.ending import end, finish
-from pirate_sm.engine.faults import listen, unsettle
-from pirate_sm.engine.interpreter import advance, next_deadline, spoken
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.mission import pausing
+from pirate_sm.engine.mission.diverting import divert, meet
+from pirate_sm.engine.mission.ending import end, finish
+from pirate_sm.engine.mission.interpreter import advance, next_deadline, spoken
 from pirate_sm.engine.moment import Moment
-from pirate_sm.engine.moments import has_come
-from pirate_sm.engine.sensing import forget_stale
+from pirate_sm.engine.robot import commands, robot_state, start_check
+from pirate_sm.engine.safety.faults import listen, unsettle
+from pirate_sm.engine.safety.rule_watch import watch
+from pirate_sm.engine.sensing import surroundings
+from pirate_sm.engine.sensing.conversion import forget_stale
 from pirate_sm.engine.state import EngineState
-from pirate_sm.engine.watching import watch
 from pirate_sm.model.effects import WakeAt
 
 
@@ -37,7 +39,7 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
         state = finish(moment, state)
     elif not state.mission.ended:
         if state.look is not None:
-            state = looking.go_on(moment, state, state.look)
+            state = start_check.go_on(moment, state, state.look)
         if state.robot.motion is not None and not state.mission.suspended:
             state = _watch(moment, state)
         # Whether the next command would break a rule is asked of where the rules are now.
@@ -78,7 +80,7 @@ def _go_on(moment: Moment, state: EngineState) -> EngineState:
 
 
 def _watch(moment: Moment, state: EngineState) -> EngineState:
-    robot, finished = machine.watch(
+    robot, finished = commands.watch(
         moment, state.robot, state.sensing, denied=moment.robot.denied_by(state.faults.raised)
     )
     if robot is not state.robot:
@@ -91,7 +93,7 @@ def _housekeep(moment: Moment, state: EngineState) -> EngineState:
     if has_come(moment.now_s, state.word_until_s):
         words = (*state.words[:-2], None, state.words[-1])
         state = state._replace(words=words, word_until_s=inf)
-    robot = machine.resend(moment, state.robot)
+    robot = commands.resend(moment, state.robot)
     if robot is not state.robot:
         state = state._replace(robot=robot)
     if moment.nominal or not has_come(

@@ -8,23 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pirate_sm.engine import (
-    environment,
-    inputs,
-    operating,
-    robot_state,
-    rules,
-    scripted,
-    seeing,
-    surroundings,
-)
+from pirate_sm.engine import inputs
 from pirate_sm.engine.consequences import settle
-from pirate_sm.engine.faults import no_faults
+from pirate_sm.engine.mission import operator, scripted_signals
+from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.moment import Moment
-from pirate_sm.engine.program import Program
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import RobotState
-from pirate_sm.engine.sensing import nothing_known, observe
+from pirate_sm.engine.robot import confirmation, robot_state
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import RobotState
+from pirate_sm.engine.safety import rules
+from pirate_sm.engine.safety.faults import no_faults
+from pirate_sm.engine.sensing import environment, surroundings
+from pirate_sm.engine.sensing.conversion import nothing_known, observe
 from pirate_sm.engine.state import EngineState, MissionState
 from pirate_sm.model import events
 from pirate_sm.model.effects import Effect
@@ -76,7 +71,7 @@ class Engine:
         words = (*robot_state.states_of(self.robot, robot), None, None)
         mission = MissionState(self.program.start, offset_s=now_s, pause_wanted=paused)
         following, _ = rules.follow(self.program, self.robot, rules.unseen(self.program), robot, 0)
-        look = None if self.nominal else seeing.begin(self.robot, robot, now_s)
+        look = None if self.nominal else confirmation.begin(self.robot, robot, now_s)
         state = EngineState(
             robot, sensing, mission, no_faults(self.robot), words, rules=following,
             surveyed=environment.nothing_surveyed(nominal=self.nominal), look=look,
@@ -85,12 +80,12 @@ class Engine:
         moment.tell(robot_state.state_change(self.robot, robot))
         for report in seen:
             if isinstance(report, events.SignalReport):
-                state = scripted.told(moment, state, report)
+                state = scripted_signals.told(moment, state, report)
         return settle(moment, state, state), tuple(moment.effects)
 
     def _declared(self) -> RobotState:
         """The robot as the program says it is: on paper that is so, sensors must confirm it."""
-        declared = robot_state.at_rest_in if self.nominal else seeing.declared_in
+        declared = robot_state.at_rest_in if self.nominal else confirmation.declared_in
         return declared(self.robot, self.program.start_configuration)
 
     def step(
@@ -137,7 +132,7 @@ def _take(moment: Moment, state: EngineState, event: events.Event) -> EngineStat
         case events.Tick():
             return state
         case events.SignalReport():
-            return scripted.told(moment, state, event)
+            return scripted_signals.told(moment, state, event)
         case events.DetectorWord():
             return inputs.word(moment, state, event)
         case events.EnvironmentReport():
@@ -145,6 +140,6 @@ def _take(moment: Moment, state: EngineState, event: events.Event) -> EngineStat
         case events.FaultReport():
             return inputs.fault_report(moment, state, event)
         case events.CommandFailed():
-            return scripted.undone(moment, state, event)
+            return scripted_signals.undone(moment, state, event)
         case _:
-            return operating.obey(moment, state, event)
+            return operator.obey(moment, state, event)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from pirate_sm.engine import machine
-from pirate_sm.engine.diverting import meet
-from pirate_sm.engine.faults import ANEW, Found, begin_anew, look, unsettle
+from pirate_sm.engine.mission.diverting import meet
 from pirate_sm.engine.moment import Moment
-from pirate_sm.engine.sensing import observe
+from pirate_sm.engine.robot import commands
+from pirate_sm.engine.safety.faults import ANEW, Found, begin_anew, look, unsettle
+from pirate_sm.engine.sensing.conversion import observe
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Detected
 from pirate_sm.model.events import DetectorWord, FaultReport, SensorFrame, SubmitResult
@@ -61,7 +61,7 @@ def word(moment: Moment, state: EngineState, event: DetectorWord) -> EngineState
 def submitted(moment: Moment, state: EngineState, event: SubmitResult) -> EngineState:
     """Take in what has become of an array; a stop or loop that was not sent is a fault."""
     flight = state.robot.flight
-    robot, finished = machine.resolve(moment, state.robot, event)
+    robot, finished = commands.resolve(moment, state.robot, event)
     state = state.moved(moment.robot, robot)
     state = state.finished(finished)
     if flight is None or event.setpoint_id != flight.setpoint_id:

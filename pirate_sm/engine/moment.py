@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from pirate_sm.engine.program import Program
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.effects import Effect, Log
 
 

@@ -5,14 +5,21 @@ from __future__ import annotations
 from math import inf, isnan, nan
 from typing import NamedTuple
 
-from pirate_sm.engine.done import Loop
-from pirate_sm.engine.environment import Surveyed
-from pirate_sm.engine.program import HandlerSpec
+from pirate_sm.engine.control.position_loop import Loop
+from pirate_sm.engine.mission.program import HandlerSpec
 from pirate_sm.engine.records import often_replaced
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import STOPPED, Finished, Mark, RobotState, obeyed, states_of
-from pirate_sm.engine.seeing import Look
-from pirate_sm.engine.sensing import Sensing
+from pirate_sm.engine.robot.confirmation import Look
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import (
+    STOPPED,
+    Finished,
+    Mark,
+    RobotState,
+    obeyed,
+    states_of,
+)
+from pirate_sm.engine.sensing.conversion import Sensing
+from pirate_sm.engine.sensing.environment import Surveyed
 from pirate_sm.model.effects import Outcome
 
 Words = tuple[str | None, ...]
@@ -142,7 +149,7 @@ class EngineState(NamedTuple):
         word_until_s: Until when the detector's word is valid.
         wake_at_s: When time alone will change something.
         look: While the sensors are compared with what is declared; nothing is commanded then.
-        rules: Where each safety rule of the program is, see :mod:`pirate_sm.engine.rules`.
+        rules: Where each safety rule of the program is, see :mod:`pirate_sm.engine.safety.rules`.
         surveyed: The pipe around the robot.
     """
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from pirate_sm.engine.program import HandlerSpec, Instruction
+from pirate_sm.engine.mission.program import HandlerSpec, Instruction
 from pirate_sm.loading.problems import Path, Problems
 
 MOST_INSTRUCTIONS = 20_000

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import inf
 
-from pirate_sm.engine.program import Enter, HandlerSpec, Program, Wait
+from pirate_sm.engine.mission.program import Enter, HandlerSpec, Program, Wait
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.model.mission import End, Mission, Phase

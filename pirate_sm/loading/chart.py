@@ -11,7 +11,7 @@ import json
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from pirate_sm.engine.chart_table import ChartTable, Configuration
+from pirate_sm.engine.robot.chart_table import ChartTable, Configuration
 from pirate_sm.loading.chart_outline import ANY_OF, ChartOutline, Node
 from pirate_sm.loading.problems import Problems
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from platformdirs import user_cache_path
 
-from pirate_sm.engine.chart_table import ChartTable
+from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.loading import chart
 from pirate_sm.loading.chart import compile_chart
 from pirate_sm.loading.chart_outline import ChartOutline

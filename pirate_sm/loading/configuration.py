@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
-from pirate_sm.engine.chart_table import ChartTable
+from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.scope import Source

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 
-from pirate_sm.engine.program import Program
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, parameters, references
 from pirate_sm.loading.folders import shown

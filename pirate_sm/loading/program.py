@@ -6,8 +6,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 
-from pirate_sm.engine import program as out
-from pirate_sm.engine.program import Program
+from pirate_sm.engine.mission import program as out
+from pirate_sm.engine.mission.program import Program
 from pirate_sm.loading import parameters
 from pirate_sm.loading.assembly import MOST_INSTRUCTIONS, Assembly, Label, TooLongError
 from pirate_sm.loading.calls import Calls, robot_of

@@ -7,9 +7,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from pirate_sm.engine.chart_table import ChartTable
-from pirate_sm.engine.program import RuleSpec
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.mission.program import RuleSpec
+from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import references
 from pirate_sm.loading.chart_cache import cached_table

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pirate_sm.engine.body import BodySpec, Imu, Vee
+from pirate_sm.engine.sensing.body_spec import BodySpec, Imu, Vee
 from pirate_sm.loading.robot_signals import Signals
 from pirate_sm.model import derived as kinds
 from pirate_sm.model import profile as model

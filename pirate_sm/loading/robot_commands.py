@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from pirate_sm.engine.chart_table import ChartTable
-from pirate_sm.engine.criteria import (
+from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.robot.criteria import (
     AcceptedSpec,
     AlignedSpec,
     BelowSpec,
@@ -15,7 +15,7 @@ from pirate_sm.engine.criteria import (
     StoppedSpec,
     TurningSpec,
 )
-from pirate_sm.engine.robot import CommandSpec, FaultSpec, PostureSpec
+from pirate_sm.engine.robot.robot_spec import CommandSpec, FaultSpec, PostureSpec
 from pirate_sm.expressions import Expression, ExpressionError, NumberType, compile_condition
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_signals import Signals

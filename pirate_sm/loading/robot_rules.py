@@ -1,10 +1,10 @@
-"""The safety rules of a robot, compiled; their conditions see what ``engine.rules`` tells."""
+"""Compile the safety rules of a robot, for :mod:`pirate_sm.engine.safety.rules`."""
 
 from __future__ import annotations
 
-from pirate_sm.engine import rules as watched
-from pirate_sm.engine.chart_table import ChartTable
-from pirate_sm.engine.program import RuleSpec
+from pirate_sm.engine.mission.program import RuleSpec
+from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.safety import rules as watched
 from pirate_sm.expressions import (
     EnumType,
     Expression,

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import copysign, inf
 
-from pirate_sm.engine.chart_table import ChartTable
-from pirate_sm.engine.criteria import AcceptedSpec
-from pirate_sm.engine.robot import SlotSpec, StageSpec, Write
-from pirate_sm.engine.sight import (
+from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.robot.confirmation_spec import (
     AnglesSpec,
     DrivenSpec,
     HeldSpec,
@@ -18,6 +16,8 @@ from pirate_sm.engine.sight import (
     Sight,
     StandingSpec,
 )
+from pirate_sm.engine.robot.criteria import AcceptedSpec
+from pirate_sm.engine.robot.robot_spec import SlotSpec, StageSpec, Write
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_signals import Signals
 from pirate_sm.model import seen as model

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from pirate_sm.engine.chart_table import ChartTable
-from pirate_sm.engine.environment import SEGMENTS
-from pirate_sm.engine.robot import BoardSpec, FaultSpec, LinkSpec, Vector, WheelSpec
+from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.robot.robot_spec import BoardSpec, FaultSpec, LinkSpec, Vector, WheelSpec
+from pirate_sm.engine.sensing.environment import SEGMENTS
 from pirate_sm.expressions import (
     EnumType,
     ExpressionError,

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.expressions import Expression, ExpressionError, compile_condition
 from pirate_sm.loading.assembly import Handlers, Label
 from pirate_sm.loading.parameters import Value, Values

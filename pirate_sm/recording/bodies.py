@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from pirate_sm.engine.robot_state import Mark, RobotState
+from pirate_sm.engine.robot.robot_state import Mark, RobotState
 from pirate_sm.recording.json_values import NUMBERS, text, whole
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.expressions import NumberType
 from pirate_sm.units import DIMENSIONLESS, Dimension, format_quantity
 

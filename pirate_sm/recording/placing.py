@@ -6,8 +6,8 @@ from math import isnan
 
 from pirate_sm.detectors.reckoning import Reckoned, Reckoner
 from pirate_sm.detectors.route import Place, Route
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import confirmed_parts
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.body import Body
 from pirate_sm.model.pipe import Pipe, Straight

@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from pirate_sm.engine.program import Wait
+from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.loading.calibration import with_zeros
 from pirate_sm.loading.mission import LoadedMission, load_mission

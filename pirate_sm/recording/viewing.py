@@ -15,7 +15,7 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 from pirate_sm.detectors.route import Place
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.expressions import EnumType
 from pirate_sm.loading.mission import LoadedMission

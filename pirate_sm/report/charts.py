@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from math import degrees, isnan, nan
 
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model import derived as kinds
 from pirate_sm.model.profile import Profile, Slot
 from pirate_sm.report.model import Chart, Series

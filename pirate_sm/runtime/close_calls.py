@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from math import inf, isinf, isnan
 from typing import TYPE_CHECKING, NamedTuple
 
-from pirate_sm.engine.program import Program, Wait
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import RobotState, obeyed
+from pirate_sm.engine.mission.program import Program, Wait
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import RobotState, obeyed
 from pirate_sm.engine.state import EngineState
 from pirate_sm.expressions import tree
 from pirate_sm.model.effects import CommandStatus, Effect, Fault, TriggerFired, WaitArmed

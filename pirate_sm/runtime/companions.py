@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from math import inf
 from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, runtime_checkable
 
-from pirate_sm.engine.program import Program, Wait
+from pirate_sm.engine.mission.program import Program, Wait
 from pirate_sm.model.effects import (
     Ask,
     Effect,
@@ -19,7 +19,7 @@ from pirate_sm.model.effects import (
 from pirate_sm.model.events import Abort, Answer, Event, Skip
 
 if TYPE_CHECKING:
-    from pirate_sm.engine.robot import RobotSpec
+    from pirate_sm.engine.robot.robot_spec import RobotSpec
     from pirate_sm.engine.state import EngineState
     from pirate_sm.runtime.loop import MissionRun
 

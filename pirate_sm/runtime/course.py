@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import inf, isfinite
 
-from pirate_sm.engine.program import Program, Question, Wait
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.mission.program import Program, Question, Wait
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.course import Happening
 from pirate_sm.model.effects import (

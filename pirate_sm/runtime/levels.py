@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
-from pirate_sm.engine.robot import FaultSpec
+from pirate_sm.engine.robot.robot_spec import FaultSpec
 from pirate_sm.expressions import BOOLEAN, Expression, NumberType, Vocabulary, tree
 from pirate_sm.units import DIMENSIONLESS, Dimension, format_quantity
 

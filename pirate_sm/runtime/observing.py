@@ -9,7 +9,7 @@ from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 
 if TYPE_CHECKING:
-    from pirate_sm.engine.robot_state import RobotState
+    from pirate_sm.engine.robot.robot_state import RobotState
 
 PULSE_S = 0.05
 

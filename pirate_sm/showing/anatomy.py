@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.expressions.tree import Signal, walk
 from pirate_sm.model import derived as kinds
 from pirate_sm.model.profile import Profile, Slot

@@ -6,8 +6,8 @@ from math import isinf, isnan
 
 from rich.text import Text
 
-from pirate_sm.engine.program import Question, Wait
-from pirate_sm.engine.robot_state import state_change
+from pirate_sm.engine.mission.program import Question, Wait
+from pirate_sm.engine.robot.robot_state import state_change
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.showing.memory import Told

@@ -6,7 +6,7 @@ from itertools import pairwise
 from math import cos, inf, isnan, sin
 from typing import NamedTuple
 
-from pirate_sm.engine.robot_state import confirmed_parts
+from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.showing.snapshot import Snapshot
 
 Place = tuple[float, float]

@@ -9,7 +9,7 @@ from math import nan
 from typing import TYPE_CHECKING
 
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.by_hand import BY_HAND
 from pirate_sm.loading.mission import LoadedMission

@@ -7,7 +7,7 @@ from itertools import takewhile
 from math import degrees, isinf
 from typing import TYPE_CHECKING, NamedTuple
 
-from pirate_sm.engine.robot import RobotSpec, SlotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec, SlotSpec
 from pirate_sm.model import effects as fx
 
 if TYPE_CHECKING:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from agreement.running import Run, situation
 from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.mission import MissionCheck
-from pirate_sm.engine import rules
-from pirate_sm.engine.interpreter import ROUND_AND_ROUND
-from pirate_sm.engine.program import Do, Require, Wait
+from pirate_sm.engine.mission.interpreter import ROUND_AND_ROUND
+from pirate_sm.engine.mission.program import Do, Require, Wait
+from pirate_sm.engine.safety import rules
 from pirate_sm.model import effects as fx
 
 CERTAIN = {"step.impossible", "step.unneeded"}

@@ -10,7 +10,7 @@ from pirate_sm.checking.counterexamples import SCRIPT_SUFFIX, write_counterexamp
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission import MissionCheck
 from pirate_sm.cli.script import read_script
-from pirate_sm.engine import rules
+from pirate_sm.engine.safety import rules
 from pirate_sm.model import effects as fx
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.stopping import Stop, StopRequests

@@ -17,7 +17,7 @@ from typing import Any
 
 import yaml
 
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.robot import load_robot
 

@@ -8,10 +8,10 @@ from math import inf, isfinite, isnan, nan
 from random import Random
 
 from pirate_sm.checking.exploring.ranges import ANYTHING, ranges
-from pirate_sm.engine import robot_state
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.program import Branch, Program, Question, Wait
-from pirate_sm.engine.robot_state import at_rest_in
+from pirate_sm.engine.mission.program import Branch, Program, Question, Wait
+from pirate_sm.engine.robot import robot_state
+from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.engine.state import EngineState
 from pirate_sm.expressions import EnumType, Expression, tree
 from pirate_sm.loading.mission import LoadedMission

@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 from agreement.running import conditions_in
 from pirate_sm.checking.exploring.ranges import ANYTHING, ranges
-from pirate_sm.engine import robot_state
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.program import Question, Wait
+from pirate_sm.engine.mission.program import Question, Wait
+from pirate_sm.engine.robot import robot_state
 from pirate_sm.engine.state import EngineState
 from pirate_sm.expressions import EnumType, tree
 from pirate_sm.loading.mission import LoadedMission

@@ -17,7 +17,7 @@ from textual.widgets import OptionList
 from pirate_sm.console.app import Console
 from pirate_sm.console.session import Keep, Session, unkept
 from pirate_sm.console.shelf import without_mission
-from pirate_sm.engine.robot_state import states_of
+from pirate_sm.engine.robot.robot_state import states_of
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Order, Prepared, load, prepare
 

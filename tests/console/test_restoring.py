@@ -12,7 +12,7 @@ from pirate_sm.console import restoring
 from pirate_sm.console.dialogs import Confirm, Pick
 from pirate_sm.console.giving import BY_OPERATOR, Giver
 from pirate_sm.console.reasons import look_at_entries
-from pirate_sm.engine.robot_state import at_rest_in
+from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import GoTo, OperatorCommand
 from pirate_sm.showing.looking import scene_of

@@ -15,7 +15,7 @@ from pirate_sm.console.app import Console
 from pirate_sm.console.dialogs import Confirm, Pick
 from pirate_sm.console.driver import Lossy, StopDriver
 from pirate_sm.console.session import Session
-from pirate_sm.engine.pausing import why_not_to
+from pirate_sm.engine.mission.pausing import why_not_to
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event
 from pirate_sm.runtime.loop import MissionRun

@@ -9,7 +9,7 @@ from pirate_sm.backends.pico.guard_notes import Instructions
 from pirate_sm.backends.pico.guarded_port import GuardedPort
 from pirate_sm.backends.pico.messages import read_messages
 from pirate_sm.backends.pico.plan import Plan, plan_of, serial_of
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
 

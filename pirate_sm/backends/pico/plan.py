@@ -10,7 +10,7 @@ from pirate_sm.backends.pico.conversation import Wanted
 from pirate_sm.backends.pico.framing import LONGEST_PAYLOAD
 from pirate_sm.backends.pico.link import WireSlot
 from pirate_sm.backends.pico.messages import Messages
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile, Slot
 from pirate_sm.model.wire import Serial

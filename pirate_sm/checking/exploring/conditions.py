@@ -14,7 +14,7 @@ from typing import NamedTuple, TypeAlias
 
 from pirate_sm.checking.exploring.pieces import borders, is_linear, samples, signals
 from pirate_sm.checking.exploring.ranges import ANYTHING, Range
-from pirate_sm.engine.chart_table import Configuration
+from pirate_sm.engine.robot.chart_table import Configuration
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, Vocabulary, tree
 
 Fact: TypeAlias = tuple[tree.Node, bool]

@@ -26,11 +26,11 @@ from pirate_sm.checking.exploring.oracle import (
     TooManyQuestionsError,
     Trigger,
 )
+from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.moments import has_come
-from pirate_sm.engine.program import Program, Require, Say, Wait
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import RobotState
+from pirate_sm.engine.mission.program import Program, Require, Say, Wait
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Setpoints, StateChange, TriggerFired, WakeAt
 from pirate_sm.model.events import Tick

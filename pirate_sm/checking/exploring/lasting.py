@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from math import isfinite, nan
 
 from pirate_sm.checking.exploring.conditions import Conditions, Fact
-from pirate_sm.engine.program import TriggerSpec, Wait
+from pirate_sm.engine.mission.program import TriggerSpec, Wait
 from pirate_sm.engine.state import EngineState
 
 LEAST_RIVALS = 2

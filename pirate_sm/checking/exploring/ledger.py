@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from pirate_sm.checking.exploring.explorer import BEGINS, Exploration, Step
-from pirate_sm.engine import rules
-from pirate_sm.engine.interpreter import ROUND_AND_ROUND
+from pirate_sm.engine.mission.interpreter import ROUND_AND_ROUND
+from pirate_sm.engine.safety import rules
 from pirate_sm.model.effects import (
     CommandStatus,
     Ended,

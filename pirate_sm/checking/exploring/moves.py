@@ -7,9 +7,9 @@ from math import isinf
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.checking.exploring.conditions import Conditions
-from pirate_sm.engine import robot_state
-from pirate_sm.engine.program import HandlerSpec, Program, Question, Wait
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.mission.program import HandlerSpec, Program, Question, Wait
+from pirate_sm.engine.robot import robot_state
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.events import (
     Answer,

@@ -17,7 +17,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from pirate_sm.checking.exploring.conditions import Answer, Conditions, Fact, together
-from pirate_sm.engine.program import Branch, Program, Wait
+from pirate_sm.engine.mission.program import Branch, Program, Wait
 from pirate_sm.expressions import Expression, tree
 
 T = TypeVar("T")

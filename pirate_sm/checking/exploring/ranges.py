@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import inf, pi, sqrt
 from typing import NamedTuple
 
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.model import profile as model
 

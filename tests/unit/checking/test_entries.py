@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.entries import why_not_from
-from pirate_sm.engine.robot_state import at_rest_in
+from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.loading.mission import load_mission
 
 ROOT = Path(__file__).resolve().parents[3]

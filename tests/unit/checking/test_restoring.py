@@ -8,7 +8,7 @@ import pytest
 
 from pirate_sm.checking.entries import why_not_from
 from pirate_sm.checking.restoring import beginnings, restoring
-from pirate_sm.engine.robot_state import STOPPED, Mark, at_rest_in
+from pirate_sm.engine.robot.robot_state import STOPPED, Mark, at_rest_in
 from pirate_sm.loading.mission import load_mission
 
 ROOT = Path(__file__).resolve().parents[3]

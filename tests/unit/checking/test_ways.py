@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.ways import way_to
-from pirate_sm.engine.robot_state import at_rest_in, states_of
+from pirate_sm.engine.robot.robot_state import at_rest_in, states_of
 from pirate_sm.loading.by_hand import by_hand
 from pirate_sm.loading.configuration import read_states
 from pirate_sm.loading.robot import load_robot

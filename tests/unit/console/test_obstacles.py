@@ -6,7 +6,7 @@ from typing import cast
 import pytest
 
 from pirate_sm.console.obstacles import Asked, obstacles
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 
 ROBOT = cast("RobotSpec", SimpleNamespace(regions=("GripState", "LightState")))
 ALREADY = "unneeded: it is so already"

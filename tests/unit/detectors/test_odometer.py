@@ -9,7 +9,7 @@ import pytest
 
 from pirate_sm.detectors.odometer import Odometer
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.wiring import Order, prepare
 

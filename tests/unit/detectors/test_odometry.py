@@ -8,7 +8,7 @@ import pytest
 
 from pirate_sm.detectors.odometry import Odometry
 from pirate_sm.detectors.reckoning import Reckoned
-from pirate_sm.engine.robot_state import confirmed_parts
+from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.errors import UsageError
 from pirate_sm.model.events import DetectorWord
 from pirate_sm.runtime.companions import FirstChoice, Onlooker

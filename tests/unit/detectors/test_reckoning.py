@@ -7,7 +7,7 @@ import pytest
 
 from pirate_sm.detectors.reckoning import Reckoned, Reckoner
 from pirate_sm.detectors.route import Route
-from pirate_sm.engine.body import BodySpec, Vee
+from pirate_sm.engine.sensing.body_spec import BodySpec, Vee
 from pirate_sm.model.pipe import Mitre, Pipe, Straight
 
 LINK, ASIDE = 0.1, 0.035

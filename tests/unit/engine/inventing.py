@@ -9,7 +9,7 @@ from typing import Any
 from driving import PIRATE
 from hypothesis import strategies as st
 
-from pirate_sm.engine.program import Program
+from pirate_sm.engine.mission.program import Program
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.program import build_program
 from pirate_sm.loading.robot import load_robot

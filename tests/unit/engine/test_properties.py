@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from inventing import MISSIONS, program_of
 from world import COURSES, Action, Course, replay
 
-from pirate_sm.engine.program import STOP, Finish, Program, Question, Wait
+from pirate_sm.engine.mission.program import STOP, Finish, Program, Question, Wait
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.robot import load_robot
 

@@ -9,9 +9,9 @@ from typing import Any
 from hypothesis import strategies as st
 
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.program import Program
-from pirate_sm.engine.robot import RobotSpec
-from pirate_sm.engine.robot_state import confirmed_parts
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from statemachine.io import load as library_load
 from statemachine.orderedset import OrderedSet
 
-from pirate_sm.engine.chart_table import ChartTable
+from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.loading import chart_cache
 from pirate_sm.loading.chart import compile_chart
 from pirate_sm.loading.chart_cache import cached_table

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.engine.robot import RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.course import played, read_course
 from pirate_sm.loading.library import find_robot

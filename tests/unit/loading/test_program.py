@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.engine.program import STOP, Do, Enter, Finish, Question, Raise, Require, Wait
+from pirate_sm.engine.mission.program import STOP, Do, Enter, Finish, Question, Raise, Require, Wait
 from pirate_sm.loading.assembly import Assembly
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.problems import LoadError

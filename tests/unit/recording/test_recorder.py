@@ -9,7 +9,7 @@ import pytest
 from keeping import Memory, course, header, mission, recorder, tell
 
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.robot_state import Mark, RobotState, at_rest_in
+from pirate_sm.engine.robot.robot_state import Mark, RobotState, at_rest_in
 from pirate_sm.model.effects import Ended, Setpoints, WakeAt
 from pirate_sm.model.events import Event, SensorFrame, SignalReport, Tick
 from pirate_sm.recording import recorder as module

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.robot_state import at_rest_in
+from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.engine.state import Ending
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model import effects as fx

@@ -6,7 +6,7 @@ from math import nan
 
 import pytest
 
-from pirate_sm.engine.robot import FaultSpec
+from pirate_sm.engine.robot.robot_spec import FaultSpec
 from pirate_sm.expressions import EnumType, NumberType, Vocabulary, compile_condition
 from pirate_sm.runtime.levels import Level, levels_of
 from pirate_sm.units import DIMENSIONLESS, LENGTH, SPEED

@@ -11,7 +11,7 @@ from checking.small_missions import write
 from pirate_sm.checking.exploring.explorer import explore
 from pirate_sm.checking.exploring.lasting import lasting
 from pirate_sm.checking.mission import conditions_of
-from pirate_sm.engine.program import Wait
+from pirate_sm.engine.mission.program import Wait
 from pirate_sm.loading.mission import load_mission
 
 KNOWN = ("known(neck)", "2 s")

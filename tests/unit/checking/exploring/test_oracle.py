@@ -7,7 +7,7 @@ import pytest
 from checking.exploring.conditions_by_lot import STATES, VOCABULARY, conditions
 from pirate_sm.checking.exploring import oracle as module
 from pirate_sm.checking.exploring.oracle import Oracle, TooManyQuestionsError
-from pirate_sm.engine.program import Branch, Program
+from pirate_sm.engine.mission.program import Branch, Program
 from pirate_sm.expressions import compile_condition
 
 WORDS = STATES[0]

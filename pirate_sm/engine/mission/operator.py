@@ -1,0 +1,97 @@
+"""What the operator may do, and why not: the one place that both the engine and a view ask."""
+
+from __future__ import annotations
+
+from typing import assert_never
+
+from pirate_sm.engine.mission import pausing
+from pirate_sm.engine.mission.ending import end
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.robot import commands, confirmation, robot_state
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import CommandStatus
+from pirate_sm.model.events import (
+    Abort,
+    Answer,
+    GoTo,
+    OperatorCommand,
+    Pause,
+    Request,
+    Resume,
+    Skip,
+    Step,
+)
+
+
+def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
+    """Why a command of the operator would be refused now; empty: it would be taken.
+
+    Args:
+        robot: The robot.
+        state: The engine's state.
+        index: The command, as an index into the chart's commands.
+    """
+    if state.mission.ended or state.mission.ending is not None:
+        return "impossible: the mission is ending"
+    if state.look is not None:
+        return f"impossible: {confirmation.LOOKING}"
+    if state.robot.motion is not None and not state.mission.suspended:
+        return "impossible: another command is under way"
+    if state.robot.flight is not None:
+        return "impossible: setpoints are in flight"
+    return robot_state.refusal(robot, state.robot, index)
+
+
+def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
+    """Do what a person asks for, or say why not."""
+    match request:
+        case OperatorCommand():
+            return _command(moment, state, request)
+        case Answer():
+            return _answer(moment, state, request)
+        case Skip():
+            return _skip(moment, state, request)
+        case Pause():
+            return pausing.want(state)
+        case Resume():
+            return pausing.resume(moment, state, one_step=False)
+        case Step():
+            return pausing.resume(moment, state, one_step=True)
+        case GoTo():
+            return pausing.go_to(moment, state, request)
+        case Abort():
+            return end(moment, state, "interrupted", request.reason, "")
+        case _:
+            assert_never(request)
+
+
+def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> EngineState:
+    """Begin the command, or refuse it with the reason; a suspended command is ended by it."""
+    index = moment.robot.table.command_index.get(event.command)
+    if index is None:
+        reason = "impossible: there is no such command"
+    else:
+        reason = why_not_command(moment.robot, state, index)
+    if reason or index is None:
+        moment.tell(CommandStatus(event.command, "refused", reason))
+        return state
+    state = pausing.take_over(moment, state)
+    robot = commands.begin(moment, state.robot, state.sensing, index, None, "")
+    return state._replace(robot=robot)
+
+
+def _answer(moment: Moment, state: EngineState, event: Answer) -> EngineState:
+    """Note the answer, which the open question takes."""
+    if state.mission.paused:
+        moment.warn("no answer is taken while paused")
+        return state
+    return state._replace(mission=state.mission._replace(answer=event.choice))
+
+
+def _skip(moment: Moment, state: EngineState, event: Skip) -> EngineState:
+    """Note that a wait or question is passed over."""
+    if state.mission.paused:
+        moment.warn("nothing is passed over while paused")
+        return state
+    return state._replace(mission=state.mission._replace(skipped=event.trigger))

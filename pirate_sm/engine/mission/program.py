@@ -1,0 +1,227 @@
+"""A mission as the interpreter runs it: a flat list of instructions, targets resolved to indexes.
+
+Calls are inlined and repeats unrolled (:mod:`pirate_sm.loading.program`), so a program has no
+variables and no stack: the program counter alone says where it is, and a checker can walk it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, TypeAlias
+
+from pirate_sm.expressions import Expression
+
+MOST_PHASES = 1_000
+"""Within one second of mission time [decided]: a bus cycle of 10 ms lets 100 waits end in it. A
+mission that begins more goes round and round, and writes a line about each."""
+
+STOP = -1
+"""A failure's target when nothing handles it: the safe stop, mission failed."""
+
+
+class Enter(NamedTuple):
+    """Begins a phase."""
+
+    phase: str
+    next: int
+
+
+class Do(NamedTuple):
+    """Gives a command and awaits that it is done.
+
+    Attributes:
+        timeout_s: In place of the robot's own; None for that.
+        retries: How often the same command is sent again after a failure.
+        skip_unneeded: Whether an unneeded command counts as done.
+        failed: Where a failure leads; ``expected``: its step says so itself; ``handled``: its
+            phase or a step around it does.
+        place: Where it stands, ``file:line:col``.
+    """
+
+    command: int
+    timeout_s: float | None
+    retries: int
+    skip_unneeded: bool
+    next: int
+    failed: int
+    place: str
+    expected: bool = False
+    handled: bool = False
+
+
+class Branch(NamedTuple):
+    """Goes one way or the other; an unknown condition goes the false way and says so."""
+
+    condition: Expression
+    if_true: int
+    if_false: int
+    place: str
+
+
+class Require(NamedTuple):
+    """Fails unless the robot is, confirmed, in these states: (region, state name).
+
+    ``expected`` and ``handled`` are those of :class:`Do`.
+    """
+
+    states: tuple[tuple[int, str], ...]
+    what: str
+    next: int
+    failed: int
+    place: str
+    expected: bool = False
+    handled: bool = False
+
+
+class TriggerSpec(NamedTuple):
+    """One thing that a wait waits for; exactly one of the three is given.
+
+    Attributes:
+        condition: Must have been true for ``held_s``.
+        after_s: Seconds since the wait was armed.
+        answer: The operator's word.
+        place: Where it stands, ``file:line:col``.
+    """
+
+    name: str
+    text: str
+    go: int
+    go_name: str
+    condition: Expression | None = None
+    held_s: float = 0.0
+    after_s: float | None = None
+    answer: str = ""
+    place: str = ""
+
+
+class Wait(NamedTuple):
+    """Waits for one of the triggers, at most ``within_s``.
+
+    Attributes:
+        within: Where it leads when the time is over. ``fails``: as a failure of a step.
+        compares: Whether a condition looks at how much a signal has changed since it began.
+    """
+
+    phase: str
+    triggers: tuple[TriggerSpec, ...]
+    within_s: float
+    within: int
+    within_name: str
+    place: str
+    compares: bool = False
+    fails: bool = False
+
+
+class Question(NamedTuple):
+    """Asks the operator; each choice has its target."""
+
+    text: str
+    choices: tuple[tuple[str, int], ...]
+    timeout_s: float
+    failed: int
+    place: str
+
+
+class Say(NamedTuple):
+    """Logs a line."""
+
+    level: Literal["info", "warning"]
+    message: str
+    next: int
+
+
+class Raise(NamedTuple):
+    """Ends an inlined mission, or an answer, with a failure."""
+
+    message: str
+    failed: int
+    place: str
+
+
+class Finish(NamedTuple):
+    """Ends the mission."""
+
+    outcome: Literal["succeeded", "failed"]
+    message: str
+    end: str
+
+
+Instruction: TypeAlias = Enter | Do | Branch | Require | Wait | Question | Say | Raise | Finish
+
+
+class RuleSpec(NamedTuple):
+    """A safety rule in force for this mission; :mod:`pirate_sm.engine.safety.rules` judges it.
+
+    Attributes:
+        after: From when on it applies; None: always.
+        must: What must hold then.
+        within: How many commands may be accepted until it does; None: none, it must hold always.
+        why: What happens otherwise.
+        waived_by: The key with which a mission may be allowed to break it; empty: none may.
+    """
+
+    name: str
+    text: str
+    after: Expression | None
+    must: Expression
+    within: int | None
+    why: str = ""
+    waived_by: str = ""
+
+
+class HandlerSpec(NamedTuple):
+    """What to do about a fault; ``go`` is None to only log it."""
+
+    code: str
+    go: int | None
+    go_name: str
+
+
+@dataclass(frozen=True)
+class Program:
+    """A whole mission.
+
+    Attributes:
+        start: Index of the first instruction.
+        start_configuration: Index of the configuration the robot must be in.
+        handlers: Per instruction the fault handlers in force, innermost first.
+        phases: Names of the phases in the order of the file; inlined ones are ``caller/callee``.
+        phase_of: Per instruction the name of its phase.
+        time_limit_s: Longest run; infinite without one.
+        diameter_m: Inner diameter of the pipe that the robot is in; None where it is not known.
+        rules: The robot's safety rules, without those that the mission is allowed to break.
+        most_phases: How many phases may begin within one second of mission time.
+        turn_of: Per instruction which round of a repeat it belongs to, ``2 of 4``, or empty.
+    """
+
+    mission: str
+    instructions: tuple[Instruction, ...]
+    start: int
+    start_configuration: int
+    handlers: tuple[tuple[HandlerSpec, ...], ...]
+    phases: tuple[str, ...]
+    phase_of: tuple[str, ...]
+    ends: tuple[str, ...]
+    time_limit_s: float
+    rules: tuple[RuleSpec, ...] = ()
+    diameter_m: float | None = None
+    most_phases: float = MOST_PHASES
+    turn_of: tuple[str, ...] = ()
+
+    def round_note(self, at: int) -> str:
+        """Return which round of a repeat an instruction belongs to, `` (2 of 4)``, or nothing."""
+        turn = self.turn_of[at] if at < len(self.turn_of) else ""
+        return f" ({turn})" if turn else ""
+
+    def beginning(self, phase: str) -> int | None:
+        """Index of the instruction that enters a phase, None where there is none."""
+        for index, each in enumerate(self.instructions):
+            if isinstance(each, Enter) and each.phase == phase:
+                return index
+        return None
+
+    def handler(self, at: int, code: str) -> HandlerSpec | None:
+        """The innermost handler for a fault at this instruction."""
+        if not 0 <= at < len(self.handlers):
+            return None
+        return next((each for each in self.handlers[at] if each.code == code), None)

@@ -1,0 +1,162 @@
+"""What a command needs and where it leads, read off the table of everything that can be."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import product
+from math import prod
+from typing import NamedTuple, TypeAlias
+
+from pirate_sm.engine.robot.robot_spec import RobotSpec, StageSpec
+from pirate_sm.engine.robot.robot_state import RobotState, refusal
+
+States: TypeAlias = tuple[str, ...]
+
+Need: TypeAlias = Mapping[int, States]
+"""By region the states that it may be in; a region that is not named may be in any."""
+
+
+class Needs(NamedTuple):
+    """Where a command is taken, each clamp being confirmed.
+
+    Attributes:
+        any_of: It is taken where one of these holds; none: it is taken nowhere.
+        unless: If given, it is taken everywhere but here.
+        partly: Whether it is not taken in all configurations that ``any_of`` describes.
+    """
+
+    any_of: tuple[Need, ...]
+    unless: Need | None = None
+    partly: bool = False
+
+
+class Change(NamedTuple):
+    """What a command does to one region.
+
+    Attributes:
+        before: States from which it leads to the same one.
+        after: That state.
+        sometimes: Whether the region may as well stay, as the other regions are.
+        slots: Those that get another value by it, or an angle to come to.
+    """
+
+    region: int
+    before: States
+    after: str
+    sometimes: bool
+    slots: tuple[int, ...]
+
+
+def taken_in(robot: RobotSpec, command: int) -> tuple[int, ...]:
+    """Return the configurations in which the command is taken, each clamp being confirmed."""
+    return tuple(
+        index
+        for index in range(len(robot.table.configurations))
+        if not refusal(robot, RobotState(index, ()), command)  # whatever the setpoints are
+    )
+
+
+def needs(robot: RobotSpec, command: int) -> Needs:
+    """Return what a command needs, in as few words as describe it exactly."""
+    accepted = set(taken_in(robot, command))
+    if not accepted:
+        return Needs(())
+    whole = _box(robot, accepted)
+    if _exact(robot, whole, accepted):
+        return Needs((_told(robot, whole),))
+    refused = set(range(len(robot.table.configurations))) - accepted
+    outside = _box(robot, refused)
+    if _exact(robot, outside, refused):
+        return Needs(({},), _told(robot, outside))
+    found = [
+        groups
+        for region in range(len(robot.regions))
+        if (groups := _grouped(robot, region, accepted)) is not None
+    ]
+    if not found:
+        return Needs((_told(robot, whole),), partly=True)
+    return Needs(tuple(_told(robot, box) for box in min(found, key=len)))
+
+
+def changes(robot: RobotSpec, command: int) -> tuple[Change, ...]:
+    """Return what the command does to each region, in the order of the chart."""
+    table = robot.table
+    moves: dict[tuple[int, str, str], None] = {}
+    for index in taken_in(robot, command):
+        after = table.configurations[table.follow(index, command)]
+        for region, before in enumerate(table.configurations[index]):
+            moves[region, before, after[region]] = None
+    found = []
+    for region, names in enumerate(table.states):
+        for target in names:
+            sources = [name for name in names if (region, name, target) in moves and name != target]
+            stays = [name for name in sources if (region, name, name) in moves]
+            for sometimes, some in ((False, [n for n in sources if n not in stays]), (True, stays)):
+                if some:
+                    slots = _moved(robot.actuation[region], some, target)
+                    found.append(Change(region, tuple(some), target, sometimes, slots))
+    return tuple(found)
+
+
+def _moved(
+    actuation: Mapping[str, tuple[StageSpec, ...]], before: Iterable[str], after: str
+) -> tuple[int, ...]:
+    """Return the slots that a state writes otherwise than the ones before it left them."""
+    writes = [write for stage in actuation[after] for write in stage]
+    slots: set[int] = set()
+    for state in before:
+        left = {
+            write.slot: write.value if write.how == "set" else 0.0 for write in actuation[state][-1]
+        }
+        slots |= {
+            write.slot
+            for write in writes
+            if write.how == "seek" or (write.how == "set" and write.value != left[write.slot])
+        }
+    return tuple(sorted(slots))
+
+
+def _box(robot: RobotSpec, accepted: Collection[int]) -> tuple[States, ...]:
+    """Return for each region the states that it has in any of the configurations."""
+    seen = [robot.table.configurations[each] for each in accepted]
+    return tuple(
+        tuple(name for name in names if any(states[region] == name for states in seen))
+        for region, names in enumerate(robot.table.states)
+    )
+
+
+def _exact(robot: RobotSpec, box: Sequence[States], accepted: Collection[int]) -> bool:
+    """Whether the command is taken wherever each region is in one of the box's states."""
+    if prod(map(len, box)) <= len(robot.table.configurations):
+        inside = {robot.table.index_of(states) for states in product(*box)} - {None}
+        return inside == set(accepted)
+    return all(
+        index in accepted
+        for index, states in enumerate(robot.table.configurations)
+        if all(name in names for name, names in zip(states, box, strict=True))
+    )
+
+
+def _grouped(
+    robot: RobotSpec, region: int, accepted: Collection[int]
+) -> list[tuple[States, ...]] | None:
+    """Return exact boxes, one for each group of states of the region; None: there are none."""
+    groups: dict[tuple[States, ...], list[str]] = {}
+    for name in robot.table.states[region]:
+        some = {each for each in accepted if robot.table.configurations[each][region] == name}
+        if not some:
+            continue
+        box = _box(robot, some)
+        if not _exact(robot, box, some):
+            return None
+        groups.setdefault((*box[:region], *box[region + 1 :]), []).append(name)
+    return [(*rest[:region], tuple(names), *rest[region:]) for rest, names in groups.items()]
+
+
+def _told(robot: RobotSpec, box: Sequence[States]) -> Need:
+    """Return the regions of a box that may not be in all of their states."""
+    return {
+        region: names
+        for region, names in enumerate(box)
+        if len(names) < len(robot.table.states[region])
+    }

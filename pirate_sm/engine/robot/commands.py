@@ -1,0 +1,347 @@
+"""The robot's state machines in motion: commands, arrays in flight, confirmation, position loops.
+
+Pure functions over :class:`RobotState`. The chart moves when a command's first array has been
+accepted; until the command is seen to be done its new states are *unconfirmed*, and an
+unconfirmed clamp is no clamp.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import inf, isnan, nan
+from types import MappingProxyType
+
+from pirate_sm.engine.control.position_loop import Loop
+from pirate_sm.engine.control.stages import (
+    is_done,
+    looped_values,
+    stage_array,
+    unknown_angle,
+    why_late,
+    without_loops,
+)
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.robot import confirmation
+from pirate_sm.engine.robot.criteria import AcceptedSpec
+from pirate_sm.engine.robot.done import must_hold_s, told
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import (
+    DENIED,
+    POSTURE,
+    STOPPED,
+    Finished,
+    Flight,
+    Mark,
+    Motion,
+    Numbers,
+    Purpose,
+    RobotState,
+    confirmed_parts,
+    criterion_of,
+    made_by,
+    posture_of,
+    retried,
+    safe_values,
+    state_change,
+)
+from pirate_sm.engine.sensing.conversion import Sensing
+from pirate_sm.model.effects import CommandStatus, Setpoints
+from pirate_sm.model.events import SubmitResult
+
+_NOTHING_DENIED: Mapping[int, str] = MappingProxyType({})
+
+
+def begin(
+    moment: Moment,
+    state: RobotState,
+    sensing: Sensing,
+    command: int,
+    timeout_s: float | None,
+    place: str,
+) -> RobotState:
+    """The command's first array has been sent; the chart waits for its acceptance.
+
+    To be called only where :func:`refusal` is empty and no array is in flight.
+    """
+    spec = moment.robot.commands[command]
+    target = moment.robot.table.follow(state.configuration, command)
+    motion = Motion(command, target, spec.timeout_s if timeout_s is None else timeout_s, place)
+    posture = spec.posture(target)
+    if posture is not None:
+        blind = unknown_angle(moment.robot, posture.writes, sensing)
+        motion = motion._replace(stage=POSTURE, blind=blind)
+    state = state._replace(motion=motion)
+    regions, stage = _touched(moment.robot, state, motion)
+    stage = POSTURE if posture is not None else stage
+    values, loops = stage_array(moment.robot, state, sensing, regions, stage)
+    moment.tell(CommandStatus(spec.name, "sent", "", place))
+    return _send(moment, state._replace(loops=loops), values, "gate")
+
+
+def resolve(
+    moment: Moment,
+    state: RobotState,
+    result: SubmitResult,
+) -> tuple[RobotState, Finished | None]:
+    """The array in flight has met its fate; a command's first array has moved the chart.
+
+    A result for another array than the one in flight changes nothing: it was superseded.
+    """
+    flight = state.flight
+    if flight is None or result.setpoint_id != flight.setpoint_id:
+        return state, None
+    if result.status == "unknown":
+        waiting = flight._replace(resend_at_s=moment.now_s + moment.robot.link.resend_after_s)
+        return state._replace(flight=waiting), None
+    if result.status == "accepted":
+        state = state._replace(values=flight.values, seeking=flight.seeking, flight=None)
+        if (confirmed := confirmation.accepted(moment.robot, state)) is not state:
+            state = confirmed
+            moment.tell(state_change(moment.robot, state))
+        if flight.purpose == "gate" and state.motion is not None:
+            state = _accept(moment, state, state.motion)
+        return state, None
+    state = state._replace(flight=None)
+    if flight.purpose == "gate" and state.motion is not None:
+        reason = f"setpoints {result.status}" + (f": {result.reason}" if result.reason else "")
+        return fail(moment, state, reason), Finished(False, reason)
+    return state, None
+
+
+def resend(moment: Moment, state: RobotState) -> RobotState:
+    """An array of unknown fate has been sent again, under its own id, when that was due."""
+    flight = state.flight
+    if flight is None or not has_come(moment.now_s, flight.resend_at_s):
+        return state
+    moment.tell(Setpoints(flight.setpoint_id, flight.values))
+    return state._replace(flight=flight._replace(tries=flight.tries + 1, resend_at_s=inf))
+
+
+def watch(
+    moment: Moment,
+    state: RobotState,
+    sensing: Sensing,
+    *,
+    denied: Mapping[int, str] = _NOTHING_DENIED,
+) -> tuple[RobotState, Finished | None]:
+    """The command under way has been held against the signals and its deadline.
+
+    While an array is in flight a command neither ends nor goes on to its next stage: that could
+    take a new array, and after one of unknown fate only the same one again or the safe stop may
+    follow.
+
+    Args:
+        moment: When it is, and what happens.
+        state: The robot's state.
+        sensing: What is known now.
+        denied: Parts that do not hold, and the words of the fault that shows it. A command that
+            clamps one is not done.
+
+    Returns:
+        The new state, and how the command ended if it did.
+    """
+    motion = state.motion
+    if motion is None or isnan(motion.accepted_s):
+        return state, None
+    spec = moment.robot.commands[motion.command]
+    free = state.flight is None
+    if moment.nominal:
+        if free and has_come(moment.now_s, motion.accepted_s + spec.nominal_s):
+            return _complete(moment, state, sensing, "nominal duration has passed")
+        return state, None
+    since_s, done = motion.since_s, criterion_of(moment.robot, motion)
+    why_not = _why_not_clamped(state, motion, denied) if denied else ""
+    if not why_not and is_done(moment.robot, state, motion, done, sensing):
+        since_s = moment.now_s if isnan(since_s) else since_s
+        held_s = must_hold_s(done, sensing.numbers, state.loops)
+        if free and has_come(moment.now_s, since_s + held_s):
+            reason = told(moment.robot, done, sensing.numbers, state.loops)
+            return _complete(moment, state, sensing, reason)
+    elif not isnan(since_s):
+        since_s = nan
+    if free and (motion.blind or has_come(moment.now_s, motion.deadline_s)):
+        reason = motion.blind or why_late(moment.robot, state, motion, sensing)
+        reason = f"{reason}: {why_not}" if why_not else reason
+        return fail(moment, state, reason), Finished(False, reason)
+    if since_s is not motion.since_s:
+        state = state._replace(motion=motion._replace(since_s=since_s))
+    if free and state.loops:
+        values = looped_values(moment.robot, state, sensing)
+        state = _send_if_new(moment, state, values)
+    return state, None
+
+
+def fail(moment: Moment, state: RobotState, reason: str) -> RobotState:
+    """The command under way is over without being done; its states stay unconfirmed.
+
+    Its position loops stop where they are. Where it was to take a posture first, how the held
+    parts hold now has not been seen: they are unconfirmed until they are clamped again.
+    """
+    motion = state.motion
+    if motion is None:
+        return state
+    name = moment.robot.commands[motion.command].name
+    moment.tell(CommandStatus(name, "failed", reason, motion.place))
+    return _end_motion(moment, doubt_grip(moment.robot, state))
+
+
+def skip(moment: Moment, state: RobotState) -> RobotState:
+    """The operator has passed over the command under way; its states stay unconfirmed."""
+    motion = state.motion
+    if motion is None:
+        return state
+    name = moment.robot.commands[motion.command].name
+    moment.tell(CommandStatus(name, "skipped", "by the operator", motion.place))
+    return _end_motion(moment, doubt_grip(moment.robot, state))
+
+
+def doubt_grip(robot: RobotSpec, state: RobotState) -> RobotState:
+    """Mark the held parts as unconfirmed if the command under way has moved their joints.
+
+    It has where its first array, that of a posture, was accepted.
+    """
+    motion = state.motion
+    if motion is None or isnan(motion.accepted_s):
+        return state
+    if posture_of(robot, motion) is None:
+        return state
+    marks = {Mark("part", part, DENIED) for part in robot.held[state.configuration]}
+    return state._replace(marks=state.marks | marks)
+
+
+def stop(moment: Moment, state: RobotState, sensing: Sensing) -> RobotState:
+    """The safe array has been sent, whatever else was in flight."""
+    values = safe_values(moment.robot, state, sensing.numbers)
+    return _send(moment, state._replace(loops=()), values, "stop")
+
+
+def reassert(
+    moment: Moment, state: RobotState, values: Numbers, loops: tuple[Loop, ...]
+) -> RobotState:
+    """Send an actuation again that was in force before a pause; NaN keeps the present value."""
+    kept = tuple(
+        now if isnan(value) else value for value, now in zip(values, state.values, strict=True)
+    )
+    if kept == state.values and not loops:
+        return state
+    return _send(moment, state._replace(loops=loops), kept, "loop")
+
+
+def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
+    """Mark the regions whose wheels are stopped from outside their states as unconfirmed."""
+    driven = robot.driven[state.configuration]
+    if not driven:
+        return state
+    stopped = {Mark("region", region, STOPPED) for region in driven}
+    return state._replace(marks=state.marks | stopped)
+
+
+def deny(moment: Moment, state: RobotState, parts: frozenset[int]) -> RobotState:
+    """Mark the clamps of these parts as unconfirmed where they have been confirmed."""
+    lost = confirmed_parts(moment.robot, state) & parts
+    if lost:
+        marks = state.marks | {Mark("part", part, DENIED) for part in lost}
+        state = state._replace(marks=marks)
+        moment.tell(state_change(moment.robot, state))
+    return state
+
+
+# --- inside ---------------------------------------------------------------------------------
+
+
+def _why_not_clamped(state: RobotState, motion: Motion, denied: Mapping[int, str]) -> str:
+    """Return why a part that the command under way is to clamp does not hold; else empty."""
+    own = [mark for mark in sorted(state.marks) if mark.command == motion.command]
+    return next((denied[m.which] for m in own if m.kind == "part" and m.which in denied), "")
+
+
+def _send(moment: Moment, state: RobotState, values: Numbers, purpose: Purpose) -> RobotState:
+    moment.tell(Setpoints(state.next_id, values))
+    seeking = frozenset(loop.slot for loop in state.loops)
+    flight = Flight(state.next_id, values, purpose, seeking=seeking)
+    return state._replace(flight=flight, next_id=state.next_id + 1, sent=True)
+
+
+def _touched(robot: RobotSpec, state: RobotState, motion: Motion) -> tuple[tuple[int, ...], int]:
+    """Regions that the command actuates, and the stage that it begins with.
+
+    A command that only confirms a clamp anew asserts what is in force in that state: its last
+    stage.
+    """
+    made = made_by(robot, state, motion.command)
+    clamps = [m for m in retried(robot, state, motion.command) if m.kind == "part"]
+    regions = made.union(*(robot.part_regions[mark.which] for mark in clamps))
+    if made:
+        return tuple(sorted(regions)), 0
+    target = robot.table.configurations[motion.target]
+    stages = (len(robot.actuation[region][target[region]]) for region in regions)
+    return tuple(sorted(regions)), max(stages, default=1) - 1
+
+
+def _accept(moment: Moment, state: RobotState, motion: Motion) -> RobotState:
+    """The chart has moved; what the command changed is unconfirmed."""
+    name = moment.robot.commands[motion.command].name
+    made = made_by(moment.robot, state, motion.command)
+    held, was_held = moment.robot.held[motion.target], moment.robot.held[state.configuration]
+    again = {m.which for m in retried(moment.robot, state, motion.command) if m.kind == "part"}
+    marks = {
+        mark
+        for mark in state.marks
+        if (mark.kind == "region" and mark.which not in made)
+        or (mark.kind == "part" and mark.which in held and mark.which not in again)
+    }
+    marks |= {Mark("region", region, motion.command) for region in made}
+    marks |= {Mark("part", part, motion.command) for part in (held - was_held) | again & held}
+    moment.tell(CommandStatus(name, "accepted", "", motion.place))
+    state = state._replace(
+        configuration=motion.target,
+        marks=frozenset(marks),
+        motion=motion._replace(accepted_s=moment.now_s, deadline_s=moment.now_s + motion.timeout_s),
+    )
+    if not isinstance(moment.robot.commands[motion.command].done, AcceptedSpec):
+        moment.tell(state_change(moment.robot, state))
+    return state
+
+
+def _complete(
+    moment: Moment, state: RobotState, sensing: Sensing, reason: str
+) -> tuple[RobotState, Finished | None]:
+    """The next stage is in force, or the command is done and what it changed is confirmed."""
+    motion = state.motion
+    assert motion is not None  # callers have looked
+    regions = tuple(
+        sorted(m.which for m in state.marks if m.kind == "region" and m.command == motion.command)
+    )
+    target = moment.robot.table.configurations[state.configuration]
+    stages = max((len(moment.robot.actuation[r][target[r]]) for r in regions), default=1)
+    if motion.stage + 1 < stages:
+        resting = state._replace(values=without_loops(state))
+        values, loops = stage_array(moment.robot, resting, sensing, regions, motion.stage + 1)
+        state = _send_if_new(moment, state._replace(loops=loops), values)
+        if loops or motion.stage == POSTURE:
+            later = motion._replace(stage=motion.stage + 1, since_s=nan)
+            return state._replace(motion=later), None
+        state = state._replace(motion=None)
+    else:
+        state = _end_motion(moment, state)
+    marks = frozenset(mark for mark in state.marks if mark.command != motion.command)
+    state = state._replace(marks=marks)
+    name = moment.robot.commands[motion.command].name
+    moment.tell(CommandStatus(name, "done", reason, motion.place))
+    moment.tell(state_change(moment.robot, state))
+    return state, Finished(True, reason)
+
+
+def _end_motion(moment: Moment, state: RobotState) -> RobotState:
+    """Nothing is under way; slots that a loop has really driven are zero, and no others.
+
+    A command that was never accepted has driven nothing: what its loops were to take over may
+    hold a clamp.
+    """
+    values = without_loops(state)
+    return _send_if_new(moment, state._replace(motion=None, loops=()), values)
+
+
+def _send_if_new(moment: Moment, state: RobotState, values: Numbers) -> RobotState:
+    return state if values == state.latest else _send(moment, state, values, "loop")

@@ -1,0 +1,95 @@
+"""Whether what a command asked for has happened; told by signals, not by having been sent."""
+
+from __future__ import annotations
+
+from math import copysign, isnan
+
+from pirate_sm.engine.control.position_loop import Loop
+from pirate_sm.engine.robot.criteria import (
+    AcceptedSpec,
+    AlignedSpec,
+    BelowSpec,
+    CriterionSpec,
+    ReachedSpec,
+    StalledSpec,
+    StoppedSpec,
+    TurningSpec,
+)
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+
+Numbers = tuple[float, ...]
+
+
+def holds(
+    criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: tuple[Loop, ...]
+) -> bool:
+    """Whether the criterion is true of this moment; unknown signals never make it true."""
+    match criterion:
+        case AcceptedSpec():
+            return True
+        case StalledSpec():
+            return all(abs(numbers[rate]) < criterion.still for rate in criterion.rates) and all(
+                abs(numbers[torque]) > criterion.torque for torque in criterion.torques
+            )
+        case ReachedSpec():
+            return all(
+                loop.arrived(numbers)
+                or (
+                    abs(numbers[loop.rate]) < criterion.still
+                    and loop.pushes(numbers, setpoints, criterion.loaded)
+                )
+                for loop in loops
+            )
+        case TurningSpec():
+            return any(
+                setpoints[slot] != 0
+                and numbers[speed] * copysign(1.0, setpoints[slot]) > criterion.above
+                for slot, speed in criterion.wheels
+            )
+        case StoppedSpec():
+            return all(still(speeds, numbers, criterion.below) for speeds in criterion.parts)
+        case AlignedSpec():
+            return all(
+                abs(setpoints[slot] - numbers[angle]) <= criterion.within
+                for slot, angle in criterion.slots
+            )
+        case BelowSpec():
+            return all(abs(numbers[signal]) < criterion.limit for signal in criterion.signals)
+
+
+def still(speeds: tuple[int, ...], numbers: Numbers, below: float) -> bool:
+    """Whether at least one of the wheels can be heard, and all of these turn slower."""
+    heard = [abs(numbers[speed]) for speed in speeds if not isnan(numbers[speed])]
+    return bool(heard) and max(heard) < below
+
+
+def must_hold_s(criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]) -> float:
+    """For how long the criterion must have been true."""
+    if isinstance(criterion, ReachedSpec):
+        return 0.0 if all(loop.arrived(numbers) for loop in loops) else criterion.for_s
+    return getattr(criterion, "for_s", 0.0)
+
+
+def told(
+    robot: RobotSpec, criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]
+) -> str:
+    """In words, what showed that the command is done; which joints a wall has stopped."""
+    match criterion:
+        case ReachedSpec():
+            names = robot.vocabulary.numbers
+            stopped = [names[loop.angle] for loop in loops if not loop.arrived(numbers)]
+            if stopped:
+                return f"{', '.join(stopped)} stopped by the wall, standing still under torque"
+            return "every joint has come to its angle"
+        case AcceptedSpec():
+            return "setpoints accepted"
+        case StalledSpec():
+            return "the joints stand still under torque"
+        case TurningSpec():
+            return "a driven wheel turns"
+        case StoppedSpec():
+            return "the wheels stand still"
+        case AlignedSpec():
+            return "the angle is at its setpoint"
+        case BelowSpec():
+            return "near zero"

@@ -1,0 +1,159 @@
+"""Which commands lead from one configuration of the robot to others, the fewest first.
+
+Each command is tried on paper, by the functions that run it on the robot, and is taken as done.
+A command that the engine would refuse is never tried. One that lets go of the pipe, or breaks a
+safety rule, is tried last, so that it can be said what stands in the way: nobody is advised to
+give it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from heapq import heappop, heappush
+from itertools import count
+from typing import NamedTuple
+
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.robot import commands, robot_state
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import Mark, RobotState
+from pirate_sm.engine.safety import rules
+from pirate_sm.engine.sensing.conversion import Sensing, nothing_known
+from pirate_sm.model.events import SubmitResult
+
+RulePlaces = tuple[int, ...]
+"""Where each safety rule is, as :func:`pirate_sm.engine.safety.rules.follow` counts."""
+
+_Key = tuple[int, frozenset[Mark], RulePlaces]
+
+
+class PlannedStep(NamedTuple):
+    """One command of a plan.
+
+    Attributes:
+        command: Index of the command.
+        body: The robot once it is done.
+        hindrance: Why nobody should give it here; empty where nothing speaks against it.
+    """
+
+    command: int
+    body: RobotState
+    hindrance: str = ""
+
+
+class Plan(NamedTuple):
+    """The way to one configuration.
+
+    Attributes:
+        body: The robot at its end.
+        steps: The commands in order.
+        hindered: The first step that nobody should take; None: the plan can be followed.
+    """
+
+    body: RobotState
+    steps: tuple[PlannedStep, ...]
+    hindered: PlannedStep | None
+
+    def nominal_s(self, robot: RobotSpec) -> float:
+        """Return how long the commands take on paper."""
+        return sum(robot.commands[step.command].nominal_s for step in self.steps)
+
+
+class _Way(NamedTuple):
+    """A step with the one before it; the first has none."""
+
+    before: _Way | None
+    step: PlannedStep
+
+    def plan(self, body: RobotState) -> Plan:
+        steps: list[PlannedStep] = []
+        way: _Way | None = self
+        while way is not None:
+            steps.append(way.step)
+            way = way.before
+        steps.reverse()
+        return Plan(body, tuple(steps), next((each for each in steps if each.hindrance), None))
+
+
+def plans(
+    robot: RobotSpec, program: Program, body: RobotState, places: RulePlaces | None = None
+) -> Iterator[Plan]:
+    """Yield the best plan for each configuration that commands lead to, beginning with this one.
+
+    Those without a hindrance come first, then the ones with fewer commands, then the quicker ones.
+
+    Args:
+        robot: The robot.
+        program: Its safety rules are in force.
+        body: The robot as it is, with nothing under way.
+        places: Where the rules are; None: they have not seen the robot yet.
+    """
+    sensing = nothing_known(robot, blind=True)
+    if places is None:
+        places, _ = rules.follow(program, robot, rules.unseen(program), body, 0)
+    serial = count()  # so that states need not be compared
+    queue: list[tuple[int, int, float, int, RobotState, RulePlaces, _Way | None]] = []
+    heappush(queue, (0, 0, 0.0, next(serial), body, places, None))
+    known: set[_Key] = set()
+    while queue:
+        hindrances, length, nominal_s, _, here, at, way = heappop(queue)
+        key = (here.configuration, here.marks, at)
+        if key in known:
+            continue
+        known.add(key)
+        yield way.plan(here) if way is not None else Plan(here, (), None)
+        for step, after in _steps(robot, program, sensing, here, at):
+            if (step.body.configuration, step.body.marks, after) not in known:
+                cost = (
+                    hindrances + bool(step.hindrance),
+                    length + 1,
+                    nominal_s + robot.commands[step.command].nominal_s,
+                )
+                heappush(queue, (*cost, next(serial), step.body, after, _Way(way, step)))
+
+
+def opened(robot: RobotSpec, body: RobotState, target: int) -> frozenset[int]:
+    """Return the parts that are let go on the way to a configuration while nothing else holds.
+
+    A part holds only if its clamp is confirmed and it is held before and after.
+    """
+    before, after = robot.held[body.configuration], robot.held[target]
+    remaining = robot_state.confirmed_parts(robot, body) & after
+    return frozenset() if remaining else before - after
+
+
+def _steps(
+    robot: RobotSpec, program: Program, sensing: Sensing, body: RobotState, places: RulePlaces
+) -> Iterator[tuple[PlannedStep, RulePlaces]]:
+    """Yield what each command leads to that the engine would take, and the rules afterwards."""
+    for command, spec in enumerate(robot.commands):
+        if robot_state.refusal(robot, body, command):
+            continue
+        after = _done(robot, program, body, sensing, command)
+        following, broken = rules.follow(program, robot, places, after, 1, spec.name)
+        hindrance = _letting_go(robot, body, after.configuration)
+        if not hindrance and broken:
+            hindrance = "it breaks " + "; ".join(map(rules.said, broken))
+        yield PlannedStep(command, after, hindrance), following
+
+
+def _letting_go(robot: RobotSpec, body: RobotState, target: int) -> str:
+    parts = " and ".join(robot.parts[part] for part in sorted(opened(robot, body, target)))
+    return f"it lets go of {parts}, and no other part is confirmed to hold" if parts else ""
+
+
+def _done(
+    robot: RobotSpec, program: Program, body: RobotState, sensing: Sensing, command: int
+) -> RobotState:
+    """Return the robot after the command, with each of its arrays accepted and each stage done."""
+    now = Moment(robot, program, True, 0.0)
+    later = Moment(robot, program, True, robot.commands[command].nominal_s)
+    body = commands.begin(now, body, sensing, command, None, "")
+    while body.motion is not None or body.flight is not None:
+        if body.flight is not None:
+            accepted = SubmitResult(body.flight.setpoint_id, "accepted")
+            body, _ = commands.resolve(now, body, accepted)
+        else:
+            body, _ = commands.watch(later, body, sensing)
+    return body

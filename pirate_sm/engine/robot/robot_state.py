@@ -1,0 +1,310 @@
+"""The robot as far as it has been commanded, and what can be asked of that; changes nothing."""
+
+from __future__ import annotations
+
+from math import inf, isnan, nan
+from typing import Literal, NamedTuple
+
+from pirate_sm.engine.control.position_loop import Loop
+from pirate_sm.engine.records import often_replaced
+from pirate_sm.engine.robot.chart_table import Configuration
+from pirate_sm.engine.robot.criteria import CriterionSpec
+from pirate_sm.engine.robot.robot_spec import CommandSpec, PostureSpec, RobotSpec
+from pirate_sm.model.effects import StateChange
+
+Numbers = tuple[float, ...]
+Purpose = Literal["gate", "loop", "stop"]
+
+POSTURE = -1
+"""The stage of a motion in which the robot takes the command's posture, before all others."""
+
+
+STOPPED = -1
+"""In place of a mark's command: the wheels of the region were stopped from outside its state."""
+
+DECLARED = -2
+"""In place of a mark's command: a person or a file has said so."""
+
+
+DENIED = -3
+"""In place of a mark's command: sensors have shown that it is not so, or may be so no more."""
+
+
+class Mark(NamedTuple):
+    """A region's state, or a part's clamp, that is not confirmed.
+
+    Attributes:
+        command: The command that made it, or ``STOPPED``, ``DECLARED`` or ``DENIED``.
+    """
+
+    kind: Literal["region", "part"]
+    which: int
+    command: int
+
+
+class Flight(NamedTuple):
+    """An array whose fate is not known yet.
+
+    Attributes:
+        purpose: ``gate``: a command's first array, moves the chart when accepted. ``stop``: wheels
+            zero. ``loop``: anything else.
+        resend_at_s: When the same array is sent again, infinite while a result is awaited.
+        seeking: Slots whose values a position loop has set.
+    """
+
+    setpoint_id: int
+    values: Numbers
+    purpose: Purpose
+    tries: int = 1
+    resend_at_s: float = inf
+    seeking: frozenset[int] = frozenset()
+
+
+@often_replaced
+class Motion(NamedTuple):
+    """A command under way.
+
+    Attributes:
+        command: Index of the command.
+        target: The configuration that acceptance leads to.
+        accepted_s: NaN until the array is accepted.
+        deadline_s: When it has failed; infinite until accepted.
+        since_s: Since when its criterion has been true, NaN while it is not.
+        stage: Which stage of its actuation is in force; ``POSTURE`` before the first.
+        blind: Why its posture cannot be taken: an angle that it needs is unknown. Empty otherwise.
+    """
+
+    command: int
+    target: int
+    timeout_s: float
+    place: str
+    accepted_s: float = nan
+    deadline_s: float = inf
+    since_s: float = nan
+    stage: int = 0
+    blind: str = ""
+
+
+class Finished(NamedTuple):
+    """How a command ended."""
+
+    done: bool
+    reason: str
+
+
+@often_replaced
+class RobotState(NamedTuple):
+    """The robot as far as it has been commanded.
+
+    Attributes:
+        configuration: Index into the chart's table.
+        marks: What is not confirmed.
+        values: Setpoints in force: the last accepted array.
+        seeking: Slots among them that a position loop has set.
+        next_id: Id of the next new array.
+        sent: Whether anything has ever been sent.
+    """
+
+    configuration: int
+    values: Numbers
+    marks: frozenset[Mark] = frozenset()
+    next_id: int = 1
+    flight: Flight | None = None
+    motion: Motion | None = None
+    loops: tuple[Loop, ...] = ()
+    seeking: frozenset[int] = frozenset()
+    sent: bool = False
+
+    @property
+    def latest(self) -> Numbers:
+        """The newest values, whether accepted yet or not."""
+        return self.flight.values if self.flight else self.values
+
+
+def at_rest_in(robot: RobotSpec, configuration: int) -> RobotState:
+    """A robot that is in this configuration, confirmed, and has not been sent anything."""
+    values = [0.0] * len(robot.slots)
+    for region, state in enumerate(robot.table.configurations[configuration]):
+        for write in robot.actuation[region][state][-1]:
+            if write.how == "set":
+                values[write.slot] = write.value
+            elif write.how == "keep" and robot.slots[write.slot].unit == "angle":
+                values[write.slot] = nan  # known once measured
+    return RobotState(configuration, tuple(values))
+
+
+def unconfirmed(robot: RobotSpec, state: RobotState) -> tuple[str, ...]:
+    """Names of the regions whose state is not confirmed, in the order of the chart."""
+    if not state.marks:
+        return ()
+    regions = {mark.which for mark in state.marks if mark.kind == "region"}
+    for mark in state.marks:
+        if mark.kind == "part":
+            regions |= robot.part_regions[mark.which]
+    return tuple(name for index, name in enumerate(robot.regions) if index in regions)
+
+
+def states_of(robot: RobotSpec, state: RobotState) -> Configuration:
+    """The state name of each region."""
+    return robot.table.configurations[state.configuration]
+
+
+def obeyed(robot: RobotSpec, state: RobotState) -> tuple[str | None, ...]:
+    """The state of each region; None where its wheels have been stopped from outside it."""
+    names = states_of(robot, state)
+    driven = robot.driven[state.configuration]
+    if not driven:
+        return names
+    stopped = {
+        region for region, slots in driven.items() if all(state.values[slot] == 0 for slot in slots)
+    }
+    return tuple(None if region in stopped else name for region, name in enumerate(names))
+
+
+def state_change(robot: RobotSpec, state: RobotState) -> StateChange:
+    """The effect that tells the configuration and what of it is unconfirmed."""
+    return StateChange(states_of(robot, state), unconfirmed(robot, state))
+
+
+def confirmed_parts(robot: RobotSpec, state: RobotState) -> frozenset[int]:
+    """Parts whose clamp has been seen to hold."""
+    held = robot.held[state.configuration]
+    if not state.marks:
+        return held
+    return held - {mark.which for mark in state.marks if mark.kind == "part"}
+
+
+def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
+    """Why the command would be refused now, beginning with *unneeded* or *impossible*; or empty.
+
+    A command is possible when it moves the chart, its posture does not rule it out, and it lets go
+    of no part unless a confirmed clamp remains, and drives only with one. One that moves nothing
+    is possible as a retry while what it asks for is not confirmed.
+    """
+    here = state.configuration
+    target = robot.table.follow(here, command)
+    if target == here and not retried(robot, state, command):
+        if robot.unneeded[here][command]:
+            return "unneeded: it is so already"
+        return f"impossible: {robot.table.why_not(here, command)}"
+    posture = robot.commands[command].posture(target)
+    if posture is not None and posture.refuse:
+        return f"impossible: {posture.refuse}"
+    confirmed, held = confirmed_parts(robot, state), robot.held[target]
+    made = made_by(robot, state, command)
+    if made & robot.driven[target].keys() and not confirmed & held:
+        return "impossible: no clamp is confirmed to drive with"
+    if robot.held[here] <= held or confirmed & held or robot.commands[command].lets_go:
+        return ""
+    if not confirmed:
+        return "impossible: no clamp that would remain is confirmed"
+    parts = ", ".join(robot.parts[part] for part in sorted(confirmed))
+    return f"impossible: it would let go of the last confirmed clamp ({parts})"
+
+
+def made_by(robot: RobotSpec, state: RobotState, command: int) -> frozenset[int]:
+    """Regions whose states the command makes: those that it moves or tries again."""
+    before = states_of(robot, state)
+    after = robot.table.configurations[robot.table.follow(state.configuration, command)]
+    moved = {index for index, name in enumerate(after) if name != before[index]}
+    again = {mark.which for mark in retried(robot, state, command) if mark.kind == "region"}
+    return frozenset(moved | again)
+
+
+def retried(robot: RobotSpec, state: RobotState, command: int) -> frozenset[Mark]:
+    """What the command, given now, would confirm of what is not confirmed.
+
+    That is what it left unconfirmed itself and, where what it asks for is commanded already, the
+    unconfirmed states or clamps that this rests on.
+    """
+    own = {mark for mark in state.marks if mark.command == command}
+    here = state.configuration
+    if not robot.unneeded[here][command] or robot.table.follow(here, command) != here:
+        return frozenset(own)
+    return frozenset(own | _rests_on(robot, state, command))
+
+
+def _rests_on(robot: RobotSpec, state: RobotState, command: int) -> set[Mark]:
+    """Marks without which it would be certain that what the command asks for is so already."""
+    spec = robot.commands[command]
+    if spec.asks_parts:
+        return {
+            mark for mark in state.marks if mark.kind == "part" and mark.which in spec.asks_parts
+        }
+    doubted = {mark.which for mark in state.marks if mark.kind == "region"}
+    if not doubted or _is_so(robot, state, spec, doubted):
+        return set()
+    alone = {
+        region
+        for region in doubted
+        if not _is_so(robot, state, spec, {region})
+        or _is_so(robot, state, spec, doubted - {region})
+    }
+    regions = alone or doubted
+    return {mark for mark in state.marks if mark.kind == "region" and mark.which in regions}
+
+
+def _is_so(robot: RobotSpec, state: RobotState, spec: CommandSpec, unknown: set[int]) -> bool:
+    """Whether what a command asks for is so, whatever the states of these regions are."""
+    names = states_of(robot, state)
+    words = tuple(None if index in unknown else name for index, name in enumerate(names))
+    return spec.asks_for is not None and spec.asks_for.evaluate((), words) is True
+
+
+def safe_values(robot: RobotSpec, state: RobotState, numbers: Numbers) -> Numbers:
+    """The safe state: the last accepted actuation, wheels at zero, position loops stopped.
+
+    Args:
+        robot: The robot.
+        state: What has been accepted. A command that has not been is no part of it: its loops
+            may be those of a clamp that is still held.
+        numbers: Signals; an angle to be kept is the measured one.
+    """
+    values = list(known_values(state.values, numbers, robot))
+    for slot in (*robot.safe_zero, *state.seeking):
+        values[slot] = 0.0
+    return tuple(values)
+
+
+def is_safe(robot: RobotSpec, state: RobotState) -> bool:
+    """Whether the setpoints in force are those of the safe state already."""
+    return not state.seeking and all(state.values[slot] == 0 for slot in robot.safe_zero)
+
+
+def next_deadline(robot: RobotSpec, state: RobotState, nominal: bool) -> float:
+    """When time alone can change something: a timeout, a resend, a criterion held long enough."""
+    if state.flight is not None:
+        return state.flight.resend_at_s  # a command does not end before that is resolved
+    motion = state.motion
+    if motion is None:
+        return inf
+    if nominal:
+        return motion.accepted_s + robot.commands[motion.command].nominal_s
+    if isnan(motion.since_s):
+        return motion.deadline_s
+    held_s = getattr(criterion_of(robot, motion), "for_s", 0.0)
+    return min(motion.since_s + held_s, motion.deadline_s)
+
+
+def posture_of(robot: RobotSpec, motion: Motion) -> PostureSpec | None:
+    """Return the posture that the command under way takes first, or took; None without one."""
+    return robot.commands[motion.command].posture(motion.target)
+
+
+def criterion_of(robot: RobotSpec, motion: Motion) -> CriterionSpec:
+    """Return what shows that the stage of the command under way is done."""
+    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
+    return robot.commands[motion.command].done if posture is None else posture.done
+
+
+def known_values(values: Numbers, numbers: Numbers, robot: RobotSpec) -> Numbers:
+    """Values without the unknown: an angle to be kept is the measured one, or 0 [decided]."""
+    if not isnan(sum(values)):  # one unknown makes the sum unknown
+        return values
+    filled = list(values)
+    for index, value in enumerate(values):
+        if isnan(value):
+            angle = robot.slots[index].angle
+            seen = numbers[angle] if angle >= 0 else nan
+            filled[index] = 0.0 if isnan(seen) else seen
+    return tuple(filled)

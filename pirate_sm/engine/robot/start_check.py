@@ -1,0 +1,51 @@
+"""The look at the sensors before the first command: what comes of it for the run."""
+
+from __future__ import annotations
+
+from pirate_sm.engine.mission.ending import end, withdraw
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.robot import confirmation, robot_state
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import Ended, Fault
+
+
+def go_on(moment: Moment, state: EngineState, look: confirmation.Look) -> EngineState:
+    """Compare what is declared with the sensors; a contradiction ends the run."""
+    robot, body = moment.robot, state.robot
+    numbers, diameter_m = state.sensing.numbers, moment.program.diameter_m
+    seen = confirmation.look(robot, look, body, numbers, diameter_m, moment.now_s)
+    state = state._replace(look=seen.look)
+    if seen.confirmed:
+        before = robot_state.state_change(robot, body)
+        body = body._replace(marks=body.marks - seen.confirmed)
+        state = state._replace(robot=body)
+        change = robot_state.state_change(robot, body)
+        if change != before:
+            moment.tell(change)
+    if seen.look is not None:
+        return state
+    if seen.contradictions:
+        return _refuse(moment, state, seen)
+    for part in confirmation.parts_left_open(robot, body):
+        moment.warn(f"the sensors leave it open whether the {part} part holds")
+    return state
+
+
+def _refuse(moment: Moment, state: EngineState, seen: confirmation.Seen) -> EngineState:
+    """End the run because the sensors contradict what is declared.
+
+    Nothing has been sent. Only wheels that turn are stopped: the safe array would actuate clamps
+    that may not be there.
+    """
+    message = (
+        f"the sensors contradict what is declared: {'; '.join(seen.contradictions)}. "
+        "Say with --state REGION=STATE where the robot is"
+    )
+    moment.tell(Fault(confirmation.CODE, message, "stop"))
+    cause = f"{confirmation.CODE}: {message}"
+    if not seen.turning:
+        withdraw(moment, state)
+        moment.tell(Ended("fault", cause, ""))
+        return state._replace(mission=state.mission._replace(ended=True))
+    robot = state.robot._replace(sent=True)
+    return end(moment, state._replace(robot=robot), "fault", cause, "")

@@ -1,0 +1,1 @@
+"""What must not happen: safety rules, and faults that signals show."""

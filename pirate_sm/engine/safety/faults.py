@@ -1,0 +1,157 @@
+"""Faults that the signals tell: rules of the profile, silent boards, channels without a value."""
+
+from __future__ import annotations
+
+from math import isnan, nan
+from typing import NamedTuple
+
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.robot.robot_spec import BoardSpec, RobotSpec
+from pirate_sm.engine.sensing import plausibility
+from pirate_sm.engine.sensing.conversion import Sensing, nothing_known
+from pirate_sm.engine.sensing.report_loss import silent_limit_s
+from pirate_sm.engine.state import FaultState, Words
+from pirate_sm.model.fault_codes import BuiltInFault
+
+ANEW = frozenset({BuiltInFault.FIRMWARE_RESET.code, BuiltInFault.LINK_INTERRUPTED.code})
+"""After these what was known of the robot is past, and counters may begin at zero."""
+
+
+class Found(NamedTuple):
+    """A fault that has just come to be, and the parts whose clamps it shows not to hold."""
+
+    code: str
+    message: str
+    catchable: bool
+    denies: frozenset[int] = frozenset()
+
+    @classmethod
+    def built_in(cls, fault: BuiltInFault, message: str) -> Found:
+        """Return a fault that any robot can have."""
+        return cls(fault.code, message, fault.catchable)
+
+
+def no_faults(robot: RobotSpec) -> FaultState:
+    """Nothing is wrong yet."""
+    return FaultState((nan,) * len(robot.faults))
+
+
+def look(
+    robot: RobotSpec,
+    faults: FaultState,
+    board: BoardSpec,
+    sensing: Sensing,
+    words: Words,
+    now: float,
+) -> tuple[FaultState, tuple[Found, ...]]:
+    """The rules that the board's signals can change have been looked at.
+
+    A rule is raised once when its condition has held long enough, and again only after it has
+    been untrue or unknown in between.
+    """
+    numbers = sensing.numbers
+    since: list[float] | None = None
+    raised = faults.raised
+    found: list[Found] = []
+    for index in board.faults:
+        rule = robot.faults[index]
+        began = faults.since[index]
+        if rule.when.evaluate(numbers, words) is not True:
+            if not isnan(began):
+                since = list(faults.since) if since is None else since
+                since[index] = nan
+                raised -= {index}
+            continue
+        if isnan(began):
+            since = list(faults.since) if since is None else since
+            since[index] = began = now
+        if index not in raised and has_come(now, began + rule.held_s):
+            raised |= {index}
+            found.append(Found(rule.code, rule.message, rule.catchable, rule.denies))
+    blind, unseen = _blind(robot, faults.blind, board, sensing)
+    found += unseen
+    silent = faults.silent - {board.position} if faults.silent else faults.silent
+    if since is None and raised is faults.raised and blind is faults.blind:
+        return (faults if silent == faults.silent else faults._replace(silent=silent)), ()
+    times = faults.since if since is None else tuple(since)
+    return FaultState(times, raised, silent, blind), tuple(found)
+
+
+def _blind(
+    robot: RobotSpec, blind: frozenset[int], board: BoardSpec, sensing: Sensing
+) -> tuple[frozenset[int], list[Found]]:
+    """Return which channels have no value, and a fault for each that has just lost its own.
+
+    A value that is not believed is reported as such and is not missing.
+    """
+    found: list[Found] = []
+    numbers, doubted = sensing.numbers, sensing.records[board.position].doubted
+    if not blind and not isnan(sum([numbers[target] for _, target, _ in board.channels])):
+        return blind, found  # one sum tells that none is NaN
+    for _, target, _ in board.channels:
+        if (isnan(numbers[target]) and target not in doubted) != (target in blind):
+            blind ^= {target}
+            if target in blind:
+                name = robot.vocabulary.numbers[target]
+                found.append(Found.built_in(BuiltInFault.SENSOR_SILENT, f"{name} has no value"))
+    return blind, found
+
+
+def unsettle(robot: RobotSpec, faults: FaultState, sensing: Sensing, words: Words) -> FaultState:
+    """Rules that do not hold any more, since boards have gone silent, begin anew (rule 7)."""
+    since = tuple(
+        began if isnan(began) or rule.when.evaluate(sensing.numbers, words) is True else nan
+        for rule, began in zip(robot.faults, faults.since, strict=True)
+    )
+    raised = frozenset(index for index in faults.raised if not isnan(since[index]))
+    return faults._replace(since=since, raised=raised)
+
+
+def begin_anew(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
+    """Nothing is known but the odometry, which leaves out what was rolled unseen."""
+    fresh = nothing_known(robot)
+    numbers = list(fresh.numbers)
+    if robot.odometry >= 0:
+        numbers[robot.odometry] = sensing.numbers[robot.odometry]
+    heard_s = (now,) * len(fresh.heard_s)  # each board has its time to report
+    records = tuple(map(plausibility.begin_anew, sensing.records))
+    return fresh._replace(
+        numbers=tuple(numbers),
+        heard_s=heard_s,
+        checked_s=now,
+        records=records,
+        loss=sensing.loss,
+    )
+
+
+def listen(
+    robot: RobotSpec, faults: FaultState, sensing: Sensing, now: float
+) -> tuple[FaultState, tuple[Found, ...]]:
+    """Report boards that have been silent for too long, once; all of them are the link.
+
+    A single board has longer where reports are lost, and is judged only while others report:
+    where all of them stop, one stops first.
+    """
+    silent_after_s, heard_s = robot.link.silent_after_s, sensing.heard_s
+    newest_s = max(heard_s, default=now)
+    if newest_s <= now - silent_after_s:
+        every = frozenset(range(len(heard_s)))
+        if every <= faults.silent:
+            return faults, ()
+        message = f"no board has reported for {silent_after_s:g} s"
+        return faults._replace(silent=every), (Found.built_in(BuiltInFault.LINK_SILENT, message),)
+    if newest_s <= now - silent_after_s / 2:
+        return faults, ()
+    limit_s = silent_limit_s(robot.link, sensing.loss)
+    silent = frozenset(at for at, each_s in enumerate(heard_s) if each_s <= now - limit_s)
+    new = silent - faults.silent
+    if not new:
+        return faults, ()
+    return faults._replace(silent=silent | faults.silent), tuple(
+        Found.built_in(
+            BuiltInFault.SENSOR_SILENT,
+            f"board {board.id} ({board.module}) has not reported for {limit_s:.3g} s",
+        )
+        for board in robot.boards.values()
+        if board.position in new
+    )

@@ -1,0 +1,37 @@
+"""Watch the safety rules during a run: what breaks one ends the mission."""
+
+from __future__ import annotations
+
+from pirate_sm.engine.mission.ending import end
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.safety import rules
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import Fault
+
+
+def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
+    """Follow the rules to where the robot is now; end a mission that breaks one.
+
+    A command of the operator that breaks a rule is only warned of: the mission goes on.
+    """
+    if not state.rules:
+        return state
+    old, new = before.robot, state.robot
+    motion = new.motion or old.motion
+    accepted = old.configuration != new.configuration
+    if not accepted and old.marks == new.marks and old.values == new.values:
+        return state
+    if not accepted and state.mission.diverting is not None:
+        return state  # the mission has broken nothing: its wheels are stopped before the handler
+    name = moment.robot.commands[motion.command].name if motion is not None else None
+    places, broken = rules.follow(
+        moment.program, moment.robot, state.rules, new, int(accepted), name if accepted else None
+    )
+    state = state._replace(rules=places)
+    for rule in broken:
+        if motion is not None and not motion.place:
+            moment.warn(f"{name}, given by hand, violates {rules.said(rule)}")
+        elif not (state.mission.ending or state.mission.ended):
+            moment.tell(Fault(rules.CODE, rules.said(rule), "stop"))
+            state = end(moment, state, "fault", f"{rules.CODE}: {rules.said(rule)}", "")
+    return state

@@ -1,0 +1,98 @@
+"""Safety rules: watched in every run, and the command that would break one is not sent.
+
+A rule sees the robot as it is commanded: the state of each region and the command just accepted
+(words), and how many parts are held, are confirmed to hold, and how many wheels are driven
+(numbers). Where a rule is, is one integer: how many commands may still be accepted until it must
+hold, or one of two marks.
+"""
+
+from __future__ import annotations
+
+from pirate_sm.engine.mission.program import Program, RuleSpec
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.robot import commands, robot_state
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import RobotState
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.events import SubmitResult
+from pirate_sm.model.fault_codes import BuiltInFault
+
+NUMBERS = ("clamps", "confirmed_clamps", "driven_wheels")
+"""Numbers that conditions of rules know, in this order."""
+
+COMMAND = "command"
+"""The word after those of the regions: the command just accepted, unknown at other times."""
+
+CODE = BuiltInFault.RULE_VIOLATED.code
+
+_NOT_YET = -1
+_IN_FORCE = 0
+
+
+def unseen(program: Program) -> tuple[int, ...]:
+    """Where every rule is before anything has been."""
+    return (_NOT_YET,) * len(program.rules)
+
+
+def follow(
+    program: Program, robot: RobotSpec, before: tuple[int, ...], body: RobotState, steps: int,
+    command: str | None = None,
+) -> tuple[tuple[int, ...], tuple[RuleSpec, ...]]:  # fmt: skip
+    """Where every rule is with the robot so, and those that it violates.
+
+    Args:
+        program: Holds the rules.
+        robot: The robot.
+        before: Where the rules were.
+        body: What the robot has been commanded to.
+        steps: How many commands have been accepted since ``before``.
+        command: The one just accepted, if one is.
+    """
+    if not program.rules:
+        return (), ()
+    driven = sum(body.values[slot] != 0 for slot in robot.safe_zero)
+    numbers = (
+        float(len(robot.held[body.configuration])),
+        float(len(robot_state.confirmed_parts(robot, body))),
+        float(driven),
+    )
+    words = (*robot_state.states_of(robot, body), command)
+    after, broken = [], []
+    for rule, at in zip(program.rules, before, strict=True):
+        begins = rule.after is None or rule.after.evaluate(numbers, words) is True
+        holds = rule.must.evaluate(numbers, words)
+        if rule.within is None:
+            now = _IN_FORCE if begins or at == _IN_FORCE else _NOT_YET
+            violated = now == _IN_FORCE and holds is False  # unknown where no command is accepted
+        elif holds:
+            now, violated = _NOT_YET, False
+        elif at > 0:
+            now = max(at - steps, 0)
+            violated = now == 0
+        else:
+            now, violated = (rule.within if begins else _NOT_YET), False
+        after.append(now)
+        if violated:
+            broken.append(rule)
+    return tuple(after), tuple(broken)
+
+
+def forbids(moment: Moment, state: EngineState, command: int) -> str:
+    """Which rules the command would break as soon as it is accepted; empty: none."""
+    if not state.rules:
+        return ""
+    robot, program = moment.robot, moment.program
+    trial = Moment(robot, program, moment.nominal, 0.0)
+    body = commands.begin(trial, state.robot, state.sensing, command, None, "")
+    flight = body.flight
+    assert flight is not None  # a command begins with an array
+    accepted = SubmitResult(flight.setpoint_id, "accepted")
+    body, _ = commands.resolve(trial, body, accepted)
+    name = robot.commands[command].name
+    _, broken = follow(program, robot, state.rules, body, 1, name)
+    return "; ".join(said(rule) for rule in broken)
+
+
+def said(rule: RuleSpec) -> str:
+    """The rule in one line."""
+    return f"rule {rule.name} ({rule.text})" + (f": {rule.why}" if rule.why else "")

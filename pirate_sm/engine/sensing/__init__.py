@@ -1,0 +1,1 @@
+"""From raw values to signals in SI, which of them can be believed, and the pipe they show."""

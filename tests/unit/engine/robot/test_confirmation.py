@@ -1,0 +1,287 @@
+"""Said is not seen: what is declared is compared with the sensors before the first command."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from driving import BOTH_CLAMPED, DRIVING_FORWARD, IDLE, NEWT, REAR_CLAMPED, Driver, command
+
+from pirate_sm.engine.robot.confirmation_spec import Sight
+from pirate_sm.model import effects as fx
+from pirate_sm.model import events as ev
+
+TURNS = {113: 2 * math.asin((0.113 - 0.048) / 0.09), 60: 2 * math.asin((0.060 - 0.048) / 0.09)}
+
+
+def held(mm: int = 113, borne: float = 0.6) -> dict[str, float]:
+    """What a robot shows that holds on with both parts: spans, and torques on the springs."""
+    angle = TURNS[mm]
+    angles = {"gamma_1": -angle, "gamma_2": angle, "gamma_3": -angle, "gamma_4": angle}
+    return angles | {f"bend_torque_{n}": borne if n % 2 == 0 else -borne for n in (1, 2, 3, 4)}
+
+
+MISSION = """
+start: go
+phases:
+  go: {do: [RelaxRear, DriveForward, Brake], go: out}
+ends: {out: {succeed: Out}}
+"""
+HANDLED = "on_fault: [{fault: [sensor.silent, clamp.lost], then: continue}]\n"
+
+
+def declared(drive, body: str = IDLE, states=BOTH_CLAMPED, **shown: float) -> Driver:
+    """A robot that is said to be in these states and shows this, just after it began to look."""
+    driver = drive(HANDLED + body, states=states, declared=True)
+    driver.signals |= shown
+    return driver
+
+
+def left_open(driver: Driver) -> set[str]:
+    """What is unconfirmed after the look, without the lights, which no sensor sees."""
+    driver.run(3.2)
+    assert driver.state.look is None
+    return driver.unconfirmed - {"LightingState"}
+
+
+def test_a_declared_clamp_is_unconfirmed_at_first(drive):
+    driver = declared(drive, **held())
+
+    assert {"FrontWheelsState", "RearWheelsState", "BendingState"} <= driver.unconfirmed
+
+
+def test_a_clamp_that_is_not_there_refuses_the_start_before_anything_is_sent(drive):
+    driver = declared(drive, MISSION)
+
+    driver.run(3.2)
+
+    assert driver.statuses == []
+    assert driver.of(fx.Setpoints) == []
+    assert driver.faults == [("start.contradicted", "stop")]
+    message = driver.ended.message
+    assert "the front part is declared to hold (BendingState DoubleClamped), but" in message
+    assert "bend_torque_1, bend_torque_2 show 0, 0 mNm, less than 100 mNm" in message
+    assert "--state" in message
+
+
+NOTHING_HELD = {"BendingState": "Unclamped"}
+RESET = """
+start: go
+phases:
+  go: {do: [{command: Reset, unneeded: skip}], go: out}
+ends: {out: {succeed: Out}}
+"""
+
+
+def test_a_robot_that_holds_is_not_taken_for_one_that_holds_nothing_and_reset(drive):
+    driver = declared(drive, RESET, NOTHING_HELD, **held())
+
+    driver.run(3.2)
+
+    assert driver.of(fx.Setpoints) == []
+    assert driver.faults == [("start.contradicted", "stop")]
+    assert "BendingState is declared Unclamped" in driver.ended.message
+    assert "the front part bears 600, 600 mNm like one that holds" in driver.ended.message
+
+
+def test_a_robot_on_the_bench_may_have_bent_joints(drive):
+    bent = {name: value / 2 for name, value in held().items() if name.startswith("gamma")}
+    driver = declared(drive, RESET, NOTHING_HELD, **bent)
+
+    driver.run(3.2)
+
+    assert driver.faults == []
+    assert ("Reset", "sent") in driver.statuses
+
+
+def test_a_clamp_that_the_sensors_show_is_confirmed_and_the_mission_begins(drive):
+    driver = declared(drive, MISSION, **held())
+    driver.run(0.5)
+    assert driver.statuses == [], "it must last for half a second"
+
+    driver.run(1.0)
+
+    assert driver.unconfirmed == {"LightingState"}
+    assert driver.statuses == [("RelaxRear", "sent")]
+
+
+@pytest.mark.parametrize("name", ["gamma_1", "bend_torque_1", "bend_torque_3"])
+def test_an_unknown_signal_is_no_agreement_and_no_contradiction(drive, name):
+    driver = declared(drive, **(held() | {name: math.nan}))
+
+    assert left_open(driver) == {"BendingState"}
+    assert driver.ended is None
+    assert "leave it open whether" in driver.of(fx.Log)[-1].message
+
+
+def test_a_clamp_that_is_left_open_neither_drives_nor_lets_go(drive):
+    driver = declared(drive, **held(borne=0.3))
+    assert left_open(driver) == {"BendingState"}
+
+    for name in ("DriveForward", "RelaxRear"):
+        command(driver, name)
+        assert driver.last_status.status == "refused"
+        assert driver.last_status.reason.startswith("impossible: no clamp")
+
+    driver.signals |= held()
+    command(driver, "ClampFront")
+    driver.until_done("ClampFront")
+    command(driver, "RelaxRear")
+    assert driver.last_status.status == "sent", "the front has been seen to hold"
+
+
+def test_torque_against_the_direction_of_the_clamp_is_none(drive):
+    driver = declared(drive, **held(borne=-0.6))
+
+    driver.run(3.2)
+
+    assert driver.faults == [("start.contradicted", "stop")]
+
+
+def test_a_joint_that_still_moves_shows_no_clamp(drive):
+    driver = declared(drive, **held())
+    driver.run(3.2, gamma_1=0.1)
+
+    assert "BendingState" in driver.unconfirmed
+
+
+def test_the_diameter_is_held_against_the_pipe(drive):
+    pipe = "pipe: {diameter: 113 mm, segments: [{straight: 1 m}]}\n"
+    fits = declared(drive, pipe + IDLE, **held())
+    assert left_open(fits) == set()
+
+    other = declared(drive, pipe + IDLE, **held(60))
+    other.run(3.2)
+    assert "diameter_front shows 60 mm, the pipe has 113 mm, limit 15% off" in other.ended.message
+
+
+def test_without_a_pipe_held_parts_must_agree_and_touch_a_wall(drive):
+    bent = {name: value for name, value in held(60).items() if name in ("gamma_3", "gamma_4")}
+    unequal = declared(drive, **(held() | bent))
+    unequal.run(3.2)
+    assert "diameter_front shows 113 mm, diameter_rear 60 mm" in unequal.ended.message
+
+    stop = max(each.open_rad for each in unequal.robot.sight.parts if each)
+    opened = declared(drive, **(held() | {"gamma_4": stop + 0.01}))
+    opened.run(3.2)
+    assert "it has opened to its end stop" in opened.ended.message
+
+
+def test_wheels_that_turn_refuse_the_start_and_are_stopped(drive):
+    driver = declared(drive, **held())
+
+    driver.run(3.2, theta_2=3.0)
+
+    assert driver.faults == [("start.contradicted", "stop")]
+    assert "omega_2 shows 3.00 rad/s, limit 0.3 rad/s" in driver.of(fx.Fault)[0].message
+    duties = {"bend_1": -0.7, "bend_2": 0.7, "bend_3": -0.7, "bend_4": 0.7}
+    assert driver.nonzero == pytest.approx(duties)
+
+
+def test_of_each_part_one_wheel_must_be_heard(drive):
+    one = declared(drive, **held(), theta_1=math.nan)
+    assert left_open(one) == set()
+
+    deaf = declared(drive, **held(), theta_4=math.nan, theta_5=math.nan, theta_6=math.nan)
+    assert left_open(deaf) == {"RearWheelsState"}
+
+
+def test_driving_that_is_declared_is_only_what_a_command_can_confirm(drive):
+    driver = declared(drive, states=DRIVING_FORWARD, **held())
+    assert left_open(driver) == {"FrontWheelsState", "RearWheelsState"}
+
+    command(driver, "ToggleLighting")
+    assert not any(driver.array[f"wheel_{n}"] for n in range(1, 7)), "no other command drives"
+    driver.until_done("ToggleLighting")
+    command(driver, "DriveForward")
+    driver.until_done("DriveForward")
+    assert driver.unconfirmed == set()
+
+
+def test_wheels_that_turn_the_other_way_contradict_driving(drive):
+    driver = declared(drive, states=DRIVING_FORWARD, **held())
+
+    driver.run(3.2, theta_1=-3.0)
+
+    assert "omega_1 shows -3.00 rad/s, the other way" in driver.of(fx.Fault)[0].message
+
+
+def test_an_angle_that_is_declared_and_is_not_there_refuses_the_start(drive):
+    driver = declared(drive, states=REAR_CLAMPED | {"RotationState": "AlignedLeft"}, **held())
+
+    driver.run(3.2)
+
+    assert "RotationState is declared AlignedLeft, but phi shows 0 deg, not -90 deg" in (
+        driver.ended.message
+    )
+
+
+def test_a_contradiction_that_goes_in_time_is_none(drive):
+    driver = declared(drive)
+    driver.run(2.0)
+
+    driver.signals |= held()
+    driver.run(3.2)
+
+    assert driver.ended is None
+    assert driver.unconfirmed == {"LightingState"}
+
+
+def test_no_command_of_the_operator_is_taken_while_the_sensors_are_looked_at(drive):
+    driver = declared(drive, **held())
+    driver.run(0.2)
+
+    command(driver, "RelaxRear")
+
+    assert "still being compared" in driver.last_status.reason
+
+
+def test_an_end_while_the_sensors_are_looked_at_ends(drive):
+    driver = declared(drive, states={})
+
+    driver.give(ev.Abort("enough"), 0.1)
+
+    assert driver.ended.outcome == "interrupted"
+    assert driver.of(fx.Setpoints) == []
+
+
+def test_a_fault_before_the_first_command_actuates_no_declared_clamp(drive):
+    driver = drive(IDLE, states=BOTH_CLAMPED, declared=True)
+
+    driver.give(ev.FaultReport("link.lost", "gone"), 0.1)
+
+    assert driver.ended.outcome == "fault"
+    assert driver.of(fx.Setpoints) == []
+
+
+def test_nothing_is_looked_at_any_more_once_it_is_decided(drive):
+    driver = declared(drive, **held())
+    driver.run(1.0)
+
+    assert driver.state.look is None
+
+
+def test_on_paper_what_is_declared_is_so(drive):
+    driver = drive(IDLE, states=BOTH_CLAMPED, declared=True, nominal=True)
+
+    assert driver.unconfirmed == set()
+    assert driver.state.look is None
+
+
+def test_where_the_profile_says_nothing_all_stays_open_and_nothing_is_waited_for(drive):
+    driver = drive(IDLE, states=BOTH_CLAMPED)
+    silent = Driver(replace(driver.robot, sight=Sight()), driver.engine.program, declared=True)
+
+    assert silent.state.look is None
+    assert silent.unconfirmed == set(silent.robot.regions)
+    assert [each.phase for each in silent.of(fx.WaitArmed)] == ["idle"]
+
+
+def test_a_robot_of_another_make_is_looked_at_too(drive):
+    states = {"Grip": "BothHeld"}
+    driver = drive(IDLE, robot=NEWT, states=states, declared=True)
+
+    driver.run(3.2)
+
+    assert "the nose part is declared to hold (Grip BothHeld)" in driver.ended.message

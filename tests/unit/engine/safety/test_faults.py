@@ -1,0 +1,563 @@
+"""Faults: who raises them, who may handle them, and what happens until the handler begins."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from driving import BOTH_CLAMPED, IDLE, REAR_CLAMPED, Driver, command, write_mission
+
+from pirate_sm.engine.mission.program import HandlerSpec
+from pirate_sm.model import effects as fx
+from pirate_sm.model import events as ev
+
+ROLLING = {f"theta_{n}": 3.0 if n % 2 else -3.0 for n in range(1, 7)}
+STUCK = ev.FaultReport("robot.stuck", "it does not move")
+HANDLED = """
+on_fault:
+  - {fault: [sensor.silent, wheel.dead], then: continue}
+  - {fault: robot.stuck, go: rescue}
+  - {fault: motor.hot, go: cool}
+start: a
+phases:
+  a: {do: [ClampFront, ClampRear, DriveForward], wait: [{operator: x, go: e}], within: {time: 1 h, go: e}}
+  rescue: {do: [{command: Brake, unneeded: skip}, {log: "rescued after {cause}"}], go: after}
+  cool: {wait: [{after: 10 s, go: e}]}
+  after: {wait: [{operator: x, go: e}], within: {time: 1 h, go: e}}
+ends: {e: {succeed: "After {cause}"}}
+"""  # noqa: E501
+
+
+def test_continue_only_logs(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+
+    driver.give(ev.FaultReport("wheel.dead", "wheel 3"))
+
+    assert driver.of(fx.Fault) == [fx.Fault("wheel.dead", "wheel 3", "continue")]
+    assert driver.nonzero["wheel_1"] == 1
+    assert driver.phases == ["a"]
+
+
+def test_a_fault_that_nobody_handles_ends_in_the_safe_stop(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+
+    driver.give(ev.FaultReport("firmware.reset", "the boards started again"))
+    driver.accept()
+
+    assert driver.ended.outcome == "fault"
+    assert driver.ended.message == "firmware.reset: the boards started again"
+    assert driver.nonzero == pytest.approx(
+        {"bend_1": -0.7, "bend_2": 0.7, "bend_3": -0.7, "bend_4": 0.7}
+    )
+
+
+def test_a_second_fault_while_the_mission_ends_is_told_with_its_own_code_and_message(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(ev.FaultReport("firmware.reset", "the boards started again"))
+
+    driver.give(ev.FaultReport("motor.hot", "the motor of wheel 1 is hot"))
+    driver.accept()
+
+    assert driver.of(fx.Fault) == [
+        fx.Fault("firmware.reset", "the boards started again", "stop"),
+        fx.Fault("motor.hot", "the motor of wheel 1 is hot", "stop"),
+    ]
+    assert driver.ended.message == "firmware.reset: the boards started again"
+
+
+@pytest.mark.parametrize(
+    "code", ["robot.fallen", "link.lost", "link.silent", "link.no_echo", "backend.failed"]
+)
+def test_what_cannot_be_caught_is_not(drive, code):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+
+    driver.give(ev.FaultReport(code, "bad"))
+
+    assert driver.faults == [(code, "stop")]
+    driver.accept()
+    assert driver.ended.outcome == "fault"
+
+
+def test_what_cannot_be_caught_is_not_even_when_a_program_says_so(drive):
+    driver = drive(HANDLED)
+    program = driver.engine.program
+    handlers = tuple((HandlerSpec("link.lost", None, ""),) for _ in program.handlers)
+    again = Driver(driver.robot, replace(program, handlers=handlers))
+
+    again.give(ev.FaultReport("link.lost", "gone"), 0.1)
+
+    assert again.faults == [("link.lost", "stop")]
+
+
+def test_a_command_under_way_is_interrupted_and_stays_unconfirmed(drive):
+    driver = drive(HANDLED)
+    driver.until_sent("ClampRear")
+    driver.accept()
+
+    driver.give(STUCK)
+    assert driver.statuses[-1] == ("ClampRear", "failed")
+    assert driver.last_status.reason == "interrupted by robot.stuck: it does not move"
+    assert driver.phases == ["a"]
+    driver.accept()
+    driver.until_done("Brake")  # the clamp that was to fix the rear wheels is not confirmed
+
+    assert driver.phases == ["a", "rescue", "after"]
+    assert driver.unconfirmed == {"BendingState"}
+    messages = [log.message for log in driver.of(fx.Log)]
+    assert messages == ["rescued after robot.stuck: it does not move"]
+
+
+def test_the_array_in_flight_is_resolved_first(drive):
+    driver = drive(HANDLED)
+    driver.until_sent("ClampRear")
+    sent = driver.setpoints
+
+    driver.give(STUCK)
+    assert driver.setpoints == sent
+    driver.accept()
+
+    assert driver.states["BendingState"] == "DoubleClamped", "the chart has moved"
+    assert driver.setpoints.setpoint_id == sent.setpoint_id + 1
+    assert driver.nonzero == pytest.approx(
+        {"bend_1": -0.7, "bend_2": 0.7, "bend_3": -0.7, "bend_4": 0.7}
+    )
+
+
+def test_a_wait_does_not_go_on_while_the_wheels_are_being_stopped(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(STUCK)
+
+    driver.give(ev.Answer("x"))
+    driver.tick(driver.now + 0.1)
+
+    assert driver.fired == []
+    assert driver.phases == ["a"]
+
+
+def test_no_deadline_wakes_for_ever_while_the_wheels_are_being_stopped(drive):
+    driver = drive(
+        """
+on_fault: [{fault: robot.stuck, go: b}]
+starts_in: {BendingState: DoubleClamped, FrontWheelsState: Fixed, RearWheelsState: Fixed}
+start: a
+phases:
+  a: {do: [DriveForward], wait: [{operator: x, go: e}], within: {time: 100 ms, go: e}}
+  b: {go: e}
+ends: {e: {succeed: ok}}
+""",
+        nominal=True,
+    )
+    driver.accept()
+    driver.tick(0.5)
+    driver.give(STUCK, 0.55)
+
+    driver.tick(0.6)  # `within` is due, and the array is in flight
+
+    assert driver.state.wake_at_s == math.inf
+    assert driver.fired == []
+
+
+@pytest.mark.parametrize("event", [STUCK, ev.Pause()])
+def test_no_deadline_wakes_for_ever_while_a_command_is_in_flight(drive, event):
+    driver = drive(
+        """
+on_fault: [{fault: robot.stuck, go: b}]
+start: a
+phases:
+  a: {wait: [{operator: x, go: e}], within: {time: 1 s, go: e}}
+  b: {go: e}
+ends: {e: {succeed: ok}}
+""",
+        nominal=True,
+    )
+    command(driver, "ToggleLighting")
+    driver.give(event, 0.5)
+
+    driver.tick(1.0)  # `within` is due, and the array is in flight
+
+    assert driver.state.wake_at_s == math.inf
+    assert driver.fired == []
+
+
+def test_a_fault_in_a_mission_that_the_handler_calls_is_a_second_one(drive, tmp_path):
+    write_mission(
+        tmp_path,
+        "start: x\nphases: {x: {go: y}, y: {wait: [{after: 9 s, go: e}]}}\n"
+        "ends: {e: {succeed: x}}\n",
+        name="called.yaml",
+    )
+    driver = drive(
+        """
+on_fault: [{fault: robot.stuck, go: rescue}]
+start: a
+phases:
+  a: {wait: [{operator: x, go: e}], within: {time: 1 h, go: e}}
+  rescue: {do: [{call: called}], go: e}
+ends: {e: {succeed: ok}}
+"""
+    )
+    driver.give(STUCK, 0.1)
+    driver.accept()
+    assert driver.phases == ["a", "rescue", "rescue/called.x", "rescue/called.y"]
+
+    driver.give(STUCK, 0.2)
+
+    assert driver.faults == [("robot.stuck", "rescue"), ("robot.stuck", "stop")]
+
+
+def test_stopped_wheels_are_not_what_the_chart_says(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+
+    driver.give(STUCK)
+
+    assert driver.states["FrontWheelsState"] == "DrivingForward"
+    assert driver.unconfirmed == {"FrontWheelsState", "RearWheelsState"}
+
+
+def test_wheels_that_a_fault_has_stopped_are_not_stuck(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(ev.FaultReport("motor.hot", "hot"))
+    driver.accept()
+    assert driver.phases[-1] == "cool"
+
+    driver.run(driver.now + 9)
+
+    assert driver.faults == [("motor.hot", "cool")]
+
+
+@pytest.mark.parametrize("second", ["robot.stuck", "motor.hot", "firmware.reset"])
+def test_a_fault_while_one_is_handled_ends_in_the_safe_stop(drive, second):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(STUCK)
+    driver.accept()
+    assert driver.statuses[-1] == ("Brake", "sent")
+
+    driver.give(ev.FaultReport(second, "and then this"))
+
+    assert driver.faults[-1] == (second, "stop")
+    driver.accept()
+    assert driver.ended.message == f"{second}: and then this"
+
+
+def test_a_fault_before_the_handler_has_begun_ends_in_the_safe_stop_too(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(STUCK)
+
+    driver.give(ev.FaultReport("motor.hot", "hot"))
+
+    assert driver.faults == [("robot.stuck", "rescue"), ("motor.hot", "stop")]
+
+
+def test_continue_only_logs_while_a_fault_is_handled(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(STUCK)
+    driver.accept()
+
+    driver.give(ev.FaultReport("wheel.dead", "wheel 3"))
+
+    assert driver.faults[-1] == ("wheel.dead", "continue")
+    assert driver.ended is None
+
+
+def test_handling_is_over_when_the_handler_has_gone_on(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(STUCK)
+    driver.accept()
+    driver.until_waiting("after")
+
+    driver.give(STUCK)
+    driver.until(lambda d: d.phases.count("rescue") == 2)
+
+    assert driver.faults == [("robot.stuck", "rescue")] * 2
+
+
+def test_two_faults_of_one_frame_and_nothing_after_the_end(drive):
+    driver = drive(IDLE)
+    for name in ("gamma_1", "bend_torque_1", "theta_1"):
+        driver.signals[name] = math.nan
+
+    effects = driver.report(22, 0.1)
+
+    assert driver.faults == [("sensor.silent", "stop")]
+    assert isinstance(effects[-1], fx.Ended)
+
+
+def test_an_open_question_is_withdrawn(drive):
+    driver = drive("""
+on_fault: [{fault: robot.stuck, go: b}]
+start: a
+phases: {a: {do: [{ask: Go on?}], go: b}, b: {wait: [{after: 1 s, go: e}]}}
+ends: {e: {succeed: ok}}
+""")
+    driver.give(STUCK, 0.1)
+
+    assert driver.of(fx.Ask) == [fx.Ask("Go on?", ("yes", "no")), fx.Ask("", ())]
+
+
+def test_a_stop_that_the_backend_refuses_is_not_taken_for_one(drive):
+    driver = drive(HANDLED)
+    driver.until_waiting("a")
+    driver.give(STUCK)
+
+    driver.accept("rejected", "queue full")
+
+    assert driver.phases == ["a"]
+    assert driver.faults[-1] == ("backend.failed", "stop")
+    driver.accept()
+    assert driver.ended.outcome == "fault"
+    assert driver.nonzero.keys() == {"bend_1", "bend_2", "bend_3", "bend_4"}
+
+
+# --- rules of the profile
+
+
+def driving(drive):
+    driver = drive(
+        "on_fault: [{fault: [robot.stuck, wheel.dead, motor.hot, sensor.silent], then: continue}]\n"
+        + IDLE,
+        states=BOTH_CLAMPED,
+    )
+    driver.report_all(0.1)
+    command(driver, "DriveForward")
+    driver.accept()
+    return driver
+
+
+def test_stuck_is_told_once_its_condition_has_held(drive):
+    driver = driving(drive)
+    driver.run(1.0, **ROLLING)
+    assert driver.statuses[-1] == ("DriveForward", "done")
+
+    driver.run(4.0)
+    assert driver.faults == []
+    driver.run(5.0)
+    assert driver.faults == [("robot.stuck", "continue")]
+    driver.run(9.0)
+    assert driver.faults == [("robot.stuck", "continue")]
+
+
+def test_a_fault_is_told_again_after_it_was_over(drive):
+    driver = driving(drive)
+    driver.run(1.0, **ROLLING)
+    driver.run(5.0)
+
+    driver.run(6.0, **ROLLING)
+    driver.run(10.0)
+
+    assert driver.faults == [("robot.stuck", "continue")] * 2
+
+
+def test_a_silence_breaks_what_has_held(drive):
+    driver = driving(drive)
+    driver.signals["bend_current_1"] = 0.3
+    driver.run(15.0, **ROLLING)
+    others = [board for board in driver.robot.boards if board != 22]
+    while driver.now < 16.0:
+        driver.now += 0.1
+        for board in others:
+            driver.report(board)
+    driver.run(25.0, **ROLLING)
+    assert ("motor.hot", "continue") not in driver.faults, "not 20 s without a break"
+
+    driver.run(37.0, **ROLLING)
+    assert driver.faults[-1] == ("motor.hot", "continue")
+
+
+def test_one_dead_wheel_is_a_fault_and_no_failed_command(drive):
+    driver = driving(drive)
+    turning = {f"theta_{n}": 3.0 if n % 2 else -3.0 for n in (1, 2, 4, 5, 6)}
+
+    driver.run(2.5, **turning)
+
+    assert driver.statuses[-1] == ("DriveForward", "done")
+    assert driver.faults == [("wheel.dead", "continue")]
+    assert driver.of(fx.Fault)[0].message == "wheel 3 is driven and does not turn"
+
+
+def test_free_fall_cannot_be_caught(drive):
+    driver = drive(
+        f"on_fault: [{{fault: robot.stuck, then: continue}}]\n{IDLE}", states=REAR_CLAMPED
+    )
+    driver.run(0.5)
+    driver.signals["acc_z"] = 0.5
+
+    driver.run(1.0)
+
+    assert driver.faults == [("robot.fallen", "stop")]
+
+
+@pytest.mark.parametrize("code", ["firmware.reset", "link.interrupted"])
+def test_after_a_reset_nothing_is_known_and_counters_that_begin_at_zero_are_no_motion(drive, code):
+    driver = drive(HANDLED.replace("wheel.dead]", "wheel.dead, firmware.reset, link.interrupted]"))
+    driver.until_waiting("a")
+    driver.run(driver.now + 3.0, **ROLLING)
+    before_m = driver.engine.signals(driver.state)["odometry"]
+
+    driver.give(ev.FaultReport(code, "it is back"))
+    known = driver.engine.signals(driver.state)
+    assert math.isnan(known["theta_1"])
+    assert known["odometry"] == before_m
+
+    for number in range(1, 7):
+        driver.signals[f"theta_{number}"] = 0.0
+    driver.run(driver.now + 0.9)
+
+    assert driver.faults == [(code, "continue")]
+    assert driver.engine.signals(driver.state)["odometry"] == pytest.approx(before_m)
+    assert before_m > 0.1
+
+
+# --- silent boards ------------------------------------------------------------------------------
+
+ALL_LIKE_IT = f"on_fault: [{{fault: sensor.silent, then: continue}}]\n{IDLE}"
+
+
+def report_all_but(driver, board: int, seconds: float, *, one_in: int = 1) -> None:
+    """Time passes in which every other board's reports come, one in so many."""
+    end = driver.now + seconds
+    period_s = driver.robot.link.period_s * one_in
+    while driver.now < end and not driver.ended:
+        driver.now += period_s
+        for each in driver.robot.boards:
+            if each != board:
+                driver.report(each)
+        driver.tick(driver.now)
+
+
+@pytest.mark.parametrize(("one_in", "found_after_s"), [(1, 1.0), (2, 1.9), (4, 4.5)])
+def test_a_silent_board_is_found_later_where_reports_are_lost(drive, one_in, found_after_s):
+    driver = drive(ALL_LIKE_IT, doubting=True)
+    silent = next(iter(driver.robot.boards))
+    report_all_but(driver, -1, 30.0, one_in=one_in)
+    assert driver.faults == []
+    last_s = driver.now
+
+    report_all_but(driver, silent, found_after_s - 0.8, one_in=one_in)
+    assert driver.faults == []
+    while not driver.faults:
+        report_all_but(driver, silent, 0.1, one_in=one_in)
+
+    assert driver.faults == [("sensor.silent", "continue")]
+    assert driver.now - last_s < found_after_s + 0.8
+
+
+def test_where_all_boards_stop_the_first_of_them_is_not_blamed(drive):
+    driver = drive(ALL_LIKE_IT, doubting=True)
+    boards = list(driver.robot.boards)
+    report_all_but(driver, -1, 1.0)
+    driver.now += 0.4
+    for board in boards[1:]:  # the first one's last report is older
+        driver.report(board)
+    while not driver.ended and not driver.faults:
+        driver.tick(driver.now + 0.1)
+
+    assert driver.faults == [("link.silent", "stop")]
+
+
+def without_board(driver, board: int, until: float) -> None:
+    """Every other board reports, ten times a second."""
+    others = [each for each in driver.robot.boards if each != board]
+    while driver.now < until - 1e-9:
+        driver.now += 0.1
+        for each in others:
+            driver.report(each)
+        if driver.wake_at <= driver.now:
+            driver.tick(driver.now)
+
+
+def test_a_board_that_is_silent_again_is_reported_again(drive):
+    handled = "on_fault: [{fault: sensor.silent, then: continue}]\n"
+    driver = drive(handled + IDLE, states=BOTH_CLAMPED)
+    driver.report_all(0.1)
+    without_board(driver, 22, 2.0)
+    assert driver.faults == [("sensor.silent", "continue")]
+
+    driver.report_all()
+    without_board(driver, 22, driver.now + 2.0)
+
+    assert driver.faults == [("sensor.silent", "continue")] * 2
+
+
+def test_a_fault_rule_still_sees_the_states_that_drive_no_wheel(drive):
+    driver = drive(IDLE, states=BOTH_CLAMPED)
+    driver.give(ev.Pause())
+    driver.signals |= {"gamma_1": math.radians(148), "acc_z": 9.81}
+
+    driver.run(3.0)
+
+    assert driver.faults == [("clamp.lost", "stop")], "the clamp is commanded during a pause too"
+
+
+OPENED = math.radians(119)
+"""Of gamma_1: nearer to its end stop than a clamp in a pipe can be."""
+
+LOSING = f"on_fault: [{{fault: clamp.lost, then: continue}}]\n{IDLE}"
+
+
+def test_a_clamp_that_a_fault_denies_is_confirmed_no_more(drive):
+    driver = drive(LOSING, states=BOTH_CLAMPED)
+    driver.show(gamma_1=math.radians(-100), gamma_4=math.radians(-100))
+    assert driver.unconfirmed == set()
+
+    driver.signals["gamma_1"] = -OPENED
+    driver.run(driver.now + 1.5)
+
+    assert driver.faults == [("clamp.lost", "continue")]
+    assert "BendingState" in driver.unconfirmed
+    command(driver, "RelaxRear")
+    assert driver.last_status.status == "refused"
+    assert "the last confirmed clamp (rear)" in driver.last_status.reason
+
+
+def test_a_clamp_is_not_confirmed_while_the_fault_that_denies_it_lasts(drive):
+    driver = drive(LOSING, states=BOTH_CLAMPED)
+    driver.show(gamma_1=-OPENED, gamma_4=math.radians(-100))
+    driver.run(driver.now + 1.5)
+
+    command(driver, "ClampFront")
+    for _ in range(30):
+        driver.obey()
+    assert ("ClampFront", "accepted") in driver.statuses
+    assert ("ClampFront", "done") not in driver.statuses
+
+    driver.signals["gamma_1"] = math.radians(-100)
+    driver.until_done("ClampFront")
+
+    assert driver.unconfirmed == set()
+
+
+CAUGHT = """
+on_fault: [{fault: clamp.lost, go: rescue}]
+start: a
+phases:
+  a: {do: [DriveForward], wait: [{operator: x, go: e}], within: {time: 1 h, go: e}}
+  rescue: {do: [{command: Brake, unneeded: skip}, ClampRear], go: e}
+ends: {e: {succeed: "After {cause}"}}
+"""
+
+
+def test_a_fault_that_denies_the_only_clamp_while_wheels_are_driven_is_handled(drive):
+    """The rule against driving without a clamp ended the mission before the wheels were stopped."""
+    states = {"BendingState": "FrontClampedRearBending", "FrontWheelsState": "Fixed"}
+    driver = drive(CAUGHT, states=states)
+    driver.until_waiting("a")
+
+    driver.signals["gamma_1"] = -OPENED
+    driver.until(lambda seen: seen.faults)
+    assert driver.faults == [("clamp.lost", "rescue")]
+    driver.until_done("ClampRear")
+
+    assert driver.faults == [("clamp.lost", "rescue")]
+    assert driver.statuses.count(("Brake", "done")) == 1
