@@ -73,7 +73,7 @@ def _go_on(moment: Moment, state: EngineState) -> EngineState:
     limit_s = moment.program.time_limit_s
     if limit_s < inf and has_come(state.mission.clock(moment.now_s), limit_s):
         message = f"the mission's time limit of {limit_s:g} s has passed"
-        state = end(moment, state, "failed", message, "")
+        state = end(moment, state, "failed", message)
     if state.mission.pause_wanted:
         state = pausing.begin_if_wanted(moment, state)
     return state
@@ -89,7 +89,7 @@ def _watch(moment: Moment, state: EngineState) -> EngineState:
 
 
 def _housekeep(moment: Moment, state: EngineState) -> EngineState:
-    """What grows old has been looked at: signals, boards, the detector's word, the flight."""
+    """Forget what has become too old, send again what is due, and report silent boards."""
     if has_come(moment.now_s, state.word_until_s):
         words = (*state.words[:-2], None, state.words[-1])
         state = state._replace(words=words, word_until_s=inf)
@@ -112,7 +112,7 @@ def _housekeep(moment: Moment, state: EngineState) -> EngineState:
 
 
 def _set_wake(moment: Moment, state: EngineState) -> EngineState:
-    """Who drives the engine knows when time alone will change something."""
+    """Tell when time alone will change something, if that has changed."""
     if state.mission.ended:
         return state
     body = state.robot

@@ -1,4 +1,4 @@
-"""The engine: ``step(state, event, moment.now_s) -> (state)``; same inputs, same effects, always.
+"""The engine: ``step(state, event, now_s) -> (state, effects)``; same inputs, same effects.
 
 At every input and deadline, in this order (rule 6): abort, fault, completion of the command under
 way, the wait's triggers as listed, then time.
@@ -50,7 +50,7 @@ class Engine:
         body: RobotState | None = None,
         paused: bool = False,
     ) -> tuple[EngineState, Effects]:
-        """The mission has begun; its first effects are returned with the first state.
+        """Begin the mission; return its first state and effects.
 
         Args:
             now_s: When.
@@ -72,10 +72,10 @@ class Engine:
         mission = MissionState(self.program.start, offset_s=now_s, pause_wanted=paused)
         following, _ = rules.follow(self.program, self.robot, rules.unseen(self.program), robot, 0)
         look = None if self.nominal else confirmation.begin(self.robot, robot, now_s)
-        state = EngineState(
-            robot, sensing, mission, no_faults(self.robot), words, rules=following,
-            surveyed=environment.nothing_surveyed(nominal=self.nominal), look=look,
-        )  # fmt: skip
+        surveyed = environment.nothing_surveyed(nominal=self.nominal)
+        faults = no_faults(self.robot)
+        state = EngineState(robot, sensing, mission, faults, words)
+        state = state._replace(rules=following, surveyed=surveyed, look=look)
         moment = Moment(self.robot, self.program, self.nominal, now_s)
         moment.tell(robot_state.state_change(self.robot, robot))
         for report in seen:
@@ -84,14 +84,14 @@ class Engine:
         return settle(moment, state, state), tuple(moment.effects)
 
     def _declared(self) -> RobotState:
-        """The robot as the program says it is: on paper that is so, sensors must confirm it."""
+        """Return the robot as the program declares it; sensors, if there are any, must confirm it."""
         declared = robot_state.at_rest_in if self.nominal else confirmation.declared_in
         return declared(self.robot, self.program.start_configuration)
 
     def step(
         self, state: EngineState, event: events.Event, now_s: float
     ) -> tuple[EngineState, Effects]:
-        """The event has had all its consequences at this moment.
+        """Return the state and the effects after the event and everything that follows from it.
 
         Args:
             state: What was; unchanged.
@@ -110,11 +110,11 @@ class Engine:
         return after, tuple(moment.effects)
 
     def signals(self, state: EngineState) -> dict[str, float]:
-        """Every signal in SI by its name; NaN where it is unknown."""
+        """Return every signal in SI by its name; NaN where it is unknown."""
         return dict(zip(self.robot.vocabulary.numbers, state.sensing.shown, strict=True))
 
     def safe_values(self, state: EngineState) -> tuple[float, ...]:
-        """The safe array, for a last resort when no step can be made any more."""
+        """Return the safe array, for when no step can be made any more."""
         return robot_state.safe_values(self.robot, state.robot, state.sensing.numbers)
 
     def seeking(self, state: EngineState) -> frozenset[int]:

@@ -30,10 +30,7 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
     )
     words = state.obeyed_words(moment.robot)
     faults, found = look(moment.robot, state.faults, board, sensing, words, moment.now_s)
-    state = EngineState(
-        state.robot, sensing, state.mission, faults, state.words,
-        state.word_until_s, state.wake_at_s, state.rules, state.surveyed, state.look,
-    )  # fmt: skip
+    state = state._replace(sensing=sensing, faults=faults)
     for report in reports:
         state = meet(moment, state, _found(moment, report))
     for fault in found:

@@ -106,7 +106,7 @@ class MissionState(NamedTuple):
         return not isnan(self.paused_s)
 
     def clock(self, now: float) -> float:
-        """Mission time: it stands still during a pause."""
+        """Return the mission time, which stands still during a pause."""
         return (self.paused_s if self.paused else now) - self.offset_s
 
     @property
@@ -115,11 +115,11 @@ class MissionState(NamedTuple):
         return self.before_pause is not None and self.before_pause.suspended
 
     def motion_clock(self, now: float) -> float:
-        """Time as the command under way counts it: it stands still while that is suspended."""
+        """Return the time as the command under way counts it: it stands still while suspended."""
         return self.paused_s if self.suspended else now
 
     def at(self, pc: int) -> MissionState:
-        """The mission before its instruction at ``pc``."""
+        """Return the mission before its instruction at ``pc``."""
         return self._replace(
             pc=pc, begun=False, tries=0, since=(), origin=(), result=None, answer=None, skipped=None
         )

@@ -26,7 +26,7 @@ from pirate_sm.engine.sensing.conversion import Sensing
 def stage_array(
     robot: RobotSpec, state: RobotState, sensing: Sensing, regions: tuple[int, ...], stage: int
 ) -> tuple[Numbers, tuple[Loop, ...]]:
-    """The array that puts a stage of the regions' states in force, and its position loops.
+    """Return the array that puts a stage of the regions' states in force, and its position loops.
 
     A posture that needs an unknown angle changes nothing.
     """
@@ -64,7 +64,7 @@ def is_done(
 
 
 def _away(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing) -> list[str]:
-    """Names of the joints that are not at the angle which the posture under way gives them."""
+    """Return the joints that are not at the angle which the posture under way gives them."""
     posture = posture_of(robot, motion) if motion.stage == POSTURE else None
     if posture is None:
         return []
@@ -99,7 +99,7 @@ def looped_values(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Numb
 
 
 def without_loops(state: RobotState) -> Numbers:
-    """The values in force, with zero for every slot that a position loop has driven."""
+    """Return the values in force, with zero for every slot that a position loop has driven."""
     return tuple(0.0 if slot in state.seeking else value for slot, value in enumerate(state.values))
 
 

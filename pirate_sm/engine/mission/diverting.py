@@ -1,9 +1,9 @@
-"""What follows from a fault: it is logged, or leads elsewhere, or ends the mission (rule 10)."""
+"""Handle a fault: log it, go to its handler, or end the mission (rule 10)."""
 
 from __future__ import annotations
 
 from pirate_sm.engine.mission import pausing
-from pirate_sm.engine.mission.ending import end, withdraw
+from pirate_sm.engine.mission.ending import end_by_fault, withdraw
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, robot_state
 from pirate_sm.engine.safety.faults import Found
@@ -12,7 +12,7 @@ from pirate_sm.model.effects import Fault
 
 
 def meet(moment: Moment, state: EngineState, fault: Found) -> EngineState:
-    """The fault is handled as the mission says, or the mission ends."""
+    """Handle a fault as the mission says; end the mission where it says nothing."""
     mission = state.mission
     if mission.ended:
         return state
@@ -27,15 +27,14 @@ def meet(moment: Moment, state: EngineState, fault: Found) -> EngineState:
         moment.tell(Fault(fault.code, fault.message, "continue"))
         return state
     if handler is None or mission.handling or mission.diverting:
-        moment.tell(Fault(fault.code, fault.message, "stop"))
-        return end(moment, state, "fault", cause, "")
+        return end_by_fault(moment, state, fault.code, fault.message)
     moment.tell(Fault(fault.code, fault.message, handler.go_name))
     mission = mission._replace(diverting=handler, stopped=False, cause=cause)
     return state._replace(mission=mission)
 
 
 def divert(moment: Moment, state: EngineState) -> EngineState:
-    """Once the array in flight is resolved and the wheels are stopped, the handler begins."""
+    """Stop the wheels once no array is in flight, then begin the fault's handler."""
     mission, robot = state.mission, state.robot
     handler = mission.diverting
     if handler is None or handler.go is None or robot.flight is not None:

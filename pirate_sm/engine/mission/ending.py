@@ -1,4 +1,4 @@
-"""Every way out of a run leads through here: the safe stop, and the end once its fate is known."""
+"""End a run: the safe stop, and the end once its fate is known."""
 
 from __future__ import annotations
 
@@ -7,23 +7,37 @@ from pirate_sm.engine.mission.program import Question
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, robot_state
 from pirate_sm.engine.state import Ending, EngineState
-from pirate_sm.model.effects import Ask, CommandStatus, Ended, Outcome
+from pirate_sm.model.effects import Ask, CommandStatus, Ended, Fault, Outcome
 
 SAFE_STOP_LIMIT_S = 2.0
 """How long the fate of the safe array is awaited before the run ends without knowing it."""
 
 
 def withdraw(moment: Moment, state: EngineState) -> None:
-    """A question that is still open is asked no more."""
+    """Withdraw the question that is still open, if there is one."""
     mission = state.mission
     if mission.begun and isinstance(moment.program.instructions[mission.pc], Question):
         moment.tell(Ask("", ()))
 
 
+def end_by_fault(moment: Moment, state: EngineState, code: str, message: str) -> EngineState:
+    """Report the fault and end the run because of it."""
+    moment.tell(Fault(code, message, "stop"))
+    return end(moment, state, "fault", f"{code}: {message}")
+
+
 def end(
-    moment: Moment, state: EngineState, outcome: Outcome, message: str, name: str
+    moment: Moment, state: EngineState, outcome: Outcome, message: str, name: str = ""
 ) -> EngineState:
-    """The safe stop is under way, or the run is over where nothing has ever been sent (rule 11)."""
+    """Send the safe array, or end the run at once where nothing has ever been sent (rule 11).
+
+    Args:
+        moment: When it is, and what happens.
+        state: The state; a run that is ending already goes on ending.
+        outcome: How the run ends.
+        message: Why, in one sentence.
+        name: Of the mission's end, if it has come to one.
+    """
     if state.mission.ending or state.mission.ended:
         return state
     withdraw(moment, state)
@@ -56,7 +70,7 @@ def _may_stay(moment: Moment, state: EngineState) -> bool:
 
 
 def finish(moment: Moment, state: EngineState) -> EngineState:
-    """The run is over once the safe array's fate is known, or has been awaited long enough."""
+    """End the run once the safe array's fate is known, or has been awaited long enough."""
     ending = state.mission.ending
     if ending is None:
         return state

@@ -1,4 +1,4 @@
-"""The mission's instructions, one function per kind (rules are those of docs/missions.md)."""
+"""Execute the mission's instructions, one function per kind (rules: docs/missions.md)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from math import inf, isnan, nan
 from typing import assert_never
 
 from pirate_sm.engine.deadlines import has_come
-from pirate_sm.engine.mission.ending import end, withdraw
+from pirate_sm.engine.mission.ending import end, end_by_fault, withdraw
 from pirate_sm.engine.mission.phase_rate import MOST_TURNS, RUNAWAY, counted, too_fast
 from pirate_sm.engine.mission.program import (
     STOP,
@@ -31,7 +31,6 @@ from pirate_sm.model.effects import (
     TAKEN,
     Ask,
     CommandStatus,
-    Fault,
     Log,
     PhaseChange,
     TriggerFired,
@@ -42,7 +41,7 @@ ROUND_AND_ROUND = "the phases go round without ever waiting"
 
 
 def advance(moment: Moment, state: EngineState) -> EngineState:
-    """The mission has gone on as far as it can at this moment.
+    """Execute instructions until one has to wait.
 
     Once its time is up no command begins any more; what else is due now comes before (rule 6).
     """
@@ -65,7 +64,7 @@ def advance(moment: Moment, state: EngineState) -> EngineState:
         if after is state:
             return state
         state = after
-    return end(moment, state, "failed", ROUND_AND_ROUND, "")
+    return end(moment, state, "failed", ROUND_AND_ROUND)
 
 
 def _execute(moment: Moment, state: EngineState, it: Instruction) -> EngineState:
@@ -93,7 +92,7 @@ def _execute(moment: Moment, state: EngineState, it: Instruction) -> EngineState
 
 
 def spoken(moment: Moment, state: EngineState) -> MissionState:
-    """What the operator said has been heard; to skip a command waits for the array in flight.
+    """Forget the operator's answer and skip; a skip is kept while a command's array is in flight.
 
     Whether a command that is passed over has moved the chart is known only then.
     """
@@ -104,7 +103,7 @@ def spoken(moment: Moment, state: EngineState) -> MissionState:
 
 
 def fail(moment: Moment, state: EngineState, cause: str, target: int) -> EngineState:
-    """The failure has gone to its handler; without one the mission has failed (rule 4).
+    """Go where the failure leads; without a handler end the mission as failed (rule 4).
 
     A failure that is passed over leaves an earlier cause, the one that led here, as it is.
     """
@@ -113,14 +112,14 @@ def fail(moment: Moment, state: EngineState, cause: str, target: int) -> EngineS
     mission = state.mission._replace(cause=kept or cause)
     if target == STOP:
         state = state._replace(mission=mission)
-        return end(moment, state, "failed", cause, "")
+        return end(moment, state, "failed", cause)
     withdraw(moment, state)
     moment.warn(cause)
     return state._replace(mission=_moved(mission, target))
 
 
 def next_deadline(moment: Moment, state: EngineState) -> float:
-    """When time alone takes the mission on, in run time."""
+    """Return when time alone takes the mission on, in run time."""
     mission = state.mission
     if mission.ending:
         return mission.ending.give_up_s
@@ -162,10 +161,7 @@ def _enter(moment: Moment, state: EngineState, it: Enter) -> EngineState:
     mission = counted(mission.at(it.next), mission.clock(moment.now_s))
     state = state._replace(mission=mission)
     message = too_fast(moment.program, mission)
-    if not message:
-        return state
-    moment.tell(Fault(RUNAWAY, message, "stop"))
-    return end(moment, state, "fault", f"{RUNAWAY}: {message}", "")
+    return end_by_fault(moment, state, RUNAWAY, message) if message else state
 
 
 def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
@@ -186,8 +182,7 @@ def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
     forbidden = rules.forbids(moment, state, it.command)
     if forbidden:
         message = f"{name} ({it.place}) would break {forbidden}"
-        moment.tell(Fault(rules.CODE, message, "stop"))
-        return end(moment, state, "fault", f"{rules.CODE}: {message}", "")
+        return end_by_fault(moment, state, rules.CODE, message)
     robot = commands.begin(moment, state.robot, state.sensing, it.command, it.timeout_s, it.place)
     return state._replace(robot=robot, mission=mission._replace(begun=True, result=None))
 
@@ -271,7 +266,7 @@ def _wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
 def _look(
     it: Wait, mission: MissionState, numbers: tuple[float, ...], words: Words, clock: float
 ) -> tuple[tuple[float, ...], int, str]:
-    """Since when each condition is true; the first trigger that fires (-1: none), and why."""
+    """Return since when each condition is true, the trigger that fires (-1: none), and why."""
     if mission.skipped is not None:
         for index, trigger in enumerate(it.triggers):
             if mission.skipped in {"", trigger.name}:

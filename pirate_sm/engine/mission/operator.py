@@ -1,4 +1,4 @@
-"""What the operator may do, and why not: the one place that both the engine and a view ask."""
+"""What the operator may do, and why not; asked by the engine and by views."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from pirate_sm.model.events import (
 
 
 def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
-    """Why a command of the operator would be refused now; empty: it would be taken.
+    """Return why a command of the operator would be refused now; empty: it would be taken.
 
     Args:
         robot: The robot.
@@ -61,7 +61,7 @@ def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
         case GoTo():
             return pausing.go_to(moment, state, request)
         case Abort():
-            return end(moment, state, "interrupted", request.reason, "")
+            return end(moment, state, "interrupted", request.reason)
         case _:
             assert_never(request)
 

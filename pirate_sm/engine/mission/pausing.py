@@ -16,7 +16,7 @@ TAKEN_OVER = "the operator took over"
 
 
 def want(state: EngineState) -> EngineState:
-    """The mission pauses as soon as no array is in flight."""
+    """Note that the mission shall pause as soon as no array is in flight."""
     mission = state.mission
     if mission.paused or mission.ending:
         return state
@@ -24,7 +24,7 @@ def want(state: EngineState) -> EngineState:
 
 
 def begin_if_wanted(moment: Moment, state: EngineState) -> EngineState:
-    """A wanted pause has begun, unless an array is still in flight."""
+    """Begin a wanted pause, unless an array is still in flight."""
     mission, body = state.mission, state.robot
     if not mission.pause_wanted or mission.ending or mission.diverting or body.flight:
         return state
@@ -41,7 +41,7 @@ def begin_if_wanted(moment: Moment, state: EngineState) -> EngineState:
 
 
 def forget(mission: MissionState, body: RobotState) -> MissionState:
-    """What was in force before a pause is not to be asserted again."""
+    """Return a mission that will not assert again what was in force before its pause."""
     if mission.before_pause is None:
         return mission
     now = BeforePause(body.values, (), body.configuration, False)
@@ -67,7 +67,7 @@ def take_over(moment: Moment, state: EngineState) -> EngineState:
 
 
 def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
-    """The paused mission goes on with the phase, if the robot is still as it was then.
+    """Go on with a phase after a pause, if the robot is still as it was when that was decided.
 
     Whether the phase can run from there is known to who sends the event: see
     :mod:`pirate_sm.checking.entries`.
@@ -96,7 +96,7 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
 
 
 def why_not_to(program: Program, state: EngineState, phase: str) -> str:
-    """Why nothing can be handed back now, whatever the phase does; empty: it can."""
+    """Return why no phase can be gone on with now, whatever it does; empty: one can."""
     if program.beginning(phase) is None:
         return "the mission has no such phase"
     if not state.mission.paused:
@@ -111,7 +111,7 @@ def why_not_to(program: Program, state: EngineState, phase: str) -> str:
 
 
 def why_not_on(state: EngineState) -> str:
-    """Why a paused mission cannot go on where it was; empty: it can, or is not paused."""
+    """Return why a paused mission cannot go on where it was; empty: it can, or is not paused."""
     before, body = state.mission.before_pause, state.robot
     if before is None:
         return ""
@@ -125,7 +125,7 @@ def why_not_on(state: EngineState) -> str:
 
 
 def resume(moment: Moment, state: EngineState, *, one_step: bool) -> EngineState:
-    """The mission goes on where it was, all its deadlines later by the length of the pause.
+    """Go on where the mission was, all deadlines later by the length of the pause.
 
     In another configuration than before the pause it stays paused: its actuation must not be
     asserted there. So it does while a command of the operator is under way.

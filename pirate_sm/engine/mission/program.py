@@ -214,14 +214,14 @@ class Program:
         return f" ({turn})" if turn else ""
 
     def beginning(self, phase: str) -> int | None:
-        """Index of the instruction that enters a phase, None where there is none."""
+        """Return the index of the instruction that enters a phase, None where there is none."""
         for index, each in enumerate(self.instructions):
             if isinstance(each, Enter) and each.phase == phase:
                 return index
         return None
 
     def handler(self, at: int, code: str) -> HandlerSpec | None:
-        """The innermost handler for a fault at this instruction."""
+        """Return the innermost handler for a fault at this instruction."""
         if not 0 <= at < len(self.handlers):
             return None
         return next((each for each in self.handlers[at] if each.code == code), None)

@@ -1,4 +1,4 @@
-"""What a script says in the place of sensors, in a run where commands take their nominal time."""
+"""A script in the place of sensors, in a run where commands take their nominal time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _OUTSIDE = ("detector", "segment")
 
 
 def told(moment: Moment, state: EngineState, report: SignalReport) -> EngineState:
-    """Conditions see what the script says; where sensors speak they alone are believed."""
+    """Let conditions see what the script says; refuse that where sensors report."""
     if not moment.nominal:
         moment.warn("a script cannot say what sensors show that speak")
         return state
@@ -40,7 +40,7 @@ def told(moment: Moment, state: EngineState, report: SignalReport) -> EngineStat
 
 
 def undone(moment: Moment, state: EngineState, event: CommandFailed) -> EngineState:
-    """The command under way has failed as by its timeout, unless its array is still in flight."""
+    """Let the command under way fail as by its timeout, unless its array is still in flight."""
     body = state.robot
     if not moment.nominal or body.motion is None or body.flight is not None:
         moment.warn("no command is under way that a script could let fail")

@@ -1,4 +1,4 @@
-"""The robot's state machines in motion: commands, arrays in flight, confirmation, position loops.
+"""Give commands, follow their arrays, and see that they are done.
 
 Pure functions over :class:`RobotState`. The chart moves when a command's first array has been
 accepted; until the command is seen to be done its new states are *unconfirmed*, and an
@@ -60,7 +60,7 @@ def begin(
     timeout_s: float | None,
     place: str,
 ) -> RobotState:
-    """The command's first array has been sent; the chart waits for its acceptance.
+    """Send the command's first array; the chart waits for its acceptance.
 
     To be called only where :func:`refusal` is empty and no array is in flight.
     """
@@ -84,7 +84,7 @@ def resolve(
     state: RobotState,
     result: SubmitResult,
 ) -> tuple[RobotState, Finished | None]:
-    """The array in flight has met its fate; a command's first array has moved the chart.
+    """Take in what has become of the array in flight; a command's first array moves the chart.
 
     A result for another array than the one in flight changes nothing: it was superseded.
     """
@@ -110,7 +110,7 @@ def resolve(
 
 
 def resend(moment: Moment, state: RobotState) -> RobotState:
-    """An array of unknown fate has been sent again, under its own id, when that was due."""
+    """Send an array of unknown fate again, under its own id, when that is due."""
     flight = state.flight
     if flight is None or not has_come(moment.now_s, flight.resend_at_s):
         return state
@@ -125,7 +125,7 @@ def watch(
     *,
     denied: Mapping[int, str] = _NOTHING_DENIED,
 ) -> tuple[RobotState, Finished | None]:
-    """The command under way has been held against the signals and its deadline.
+    """Compare the command under way with the signals and its deadline; drive its loops.
 
     While an array is in flight a command neither ends nor goes on to its next stage: that could
     take a new array, and after one of unknown fate only the same one again or the safe stop may
@@ -173,7 +173,7 @@ def watch(
 
 
 def fail(moment: Moment, state: RobotState, reason: str) -> RobotState:
-    """The command under way is over without being done; its states stay unconfirmed.
+    """End the command under way without its being done; its states stay unconfirmed.
 
     Its position loops stop where they are. Where it was to take a posture first, how the held
     parts hold now has not been seen: they are unconfirmed until they are clamped again.
@@ -187,7 +187,7 @@ def fail(moment: Moment, state: RobotState, reason: str) -> RobotState:
 
 
 def skip(moment: Moment, state: RobotState) -> RobotState:
-    """The operator has passed over the command under way; its states stay unconfirmed."""
+    """End the command that the operator passes over; its states stay unconfirmed."""
     motion = state.motion
     if motion is None:
         return state
@@ -211,7 +211,7 @@ def doubt_grip(robot: RobotSpec, state: RobotState) -> RobotState:
 
 
 def stop(moment: Moment, state: RobotState, sensing: Sensing) -> RobotState:
-    """The safe array has been sent, whatever else was in flight."""
+    """Send the safe array, whatever else is in flight."""
     values = safe_values(moment.robot, state, sensing.numbers)
     return _send(moment, state._replace(loops=()), values, "stop")
 
@@ -280,7 +280,7 @@ def _touched(robot: RobotSpec, state: RobotState, motion: Motion) -> tuple[tuple
 
 
 def _accept(moment: Moment, state: RobotState, motion: Motion) -> RobotState:
-    """The chart has moved; what the command changed is unconfirmed."""
+    """Move the chart; what the command changes is unconfirmed."""
     name = moment.robot.commands[motion.command].name
     made = made_by(moment.robot, state, motion.command)
     held, was_held = moment.robot.held[motion.target], moment.robot.held[state.configuration]
@@ -307,7 +307,7 @@ def _accept(moment: Moment, state: RobotState, motion: Motion) -> RobotState:
 def _complete(
     moment: Moment, state: RobotState, sensing: Sensing, reason: str
 ) -> tuple[RobotState, Finished | None]:
-    """The next stage is in force, or the command is done and what it changed is confirmed."""
+    """Begin the next stage, or end the command as done and confirm what it changed."""
     motion = state.motion
     assert motion is not None  # callers have looked
     regions = tuple(
@@ -334,7 +334,7 @@ def _complete(
 
 
 def _end_motion(moment: Moment, state: RobotState) -> RobotState:
-    """Nothing is under way; slots that a loop has really driven are zero, and no others.
+    """End what is under way; set to zero the slots that a loop has really driven, and no others.
 
     A command that was never accepted has driven nothing: what its loops were to take over may
     hold a clamp.

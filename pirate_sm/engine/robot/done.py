@@ -1,4 +1,4 @@
-"""Whether what a command asked for has happened; told by signals, not by having been sent."""
+"""Whether signals show that what a command asked for has happened."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def still(speeds: tuple[int, ...], numbers: Numbers, below: float) -> bool:
 
 
 def must_hold_s(criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]) -> float:
-    """For how long the criterion must have been true."""
+    """Return for how long the criterion must have been true."""
     if isinstance(criterion, ReachedSpec):
         return 0.0 if all(loop.arrived(numbers) for loop in loops) else criterion.for_s
     return getattr(criterion, "for_s", 0.0)
@@ -73,7 +73,7 @@ def must_hold_s(criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, .
 def told(
     robot: RobotSpec, criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]
 ) -> str:
-    """In words, what showed that the command is done; which joints a wall has stopped."""
+    """Return in words what shows that the command is done, and which joints a wall has stopped."""
     match criterion:
         case ReachedSpec():
             names = robot.vocabulary.numbers

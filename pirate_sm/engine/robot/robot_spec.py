@@ -114,7 +114,7 @@ class CommandSpec:
     asks_parts: frozenset[int] = frozenset()
 
     def posture(self, configuration: int) -> PostureSpec | None:
-        """The posture that comes first where the command leads to this configuration."""
+        """Return the posture that comes first where the command leads to this configuration."""
         return self.postures[configuration] if self.postures else None
 
 
@@ -184,12 +184,12 @@ class BoardSpec:
 
     @cached_property
     def length(self) -> int:
-        """How many values a frame must have at least."""
+        """Return how many values a frame must have at least."""
         return max((place + 1 for place, *_ in self.channels), default=0)
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        """Indexes of every number that comes from this board alone."""
+        """Return the indexes of every number that comes from this board alone."""
         return (
             *(target for _, target, _ in self.channels),
             *(target for _, target in self.rates),
@@ -216,7 +216,7 @@ class LinkSpec:
 
     @cached_property
     def listen_every_s(self) -> float:
-        """How often to look which boards are silent and which signals stale."""
+        """Return how often to look which boards are silent and which signals stale."""
         return min(self.stale_after_s, self.silent_after_s) / 2
 
 
@@ -261,12 +261,12 @@ class RobotSpec:
 
     @property
     def regions(self) -> tuple[str, ...]:
-        """Names of the state machines."""
+        """Return the names of the state machines."""
         return self.table.regions
 
     @cached_property
     def wheel_boards(self) -> tuple[int, ...]:
-        """Position of the board that reports each wheel; -1 where none does."""
+        """Return the position of the board that reports each wheel; -1 where none does."""
         positions = {
             wheel.place: board.position for board in self.boards.values() for wheel in board.wheels
         }
@@ -300,7 +300,7 @@ class RobotSpec:
 
     @cached_property
     def driven(self) -> tuple[Mapping[int, tuple[int, ...]], ...]:
-        """Per configuration the regions that drive wheels, each with the wheels' slots."""
+        """Return per configuration the regions that drive wheels, each with the wheels' slots."""
         return tuple(
             {
                 region: slots
@@ -311,7 +311,7 @@ class RobotSpec:
         )
 
     def _wheels(self, region: int, state: str) -> tuple[int, ...]:
-        """Slots that the safe state stops and that the state drives."""
+        """Return the slots that the safe state stops and that the state drives."""
         return tuple(
             write.slot
             for write in self.actuation[region][state][-1]
@@ -320,6 +320,6 @@ class RobotSpec:
 
     @cached_property
     def fault_codes(self) -> Mapping[str, bool]:
-        """Every fault code of this robot and whether a mission may catch it."""
+        """Return every fault code of this robot and whether a mission may handle it."""
         known = (*BuiltInFault, *self.faults)
         return {fault.code: fault.catchable for fault in known}

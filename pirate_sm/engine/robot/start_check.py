@@ -1,4 +1,4 @@
-"""The look at the sensors before the first command: what comes of it for the run."""
+"""Begin, confirm or refuse a run by what the sensors show before the first command."""
 
 from __future__ import annotations
 
@@ -48,4 +48,4 @@ def _refuse(moment: Moment, state: EngineState, seen: confirmation.Seen) -> Engi
         moment.tell(Ended("fault", cause, ""))
         return state._replace(mission=state.mission._replace(ended=True))
     robot = state.robot._replace(sent=True)
-    return end(moment, state._replace(robot=robot), "fault", cause, "")
+    return end(moment, state._replace(robot=robot), "fault", cause)

@@ -1,4 +1,4 @@
-"""Faults that the signals tell: rules of the profile, silent boards, channels without a value."""
+"""Find faults in the signals: rules of the profile, silent boards, channels without a value."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Found(NamedTuple):
 
 
 def no_faults(robot: RobotSpec) -> FaultState:
-    """Nothing is wrong yet."""
+    """Return the state of a robot of which no fault is known."""
     return FaultState((nan,) * len(robot.faults))
 
 
@@ -44,7 +44,7 @@ def look(
     words: Words,
     now: float,
 ) -> tuple[FaultState, tuple[Found, ...]]:
-    """The rules that the board's signals can change have been looked at.
+    """Judge the fault rules that the board's signals can change.
 
     A rule is raised once when its condition has held long enough, and again only after it has
     been untrue or unknown in between.
@@ -98,7 +98,7 @@ def _blind(
 
 
 def unsettle(robot: RobotSpec, faults: FaultState, sensing: Sensing, words: Words) -> FaultState:
-    """Rules that do not hold any more, since boards have gone silent, begin anew (rule 7)."""
+    """Let rules begin anew that do not hold any more since boards have gone silent (rule 7)."""
     since = tuple(
         began if isnan(began) or rule.when.evaluate(sensing.numbers, words) is True else nan
         for rule, began in zip(robot.faults, faults.since, strict=True)
@@ -108,7 +108,7 @@ def unsettle(robot: RobotSpec, faults: FaultState, sensing: Sensing, words: Word
 
 
 def begin_anew(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
-    """Nothing is known but the odometry, which leaves out what was rolled unseen."""
+    """Forget everything but the odometry, which leaves out what was rolled unseen."""
     fresh = nothing_known(robot)
     numbers = list(fresh.numbers)
     if robot.odometry >= 0:

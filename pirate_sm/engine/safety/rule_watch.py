@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from pirate_sm.engine.mission.ending import end
+from pirate_sm.engine.mission.ending import end_by_fault
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.safety import rules
 from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import Fault
 
 
 def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
@@ -32,6 +31,5 @@ def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
         if motion is not None and not motion.place:
             moment.warn(f"{name}, given by hand, violates {rules.said(rule)}")
         elif not (state.mission.ending or state.mission.ended):
-            moment.tell(Fault(rules.CODE, rules.said(rule), "stop"))
-            state = end(moment, state, "fault", f"{rules.CODE}: {rules.said(rule)}", "")
+            state = end_by_fault(moment, state, rules.CODE, rules.said(rule))
     return state

@@ -1,4 +1,4 @@
-"""Safety rules: watched in every run, and the command that would break one is not sent.
+"""Judge safety rules: in every run, and before a command is sent that could break one.
 
 A rule sees the robot as it is commanded: the state of each region and the command just accepted
 (words), and how many parts are held, are confirmed to hold, and how many wheels are driven
@@ -30,7 +30,7 @@ _IN_FORCE = 0
 
 
 def unseen(program: Program) -> tuple[int, ...]:
-    """Where every rule is before anything has been."""
+    """Return where every rule is before the robot has been seen."""
     return (_NOT_YET,) * len(program.rules)
 
 
@@ -38,7 +38,7 @@ def follow(
     program: Program, robot: RobotSpec, before: tuple[int, ...], body: RobotState, steps: int,
     command: str | None = None,
 ) -> tuple[tuple[int, ...], tuple[RuleSpec, ...]]:  # fmt: skip
-    """Where every rule is with the robot so, and those that it violates.
+    """Return where every rule is with the robot as given, and the rules that it violates.
 
     Args:
         program: Holds the rules.
@@ -78,7 +78,7 @@ def follow(
 
 
 def forbids(moment: Moment, state: EngineState, command: int) -> str:
-    """Which rules the command would break as soon as it is accepted; empty: none."""
+    """Return which rules the command would break as soon as it is accepted; empty: none."""
     if not state.rules:
         return ""
     robot, program = moment.robot, moment.program
@@ -94,5 +94,5 @@ def forbids(moment: Moment, state: EngineState, command: int) -> str:
 
 
 def said(rule: RuleSpec) -> str:
-    """The rule in one line."""
+    """Return the rule in one line."""
     return f"rule {rule.name} ({rule.text})" + (f": {rule.why}" if rule.why else "")

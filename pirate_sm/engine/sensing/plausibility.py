@@ -1,4 +1,4 @@
-"""Decides which sensor values are possible, and reports sensors that show impossible ones.
+"""Decide which sensor values are possible, and report sensors that show impossible ones.
 
 Every value of a frame is compared with what the body and the motors can do. An impossible value
 is held back for a few readings, with the last believed value in its place: a spike is over by
