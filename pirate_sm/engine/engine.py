@@ -84,7 +84,7 @@ class Engine:
         return settle(moment, state, state), tuple(moment.effects)
 
     def _declared(self) -> RobotState:
-        """Return the robot as the program declares it; sensors, if there are any, must confirm it."""
+        """Return the robot as declared; where there are sensors they must confirm it."""
         declared = robot_state.at_rest_in if self.nominal else confirmation.declared_in
         return declared(self.robot, self.program.start_configuration)
 
