@@ -34,6 +34,10 @@ class Moment:
         self.effects: list[Effect] = []
         self.tell = self.effects.append
 
+    def trial(self) -> Moment:
+        """Return the same moment, to try something in it: what happens there is not told here."""
+        return Moment(self.robot, self.program, self.nominal, self.now_s)
+
     def warn(self, message: str) -> None:
         """Add a warning for the operator."""
         self.effects.append(Log("warning", message))

@@ -24,19 +24,23 @@ from pirate_sm.engine.sensing.conversion import Sensing
 
 
 def stage_array(
-    robot: RobotSpec, state: RobotState, sensing: Sensing, regions: tuple[int, ...], stage: int
+    robot: RobotSpec,
+    state: RobotState,
+    motion: Motion,
+    sensing: Sensing,
+    regions: tuple[int, ...],
+    stage: int,
 ) -> tuple[Numbers, tuple[Loop, ...]]:
     """Return the array that puts a stage of the regions' states in force, and its position loops.
 
     A posture that needs an unknown angle changes nothing.
     """
-    motion = state.motion
-    target = robot.table.configurations[motion.target if motion else state.configuration]
+    target = robot.table.configurations[motion.target]
     values = list(known_values(state.latest, sensing.numbers, robot))
     loops: list[Loop] = []
-    posture = posture_of(robot, motion) if motion is not None and stage == POSTURE else None
+    posture = posture_of(robot, motion) if stage == POSTURE else None
     if posture is not None:
-        if motion is not None and not motion.blind:
+        if not motion.blind:
             _write(robot, sensing, posture.writes, values, loops)
         return tuple(values), tuple(loops)
     for region in regions:
@@ -100,6 +104,8 @@ def looped_values(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Numb
 
 def without_loops(state: RobotState) -> Numbers:
     """Return the values in force, with zero for every slot that a position loop has driven."""
+    if not state.seeking:
+        return state.values
     return tuple(0.0 if slot in state.seeking else value for slot, value in enumerate(state.values))
 
 

@@ -53,10 +53,8 @@ def advance(moment: Moment, state: EngineState) -> EngineState:
         if mission.diverting or mission.paused or mission.pause_wanted:
             return state
         instruction = instructions[mission.pc]
-        over = type(instruction) is Do and has_come(
-            mission.clock(moment.now_s), moment.program.time_limit_s
-        )
-        if over and not mission.begun:
+        begins = type(instruction) is Do and not mission.begun
+        if begins and has_come(mission.clock(moment.now_s), moment.program.time_limit_s):
             return state
         after = _execute(moment, state, instruction)
         if after.mission.pc == mission.pc and after.mission.begun:
@@ -179,11 +177,13 @@ def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
         moment.tell(CommandStatus(name, "refused", reason, it.place))
         cause = f"{name} ({it.place}) was refused as {reason}"
         return fail(moment, state, cause, it.failed)
-    forbidden = rules.forbids(moment, state, it.command)
+    trial = moment.trial()
+    robot = commands.begin(trial, state.robot, state.sensing, it.command, it.timeout_s, it.place)
+    forbidden = rules.forbids(moment, state.rules, robot)
     if forbidden:
         message = f"{name} ({it.place}) would break {forbidden}"
         return end_by_fault(moment, state, rules.CODE, message)
-    robot = commands.begin(moment, state.robot, state.sensing, it.command, it.timeout_s, it.place)
+    moment.effects += trial.effects
     return state._replace(robot=robot, mission=mission._replace(begun=True, result=None))
 
 

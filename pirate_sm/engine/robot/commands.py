@@ -39,11 +39,11 @@ from pirate_sm.engine.robot.robot_state import (
     RobotState,
     confirmed_parts,
     criterion_of,
-    made_by,
+    marks_after,
     posture_of,
-    retried,
     safe_values,
     state_change,
+    touched,
 )
 from pirate_sm.engine.sensing.conversion import Sensing
 from pirate_sm.model.effects import CommandStatus, Setpoints
@@ -68,15 +68,13 @@ def begin(
     target = moment.robot.table.follow(state.configuration, command)
     motion = Motion(command, target, spec.timeout_s if timeout_s is None else timeout_s, place)
     posture = spec.posture(target)
+    regions, stage = touched(moment.robot, state.configuration, state.marks, command)
     if posture is not None:
-        blind = unknown_angle(moment.robot, posture.writes, sensing)
+        stage, blind = POSTURE, unknown_angle(moment.robot, posture.writes, sensing)
         motion = motion._replace(stage=POSTURE, blind=blind)
-    state = state._replace(motion=motion)
-    regions, stage = _touched(moment.robot, state, motion)
-    stage = POSTURE if posture is not None else stage
-    values, loops = stage_array(moment.robot, state, sensing, regions, stage)
+    values, loops = stage_array(moment.robot, state, motion, sensing, regions, stage)
     moment.tell(CommandStatus(spec.name, "sent", "", place))
-    return _send(moment, state._replace(loops=loops), values, "gate")
+    return _send(moment, state, motion, values, loops, "gate")
 
 
 def resolve(
@@ -168,7 +166,7 @@ def watch(
         state = state._replace(motion=motion._replace(since_s=since_s))
     if free and state.loops:
         values = looped_values(moment.robot, state, sensing)
-        state = _send_if_new(moment, state, values)
+        state = _send_if_new(moment, state, state.motion, values, state.loops)
     return state, None
 
 
@@ -213,7 +211,7 @@ def doubt_grip(robot: RobotSpec, state: RobotState) -> RobotState:
 def stop(moment: Moment, state: RobotState, sensing: Sensing) -> RobotState:
     """Send the safe array, whatever else is in flight."""
     values = safe_values(moment.robot, state, sensing.numbers)
-    return _send(moment, state._replace(loops=()), values, "stop")
+    return _send(moment, state, state.motion, values, (), "stop")
 
 
 def reassert(
@@ -225,7 +223,7 @@ def reassert(
     )
     if kept == state.values and not loops:
         return state
-    return _send(moment, state._replace(loops=loops), kept, "loop")
+    return _send(moment, state, state.motion, kept, loops, "loop")
 
 
 def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
@@ -256,47 +254,30 @@ def _why_not_clamped(state: RobotState, motion: Motion, denied: Mapping[int, str
     return next((denied[m.which] for m in own if m.kind == "part" and m.which in denied), "")
 
 
-def _send(moment: Moment, state: RobotState, values: Numbers, purpose: Purpose) -> RobotState:
+def _send(
+    moment: Moment,
+    state: RobotState,
+    motion: Motion | None,
+    values: Numbers,
+    loops: tuple[Loop, ...],
+    purpose: Purpose,
+) -> RobotState:
     moment.tell(Setpoints(state.next_id, values))
-    seeking = frozenset(loop.slot for loop in state.loops)
+    seeking = frozenset([loop.slot for loop in loops])
     flight = Flight(state.next_id, values, purpose, seeking=seeking)
-    return state._replace(flight=flight, next_id=state.next_id + 1, sent=True)
-
-
-def _touched(robot: RobotSpec, state: RobotState, motion: Motion) -> tuple[tuple[int, ...], int]:
-    """Regions that the command actuates, and the stage that it begins with.
-
-    A command that only confirms a clamp anew asserts what is in force in that state: its last
-    stage.
-    """
-    made = made_by(robot, state, motion.command)
-    clamps = [m for m in retried(robot, state, motion.command) if m.kind == "part"]
-    regions = made.union(*(robot.part_regions[mark.which] for mark in clamps))
-    if made:
-        return tuple(sorted(regions)), 0
-    target = robot.table.configurations[motion.target]
-    stages = (len(robot.actuation[region][target[region]]) for region in regions)
-    return tuple(sorted(regions)), max(stages, default=1) - 1
+    return state._replace(
+        next_id=state.next_id + 1, flight=flight, motion=motion, loops=loops, sent=True
+    )
 
 
 def _accept(moment: Moment, state: RobotState, motion: Motion) -> RobotState:
     """Move the chart; what the command changes is unconfirmed."""
     name = moment.robot.commands[motion.command].name
-    made = made_by(moment.robot, state, motion.command)
-    held, was_held = moment.robot.held[motion.target], moment.robot.held[state.configuration]
-    again = {m.which for m in retried(moment.robot, state, motion.command) if m.kind == "part"}
-    marks = {
-        mark
-        for mark in state.marks
-        if (mark.kind == "region" and mark.which not in made)
-        or (mark.kind == "part" and mark.which in held and mark.which not in again)
-    }
-    marks |= {Mark("region", region, motion.command) for region in made}
-    marks |= {Mark("part", part, motion.command) for part in (held - was_held) | again & held}
+    marks = marks_after(moment.robot, state.configuration, state.marks, motion.command)
     moment.tell(CommandStatus(name, "accepted", "", motion.place))
     state = state._replace(
         configuration=motion.target,
-        marks=frozenset(marks),
+        marks=marks,
         motion=motion._replace(accepted_s=moment.now_s, deadline_s=moment.now_s + motion.timeout_s),
     )
     if not isinstance(moment.robot.commands[motion.command].done, AcceptedSpec):
@@ -317,12 +298,13 @@ def _complete(
     stages = max((len(moment.robot.actuation[r][target[r]]) for r in regions), default=1)
     if motion.stage + 1 < stages:
         resting = state._replace(values=without_loops(state))
-        values, loops = stage_array(moment.robot, resting, sensing, regions, motion.stage + 1)
-        state = _send_if_new(moment, state._replace(loops=loops), values)
+        values, loops = stage_array(
+            moment.robot, resting, motion, sensing, regions, motion.stage + 1
+        )
         if loops or motion.stage == POSTURE:
             later = motion._replace(stage=motion.stage + 1, since_s=nan)
-            return state._replace(motion=later), None
-        state = state._replace(motion=None)
+            return _send_if_new(moment, state, later, values, loops), None
+        state = _send_if_new(moment, state, None, values, loops)
     else:
         state = _end_motion(moment, state)
     marks = frozenset(mark for mark in state.marks if mark.command != motion.command)
@@ -340,8 +322,16 @@ def _end_motion(moment: Moment, state: RobotState) -> RobotState:
     hold a clamp.
     """
     values = without_loops(state)
-    return _send_if_new(moment, state._replace(motion=None, loops=()), values)
+    return _send_if_new(moment, state, None, values, ())
 
 
-def _send_if_new(moment: Moment, state: RobotState, values: Numbers) -> RobotState:
-    return state if values == state.latest else _send(moment, state, values, "loop")
+def _send_if_new(
+    moment: Moment,
+    state: RobotState,
+    motion: Motion | None,
+    values: Numbers,
+    loops: tuple[Loop, ...],
+) -> RobotState:
+    if values != state.latest:
+        return _send(moment, state, motion, values, loops, "loop")
+    return state._replace(motion=motion, loops=loops)

@@ -220,9 +220,9 @@ class LinkSpec:
         return min(self.stale_after_s, self.silent_after_s) / 2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RobotSpec:
-    """Everything the engine knows of a robot.
+    """Everything the engine knows of a robot; no other one is the same.
 
     Attributes:
         actuation: ``actuation[region][state name]`` is the state's stages.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import inf, isnan, nan
 from typing import Literal, NamedTuple
 
@@ -40,6 +41,12 @@ class Mark(NamedTuple):
     kind: Literal["region", "part"]
     which: int
     command: int
+
+
+Marks = frozenset[Mark]
+
+_MOST_REMEMBERED = 4096
+"""Answers of one kind; a robot has some hundred situations and twenty commands."""
 
 
 class Flight(NamedTuple):
@@ -107,7 +114,7 @@ class RobotState(NamedTuple):
 
     configuration: int
     values: Numbers
-    marks: frozenset[Mark] = frozenset()
+    marks: Marks = frozenset()
     next_id: int = 1
     flight: Flight | None = None
     motion: Motion | None = None
@@ -135,13 +142,7 @@ def at_rest_in(robot: RobotSpec, configuration: int) -> RobotState:
 
 def unconfirmed(robot: RobotSpec, state: RobotState) -> tuple[str, ...]:
     """Names of the regions whose state is not confirmed, in the order of the chart."""
-    if not state.marks:
-        return ()
-    regions = {mark.which for mark in state.marks if mark.kind == "region"}
-    for mark in state.marks:
-        if mark.kind == "part":
-            regions |= robot.part_regions[mark.which]
-    return tuple(name for index, name in enumerate(robot.regions) if index in regions)
+    return state_change(robot, state).unconfirmed
 
 
 def states_of(robot: RobotSpec, state: RobotState) -> Configuration:
@@ -163,15 +164,12 @@ def obeyed(robot: RobotSpec, state: RobotState) -> tuple[str | None, ...]:
 
 def state_change(robot: RobotSpec, state: RobotState) -> StateChange:
     """The effect that tells the configuration and what of it is unconfirmed."""
-    return StateChange(states_of(robot, state), unconfirmed(robot, state))
+    return _state_change(robot, state.configuration, state.marks)
 
 
 def confirmed_parts(robot: RobotSpec, state: RobotState) -> frozenset[int]:
     """Parts whose clamp has been seen to hold."""
-    held = robot.held[state.configuration]
-    if not state.marks:
-        return held
-    return held - {mark.which for mark in state.marks if mark.kind == "part"}
+    return _confirmed_parts(robot, state.configuration, state.marks)
 
 
 def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
@@ -181,17 +179,41 @@ def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
     of no part unless a confirmed clamp remains, and drives only with one. One that moves nothing
     is possible as a retry while what it asks for is not confirmed.
     """
-    here = state.configuration
+    return _refusal(robot, state.configuration, state.marks, command)
+
+
+# What follows from a configuration and its marks is asked again and again: it is remembered.
+
+
+@lru_cache(maxsize=_MOST_REMEMBERED)
+def _state_change(robot: RobotSpec, here: int, marks: Marks) -> StateChange:
+    regions = {mark.which for mark in marks if mark.kind == "region"}
+    for mark in marks:
+        if mark.kind == "part":
+            regions |= robot.part_regions[mark.which]
+    doubted = tuple(name for index, name in enumerate(robot.regions) if index in regions)
+    return StateChange(robot.table.configurations[here], doubted)
+
+
+def _confirmed_parts(robot: RobotSpec, here: int, marks: Marks) -> frozenset[int]:
+    held = robot.held[here]
+    if not marks:
+        return held
+    return held - {mark.which for mark in marks if mark.kind == "part"}
+
+
+@lru_cache(maxsize=_MOST_REMEMBERED)
+def _refusal(robot: RobotSpec, here: int, marks: Marks, command: int) -> str:
     target = robot.table.follow(here, command)
-    if target == here and not retried(robot, state, command):
+    if target == here and not _retried(robot, here, marks, command):
         if robot.unneeded[here][command]:
             return "unneeded: it is so already"
         return f"impossible: {robot.table.why_not(here, command)}"
     posture = robot.commands[command].posture(target)
     if posture is not None and posture.refuse:
         return f"impossible: {posture.refuse}"
-    confirmed, held = confirmed_parts(robot, state), robot.held[target]
-    made = made_by(robot, state, command)
+    confirmed, held = _confirmed_parts(robot, here, marks), robot.held[target]
+    made = _made_by(robot, here, marks, command)
     if made & robot.driven[target].keys() and not confirmed & held:
         return "impossible: no clamp is confirmed to drive with"
     if robot.held[here] <= held or confirmed & held or robot.commands[command].lets_go:
@@ -202,51 +224,81 @@ def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
     return f"impossible: it would let go of the last confirmed clamp ({parts})"
 
 
-def made_by(robot: RobotSpec, state: RobotState, command: int) -> frozenset[int]:
+@lru_cache(maxsize=_MOST_REMEMBERED)
+def touched(robot: RobotSpec, here: int, marks: Marks, command: int) -> tuple[tuple[int, ...], int]:
+    """Regions that the command actuates, and the stage that it begins with.
+
+    A command that only confirms a clamp anew asserts what is in force in that state: its last
+    stage.
+    """
+    made = _made_by(robot, here, marks, command)
+    clamps = [m for m in _retried(robot, here, marks, command) if m.kind == "part"]
+    regions = made.union(*(robot.part_regions[mark.which] for mark in clamps))
+    if made:
+        return tuple(sorted(regions)), 0
+    target = robot.table.configurations[robot.table.follow(here, command)]
+    stages = (len(robot.actuation[region][target[region]]) for region in regions)
+    return tuple(sorted(regions)), max(stages, default=1) - 1
+
+
+@lru_cache(maxsize=_MOST_REMEMBERED)
+def marks_after(robot: RobotSpec, here: int, marks: Marks, command: int) -> Marks:
+    """What is not confirmed once the command's first array has been accepted."""
+    made = _made_by(robot, here, marks, command)
+    held, was_held = robot.held[robot.table.follow(here, command)], robot.held[here]
+    again = {m.which for m in _retried(robot, here, marks, command) if m.kind == "part"}
+    kept = {
+        mark
+        for mark in marks
+        if (mark.kind == "region" and mark.which not in made)
+        or (mark.kind == "part" and mark.which in held and mark.which not in again)
+    }
+    kept |= {Mark("region", region, command) for region in made}
+    kept |= {Mark("part", part, command) for part in (held - was_held) | again & held}
+    return frozenset(kept)
+
+
+def _made_by(robot: RobotSpec, here: int, marks: Marks, command: int) -> frozenset[int]:
     """Regions whose states the command makes: those that it moves or tries again."""
-    before = states_of(robot, state)
-    after = robot.table.configurations[robot.table.follow(state.configuration, command)]
+    before = robot.table.configurations[here]
+    after = robot.table.configurations[robot.table.follow(here, command)]
     moved = {index for index, name in enumerate(after) if name != before[index]}
-    again = {mark.which for mark in retried(robot, state, command) if mark.kind == "region"}
+    again = {m.which for m in _retried(robot, here, marks, command) if m.kind == "region"}
     return frozenset(moved | again)
 
 
-def retried(robot: RobotSpec, state: RobotState, command: int) -> frozenset[Mark]:
+def _retried(robot: RobotSpec, here: int, marks: Marks, command: int) -> Marks:
     """What the command, given now, would confirm of what is not confirmed.
 
     That is what it left unconfirmed itself and, where what it asks for is commanded already, the
     unconfirmed states or clamps that this rests on.
     """
-    own = {mark for mark in state.marks if mark.command == command}
-    here = state.configuration
+    own = {mark for mark in marks if mark.command == command}
     if not robot.unneeded[here][command] or robot.table.follow(here, command) != here:
         return frozenset(own)
-    return frozenset(own | _rests_on(robot, state, command))
+    return frozenset(own | _rests_on(robot, here, marks, command))
 
 
-def _rests_on(robot: RobotSpec, state: RobotState, command: int) -> set[Mark]:
+def _rests_on(robot: RobotSpec, here: int, marks: Marks, command: int) -> set[Mark]:
     """Marks without which it would be certain that what the command asks for is so already."""
     spec = robot.commands[command]
     if spec.asks_parts:
-        return {
-            mark for mark in state.marks if mark.kind == "part" and mark.which in spec.asks_parts
-        }
-    doubted = {mark.which for mark in state.marks if mark.kind == "region"}
-    if not doubted or _is_so(robot, state, spec, doubted):
+        return {mark for mark in marks if mark.kind == "part" and mark.which in spec.asks_parts}
+    doubted = {mark.which for mark in marks if mark.kind == "region"}
+    names = robot.table.configurations[here]
+    if not doubted or _is_so(names, spec, doubted):
         return set()
     alone = {
         region
         for region in doubted
-        if not _is_so(robot, state, spec, {region})
-        or _is_so(robot, state, spec, doubted - {region})
+        if not _is_so(names, spec, {region}) or _is_so(names, spec, doubted - {region})
     }
     regions = alone or doubted
-    return {mark for mark in state.marks if mark.kind == "region" and mark.which in regions}
+    return {mark for mark in marks if mark.kind == "region" and mark.which in regions}
 
 
-def _is_so(robot: RobotSpec, state: RobotState, spec: CommandSpec, unknown: set[int]) -> bool:
+def _is_so(names: Configuration, spec: CommandSpec, unknown: set[int]) -> bool:
     """Whether what a command asks for is so, whatever the states of these regions are."""
-    names = states_of(robot, state)
     words = tuple(None if index in unknown else name for index, name in enumerate(names))
     return spec.asks_for is not None and spec.asks_for.evaluate((), words) is True
 

@@ -26,7 +26,8 @@ def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
     places, broken = rules.follow(
         moment.program, moment.robot, state.rules, new, int(accepted), name if accepted else None
     )
-    state = state._replace(rules=places)
+    if places != state.rules:
+        state = state._replace(rules=places)
     for rule in broken:
         if motion is not None and not motion.place:
             moment.warn(f"{name}, given by hand, violates {rules.said(rule)}")

@@ -13,7 +13,6 @@ from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, robot_state
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState
-from pirate_sm.engine.state import EngineState
 from pirate_sm.model.events import SubmitResult
 from pirate_sm.model.fault_codes import BuiltInFault
 
@@ -50,7 +49,7 @@ def follow(
     """
     if not program.rules:
         return (), ()
-    driven = sum(body.values[slot] != 0 for slot in robot.safe_zero)
+    driven = sum([body.values[slot] != 0 for slot in robot.safe_zero])
     numbers = (
         float(len(robot.held[body.configuration])),
         float(len(robot_state.confirmed_parts(robot, body))),
@@ -77,19 +76,21 @@ def follow(
     return tuple(after), tuple(broken)
 
 
-def forbids(moment: Moment, state: EngineState, command: int) -> str:
-    """Return which rules the command would break as soon as it is accepted; empty: none."""
-    if not state.rules:
+def forbids(moment: Moment, places: tuple[int, ...], begun: RobotState) -> str:
+    """Return which rules a command would break as soon as it is accepted; empty: none.
+
+    Args:
+        moment: Its robot and program.
+        places: Where the rules are.
+        begun: The robot as it is once the command has begun.
+    """
+    flight, motion = begun.flight, begun.motion
+    if not places or flight is None or motion is None:
         return ""
-    robot, program = moment.robot, moment.program
-    trial = Moment(robot, program, moment.nominal, 0.0)
-    body = commands.begin(trial, state.robot, state.sensing, command, None, "")
-    flight = body.flight
-    assert flight is not None  # a command begins with an array
     accepted = SubmitResult(flight.setpoint_id, "accepted")
-    body, _ = commands.resolve(trial, body, accepted)
-    name = robot.commands[command].name
-    _, broken = follow(program, robot, state.rules, body, 1, name)
+    body, _ = commands.resolve(moment.trial(), begun, accepted)
+    name = moment.robot.commands[motion.command].name
+    _, broken = follow(moment.program, moment.robot, places, body, 1, name)
     return "; ".join(said(rule) for rule in broken)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from driving import (
     BOTH_CLAMPED,
@@ -295,3 +297,15 @@ def test_a_retry_confirms_only_what_it_rests_on(drive):
     driver.until_done("ClampFront")
 
     assert driver.unconfirmed == {"RotationState"}
+
+
+def test_each_robot_is_asked_for_itself():
+    robot = load_robot(PIRATE).normal
+    holding = tuple(replace(each, lets_go=False) for each in robot.commands)
+    other = replace(robot, commands=holding)
+    rear_only = ("Free", "Fixed", *REAR_ONLY)
+
+    for _ in range(2):  # what has been answered once is remembered
+        assert why_not(robot, marked(robot, rear_only), "Reset") == ""
+        refused = why_not(other, marked(other, rear_only), "Reset")
+        assert refused == "impossible: it would let go of the last confirmed clamp (rear)"
