@@ -12,6 +12,7 @@ from pirate_sm.cli.situation import Situation
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import ALPHABET_VERSION
 from pirate_sm.runtime.companions import Answered
+from pirate_sm.showing.telling import told_reason
 
 FORMAT = 1
 """Changes when a reader of the lines would have to."""
@@ -98,7 +99,7 @@ class JsonLines:
                 return "phase", _waiting(effect)
             case fx.TriggerFired():
                 nominal = self._situation.prepared.engine.nominal
-                reason = effect.told_reason(nominal=nominal)
+                reason = told_reason(effect, nominal=nominal)
                 return "trigger", {**effect._asdict(), "reason": reason}
             case fx.Detected(word):
                 return "detected", {"word": word}

@@ -98,10 +98,6 @@ class TriggerFired(NamedTuple):
     reason: str
     place: str = ""
 
-    def told_reason(self, *, nominal: bool) -> str:
-        """Return the reason for people; in a trace only its script passes over waits."""
-        return "taken by the trace" if nominal and self.reason == TAKEN else self.reason
-
 
 class Detected(NamedTuple):
     """A detector's word has become the valid one."""

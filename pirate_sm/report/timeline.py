@@ -156,7 +156,7 @@ class Timeline:
 
     def _trigger(self, at_s: float, it: fx.TriggerFired) -> None:
         self._tracks[WAITS].end(at_s)
-        reason = it.told_reason(nominal=self._nominal)
+        reason = told_reason(it, nominal=self._nominal)
         self._tracks[TRIGGERS].mark(at_s, it.trigger, "trigger", f"{reason} → {it.go}")
 
     def _detected(self, at_s: float, it: fx.Detected) -> None:
@@ -188,6 +188,11 @@ class Timeline:
         for track in self._tracks.values():
             track.end(at_s)
         self._tracks[PHASE].mark(at_s, it.end or it.outcome, "end", it.message)
+
+
+def told_reason(it: fx.TriggerFired, *, nominal: bool) -> str:
+    """Why a trigger fired; in a trace it is the script that passes over waits, nobody else."""
+    return "taken by the trace" if nominal and it.reason == fx.TAKEN else it.reason
 
 
 _REGION = "region "

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 from pirate_sm.report.model import Sentence
-from pirate_sm.report.timeline import told_person
+from pirate_sm.report.timeline import told_person, told_reason
 
 _WORTH_TELLING_S = 0.2
 """A command that took less was done as soon as the robot had it."""
@@ -198,7 +198,7 @@ class Story:
         self._waits_since, self._waits_for = at_s, " or ".join(it.conditions)
 
     def _fired(self, at_s: float, it: fx.TriggerFired) -> None:
-        reason = it.told_reason(nominal=self._nominal)
+        reason = told_reason(it, nominal=self._nominal)
         self._close(at_s, f"({reason}), then {it.go}")
 
     def _command(self, at_s: float, it: fx.CommandStatus) -> None:

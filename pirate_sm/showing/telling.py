@@ -21,6 +21,12 @@ class Line(NamedTuple):
     text: str
 
 
+def told_reason(it: fx.TriggerFired, *, nominal: bool) -> str:
+    """Why a trigger fired; in a trace it is the script that passes over waits, nobody else."""
+    by_hand = it.reason == fx.TAKEN
+    return "taken by the trace" if nominal and by_hand else it.reason
+
+
 class Teller:
     """Turns effects into lines; remembers what it has said so that it tells changes only."""
 
@@ -57,7 +63,7 @@ class Teller:
             case fx.WaitArmed():
                 return [self._wait(effect)]
             case fx.TriggerFired():
-                reason = effect.told_reason(nominal=self._nominal)
+                reason = told_reason(effect, nominal=self._nominal)
                 return [Line("trigger", f"{reason} → {effect.go}")]
             case fx.Detected():
                 return [Line("detected", effect.word)]
