@@ -98,6 +98,12 @@ ALPHABETS = {
         "NewCriterionSpec(NamedTuple)",
         ("checking/robot_limits.py", "engine/robot/done.py"),
     ),
+    "way to see a state": Alphabet(
+        "engine/robot/confirmation_spec.py",
+        "| ImpliedSpec | AcceptedSpec",
+        "NewSeenSpec(NamedTuple)",
+        ("checking/robot_sight.py", "engine/robot/confirmation.py"),
+    ),
     "derived signal": Alphabet(
         "model/derived.py",
         '| Annotated[SpeedOf, Tag("speed_of")]',

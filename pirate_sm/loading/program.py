@@ -19,7 +19,7 @@ from pirate_sm.loading.robot_rules import rules_for
 from pirate_sm.loading.scope import Scope, Source
 from pirate_sm.loading.source import Document
 from pirate_sm.model import mission as model
-from pirate_sm.model.triggers import ConditionTrigger, TimeTrigger, Trigger
+from pirate_sm.model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
 
 
 def build_program(
@@ -184,15 +184,17 @@ class _PhaseWriter:
         go = after if on else scope.target(trigger.go or "", (*path, "go"))
         place, go_name = scope.place(path), trigger.go or model.CONTINUE
         spec = out.TriggerSpec(name, "", go, go_name, place=place)  # type: ignore[arg-type]
-        if isinstance(trigger, ConditionTrigger):
-            held = scope.waited(trigger.held, (*path, "held"), zero=True)
-            condition = scope.condition(trigger.when, (*path, "when"), in_wait=True)
-            text = trigger.when + (f" for {held:g} s" if held else "")
-            return spec._replace(text=text, condition=condition, held_s=held)
-        if isinstance(trigger, TimeTrigger):
-            after_s = scope.waited(trigger.after, (*path, "after"))
-            return spec._replace(text=f"after {after_s:g} s", after_s=after_s)
-        return spec._replace(text=f"operator: {trigger.operator}", answer=trigger.operator)
+        match trigger:
+            case ConditionTrigger(when=when):
+                held = scope.waited(trigger.held, (*path, "held"), zero=True)
+                condition = scope.condition(when, (*path, "when"), in_wait=True)
+                text = when + (f" for {held:g} s" if held else "")
+                return spec._replace(text=text, condition=condition, held_s=held)
+            case TimeTrigger():
+                after_s = scope.waited(trigger.after, (*path, "after"))
+                return spec._replace(text=f"after {after_s:g} s", after_s=after_s)
+            case OperatorTrigger(operator=word):
+                return spec._replace(text=f"operator: {word}", answer=word)
 
     def _steps(self, steps: Sequence[model.Step], path: Path, after: Label) -> None:
         for number, step in enumerate(steps):

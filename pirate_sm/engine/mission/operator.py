@@ -48,10 +48,15 @@ def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
     match request:
         case OperatorCommand():
             return _command(moment, state, request)
-        case Answer():
-            return _answer(moment, state, request)
-        case Skip():
-            return _skip(moment, state, request)
+        case Answer() | Skip() if state.mission.paused:
+            answers = isinstance(request, Answer)
+            what = "no answer is taken" if answers else "nothing is passed over"
+            moment.warn(f"{what} while paused")
+            return state
+        case Answer(choice):
+            return state._replace(mission=state.mission._replace(answer=choice))
+        case Skip(trigger):
+            return state._replace(mission=state.mission._replace(skipped=trigger))
         case Pause():
             return pausing.want(state)
         case Resume():
@@ -60,8 +65,8 @@ def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
             return pausing.resume(moment, state, one_step=True)
         case GoTo():
             return pausing.go_to(moment, state, request)
-        case Abort():
-            return end(moment, state, "interrupted", request.reason)
+        case Abort(reason):
+            return end(moment, state, "interrupted", reason)
         case _:
             assert_never(request)
 
@@ -79,19 +84,3 @@ def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> Engi
     state = pausing.take_over(moment, state)
     robot = commands.begin(moment, state.robot, state.sensing, index, None, "")
     return state._replace(robot=robot)
-
-
-def _answer(moment: Moment, state: EngineState, event: Answer) -> EngineState:
-    """Note the answer, which the open question takes."""
-    if state.mission.paused:
-        moment.warn("no answer is taken while paused")
-        return state
-    return state._replace(mission=state.mission._replace(answer=event.choice))
-
-
-def _skip(moment: Moment, state: EngineState, event: Skip) -> EngineState:
-    """Note that a wait or question is passed over."""
-    if state.mission.paused:
-        moment.warn("nothing is passed over while paused")
-        return state
-    return state._replace(mission=state.mission._replace(skipped=event.trigger))
