@@ -8,7 +8,7 @@ from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.mission import pausing
 from pirate_sm.engine.mission.diverting import divert, meet
 from pirate_sm.engine.mission.ending import end, finish
-from pirate_sm.engine.mission.interpreter import advance, next_deadline, spoken
+from pirate_sm.engine.mission.interpreter import advance, next_deadline, without_requests
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, robot_state, start_check
 from pirate_sm.engine.safety.faults import listen, unsettle
@@ -51,7 +51,7 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
         state = watch(moment, judged, state)
     mission = state.mission
     if mission.answer is not None or mission.skipped is not None:
-        state = state._replace(mission=spoken(moment, state))
+        state = state._replace(mission=without_requests(moment, state))
     changed = (
         state.robot is not before.robot
         or state.mission is not before.mission

@@ -80,7 +80,7 @@ class Engine:
         moment.tell(robot_state.state_change(self.robot, robot))
         for report in seen:
             if isinstance(report, events.SignalReport):
-                state = scripted_signals.told(moment, state, report)
+                state = scripted_signals.show(moment, state, report)
         return settle(moment, state, state), tuple(moment.effects)
 
     def _declared(self) -> RobotState:
@@ -132,7 +132,7 @@ def _take(moment: Moment, state: EngineState, event: events.Event) -> EngineStat
         case events.Tick():
             return state
         case events.SignalReport():
-            return scripted_signals.told(moment, state, event)
+            return scripted_signals.show(moment, state, event)
         case events.DetectorWord():
             return inputs.word(moment, state, event)
         case events.EnvironmentReport():
@@ -140,6 +140,6 @@ def _take(moment: Moment, state: EngineState, event: events.Event) -> EngineStat
         case events.FaultReport():
             return inputs.fault_report(moment, state, event)
         case events.CommandFailed():
-            return scripted_signals.undone(moment, state, event)
+            return scripted_signals.fail_command(moment, state, event)
         case _:
             return operator.obey(moment, state, event)

@@ -89,10 +89,11 @@ def _execute(moment: Moment, state: EngineState, it: Instruction) -> EngineState
             assert_never(it)
 
 
-def spoken(moment: Moment, state: EngineState) -> MissionState:
-    """Forget the operator's answer and skip; a skip is kept while a command's array is in flight.
+def without_requests(moment: Moment, state: EngineState) -> MissionState:
+    """Return the mission without the operator's answer and skip, which have had their effect.
 
-    Whether a command that is passed over has moved the chart is known only then.
+    A skip is kept while a command's array is in flight: whether that has moved the chart is not
+    known before.
     """
     mission = state.mission
     doing = mission.begun and isinstance(moment.program.instructions[mission.pc], Do)

@@ -58,7 +58,7 @@ def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
         case Skip(trigger):
             return state._replace(mission=state.mission._replace(skipped=trigger))
         case Pause():
-            return pausing.want(state)
+            return pausing.wanted(state)
         case Resume():
             return pausing.resume(moment, state, one_step=False)
         case Step():

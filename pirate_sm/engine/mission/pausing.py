@@ -15,8 +15,8 @@ from pirate_sm.model.events import GoTo
 TAKEN_OVER = "the operator took over"
 
 
-def want(state: EngineState) -> EngineState:
-    """Note that the mission shall pause as soon as no array is in flight."""
+def wanted(state: EngineState) -> EngineState:
+    """Return the state of a mission that pauses as soon as no array is in flight."""
     mission = state.mission
     if mission.paused or mission.ending:
         return state

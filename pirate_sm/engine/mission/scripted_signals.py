@@ -14,7 +14,7 @@ _OUTSIDE = ("detector", "segment")
 """Words that come from outside, in the order in which they end the words of the state."""
 
 
-def told(moment: Moment, state: EngineState, report: SignalReport) -> EngineState:
+def show(moment: Moment, state: EngineState, report: SignalReport) -> EngineState:
     """Let conditions see what the script says; refuse that where sensors report."""
     if not moment.nominal:
         moment.warn("a script cannot say what sensors show that speak")
@@ -39,7 +39,7 @@ def told(moment: Moment, state: EngineState, report: SignalReport) -> EngineStat
     return state._replace(sensing=sensing, words=tuple(words))
 
 
-def undone(moment: Moment, state: EngineState, event: CommandFailed) -> EngineState:
+def fail_command(moment: Moment, state: EngineState, event: CommandFailed) -> EngineState:
     """Let the command under way fail as by its timeout, unless its array is still in flight."""
     body = state.robot
     if not moment.nominal or body.motion is None or body.flight is not None:

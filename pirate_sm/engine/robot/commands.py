@@ -24,7 +24,7 @@ from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import confirmation
 from pirate_sm.engine.robot.criteria import AcceptedSpec
-from pirate_sm.engine.robot.done import must_hold_s, told
+from pirate_sm.engine.robot.done import in_words, must_hold_s
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     DENIED,
@@ -154,7 +154,7 @@ def watch(
         since_s = moment.now_s if isnan(since_s) else since_s
         held_s = must_hold_s(done, sensing.numbers, state.loops)
         if free and has_come(moment.now_s, since_s + held_s):
-            reason = told(moment.robot, done, sensing.numbers, state.loops)
+            reason = in_words(moment.robot, done, sensing.numbers, state.loops)
             return _complete(moment, state, sensing, reason)
     elif not isnan(since_s):
         since_s = nan

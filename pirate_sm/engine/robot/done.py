@@ -70,7 +70,7 @@ def must_hold_s(criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, .
     return getattr(criterion, "for_s", 0.0)
 
 
-def told(
+def in_words(
     robot: RobotSpec, criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]
 ) -> str:
     """Return in words what shows that the command is done, and which joints a wall has stopped."""

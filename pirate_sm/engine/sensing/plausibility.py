@@ -192,7 +192,7 @@ def _weigh(
         return channel, nan
     if not watch.joint or channel.seen <= spec.hold_back:
         return _believed(channel), value
-    where = f"from {watch.told(channel.good)} to {watch.told(value)}"
+    where = f"from {watch.in_words(channel.good)} to {watch.in_words(value)}"
     message = f"{watch.name} has jumped {where}, faster than its motor can turn"
     reports.append(
         BuiltInFault.SENSOR_JUMPED.report(f"{message}: it is unknown until it jumps back")
@@ -268,8 +268,8 @@ def _count_spike(
 
 def _outside(watch: WatchSpec, value: float) -> str:
     low = f"{watch.low / watch.per_unit:.3g}"
-    where = f"{low} to {watch.told(watch.high)}"
-    return f"{watch.name} reports {watch.told(value)}, outside {where}"
+    where = f"{low} to {watch.in_words(watch.high)}"
+    return f"{watch.name} reports {watch.in_words(value)}, outside {where}"
 
 
 def _moved(

@@ -48,7 +48,7 @@ class WatchSpec(NamedTuple):
     unit: str = ""
     per_unit: float = 1.0
 
-    def told(self, value: float) -> str:
+    def in_words(self, value: float) -> str:
         """Return the value as people read it."""
         return f"{value / self.per_unit:.3g} {self.unit}".strip()
 
