@@ -40,8 +40,9 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
 
 
 def _found(moment: Moment, report: FaultReport) -> Found:
-    catchable = moment.robot.fault_codes.get(report.code, True)
-    return Found(report.code, report.message, catchable)
+    code, message = report
+    denies = moment.robot.denied_by_report(code, message)
+    return Found(code, message, moment.robot.fault_codes.get(code, True), denies)
 
 
 def word(moment: Moment, state: EngineState, event: DetectorWord) -> EngineState:

@@ -282,6 +282,11 @@ class RobotSpec:
         rules = [self.faults[index] for index in sorted(faults)]
         return {part: rule.message for rule in rules for part in rule.denies}
 
+    def denied_by_report(self, code: str, message: str) -> frozenset[int]:
+        """Return the parts that a reported fault denies: those of the rule whose words it has."""
+        rules = [rule for rule in self.faults if (rule.code, rule.message) == (code, message)]
+        return frozenset(part for rule in rules for part in rule.denies)
+
     def travel(self, values: Sequence[float]) -> int:
         """Return which way setpoints drive the wheels, in this polarity.
 

@@ -20,15 +20,18 @@ def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
     accepted = old.configuration != new.configuration
     if not accepted and old.marks == new.marks and old.values == new.values:
         return state
-    if not accepted and state.mission.diverting is not None:
-        return state  # the mission has broken nothing: its wheels are stopped before the handler
+    diverting = state.mission.diverting is not None
+    if not accepted and diverting:
+        return state
     name = moment.robot.commands[motion.command].name if motion is not None else None
     places, broken = rules.follow(
         moment.program, moment.robot, state.rules, new, int(accepted), name if accepted else None
     )
     if places != state.rules:
         state = state._replace(rules=places)
-    for rule in broken:
+    # Where a fault leads elsewhere the mission has broken nothing: rules were asked before its last
+    # command was sent, and its wheels are stopped before the handler begins.
+    for rule in () if diverting else broken:
         if motion is not None and not motion.place:
             moment.warn(f"{name}, given by hand, violates {rules.said(rule)}")
         elif not (state.mission.ending or state.mission.ended):

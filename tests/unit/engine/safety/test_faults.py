@@ -503,6 +503,7 @@ def test_a_fault_rule_still_sees_the_states_that_drive_no_wheel(drive):
 OPENED = math.radians(119)
 """Of gamma_1: nearer to its end stop than a clamp in a pipe can be."""
 
+FRONT_LOST = "the front has opened nearly to its end stop, there is no wall"
 LOSING = f"on_fault: [{{fault: clamp.lost, then: continue}}]\n{IDLE}"
 
 
@@ -519,6 +520,24 @@ def test_a_clamp_that_a_fault_denies_is_confirmed_no_more(drive):
     command(driver, "RelaxRear")
     assert driver.last_status.status == "refused"
     assert "the last confirmed clamp (rear)" in driver.last_status.reason
+
+
+@pytest.mark.parametrize(
+    ("message", "denied"),
+    [
+        (FRONT_LOST, True),
+        ("somebody says so", False),  # no rule says which part it is
+    ],
+)
+def test_a_report_in_the_words_of_a_rule_denies_what_that_rule_denies(drive, message, denied):
+    driver = drive(LOSING, states=BOTH_CLAMPED)
+    driver.show(gamma_1=math.radians(-100), gamma_4=math.radians(-100))
+
+    driver.give(ev.FaultReport("clamp.lost", message))
+
+    assert driver.of(fx.Fault) == [fx.Fault("clamp.lost", message, "continue")]
+    command(driver, "RelaxRear")
+    assert (driver.last_status.status == "refused") == denied
 
 
 def test_a_clamp_is_not_confirmed_while_the_fault_that_denies_it_lasts(drive):
@@ -546,6 +565,20 @@ phases:
   rescue: {do: [{command: Brake, unneeded: skip}, ClampRear], go: e}
 ends: {e: {succeed: "After {cause}"}}
 """
+
+
+def test_a_fault_that_denies_the_only_clamp_before_driving_is_accepted_is_handled(drive):
+    """The rule was asked before the array was sent, and the wheels stop before the handler."""
+    states = {"BendingState": "FrontClampedRearBending", "FrontWheelsState": "Fixed"}
+    driver = drive(CAUGHT, states=states)
+    while ("DriveForward", "sent") not in driver.statuses:
+        driver.obey()
+
+    driver.give(ev.FaultReport("clamp.lost", FRONT_LOST))
+    driver.accept()
+    driver.until_done("ClampRear")
+
+    assert driver.faults == [("clamp.lost", "rescue")]
 
 
 def test_a_fault_that_denies_the_only_clamp_while_wheels_are_driven_is_handled(drive):
