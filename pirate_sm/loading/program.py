@@ -56,10 +56,9 @@ def build_program(
         compiler.phases(scope)
     except TooLongError as error:
         about, path = error.by or (problems, ())
-        about.add(
-            "mission.too_long", path,
-            f"with its repeats and calls written out it has more than {MOST_INSTRUCTIONS} steps",
-        )  # fmt: skip
+        count = f"more than {MOST_INSTRUCTIONS} steps"
+        message = f"with its repeats and calls written out it has {count}"
+        about.add("mission.too_long", path, message)
     problems.raise_errors(tolerated)
     instructions, handlers, phase_of, turn_of = compiler.assembly.finished()
     program = Program(
@@ -226,11 +225,8 @@ class _PhaseWriter:
                 self._emit(out.Say, level=step.level, message=message, next=after)
 
     def _branch(self, text: str, path: Path, if_true: Label, if_false: Label) -> None:
-        condition = self.scope.condition(text, path)
-        self._emit(
-            out.Branch, condition=condition, if_true=if_true, if_false=if_false,
-            place=self.scope.place(path),
-        )  # fmt: skip
+        asked = {"condition": self.scope.condition(text, path), "place": self.scope.place(path)}
+        self._emit(out.Branch, if_true=if_true, if_false=if_false, **asked)
 
     def _command(self, step: model.CommandStep, path: Path, after: Label) -> None:
         scope = self.scope
@@ -385,10 +381,8 @@ class _PhaseWriter:
         mission, own = source.mission, self.scope.source
         polarity = self.scope.robot.polarity
         if mission.polarity not in {None, polarity}:
-            self.scope.problems.add(
-                "mission.polarity", path,
-                f"'{mission.mission}' is {mission.polarity}, this mission is {polarity}",
-            )  # fmt: skip
+            message = f"'{mission.mission}' is {mission.polarity}, this mission is {polarity}"
+            self.scope.problems.add("mission.polarity", path, message)
         if robot_of(source) != robot_of(own):
             message = f"'{mission.mission}' is for the robot '{mission.robot}'"
             self.scope.problems.add("mission.robot", path, message)

@@ -158,10 +158,8 @@ def on_states(
         return None
     others = sorted(condition.names - set(table.regions))
     if others:
-        problems.add(
-            "robot.condition", path, f"only states count here, not {', '.join(others)}",
-            expected=one_of(table.regions),
-        )  # fmt: skip
+        message = f"only states count here, not {', '.join(others)}"
+        problems.add("robot.condition", path, message, expected=one_of(table.regions))
         return None
     return condition
 
@@ -236,10 +234,8 @@ def _speeds_of_parts(profile: model.Profile, signals: Signals) -> tuple[tuple[in
 def _rate(name: str, signals: Signals, path: Path, problems: Problems) -> int:
     rate = signals.rate_of(name)
     if rate < 0:
-        problems.add(
-            "robot.criterion", path,
-            f"whether '{name}' stands still needs a derived signal {{rate_of: {name}}}",
-        )  # fmt: skip
+        message = f"whether '{name}' stands still needs a derived signal {{rate_of: {name}}}"
+        problems.add("robot.criterion", path, message)
     return rate
 
 

@@ -66,11 +66,9 @@ class Timeline:
     def __init__(self, regions: Sequence[str], *, nominal: bool) -> None:
         self._regions = tuple(regions)
         self._nominal = nominal
-        self._tracks = {
-            name: _Track()
-            for name in (PHASE, *(_region(each) for each in regions), COMMANDS, WAITS, TRIGGERS,
-                         DETECTOR, SEGMENT, OPERATOR, TROUBLE)
-        }  # fmt: skip
+        states = map(_region, regions)
+        names = (PHASE, *states, COMMANDS, WAITS, TRIGGERS, DETECTOR, SEGMENT, OPERATOR, TROUBLE)
+        self._tracks = {name: _Track() for name in names}
         self._states: tuple[str, ...] = ()
         self._unconfirmed: tuple[str, ...] = ()
 

@@ -75,8 +75,8 @@ def summary(it: Course) -> tuple[str, ...]:
     lines.append(_sentence(_counted(it.counts)))
     if it.faults:
         told = [f"{code}{f' ({n} times)' if n > 1 else ''}" for code, n in it.faults.items()]
-        lines.append(f"{_many(sum(it.faults.values()), 'fault was', 'faults were')} reported: "
-                     f"{listed(told)}.")  # fmt: skip
+        faults = _many(sum(it.faults.values()), "fault was", "faults were")
+        lines.append(f"{faults} reported: {listed(told)}.")
     return tuple(lines)
 
 
@@ -173,8 +173,8 @@ class Story:
         purpose = self._purpose()
         parts = [_sentence(f"{purpose}")] if purpose else []
         if self._commands:
-            names = listed(self._commands) if len(self._commands) <= _MOST_NAMES else (
-                f"{len(self._commands)} commands")  # fmt: skip
+            number = len(self._commands)
+            names = listed(self._commands) if number <= _MOST_NAMES else f"{number} commands"
             parts.append(_sentence(f"{names} done"))
         if self._waits_since is not None:
             waited = f"waited {seconds(at_s - self._waits_since)}"

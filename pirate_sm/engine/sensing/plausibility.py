@@ -125,11 +125,9 @@ def _believe(
 ) -> Channel:
     """Return the channel after a reading; what is shown of it takes its place in ``shown``."""
     if channel.calm:
-        good_s = reading.now_s - reading.elapsed_s
-        channel = channel._replace(
-            good=reading.before[watch.number], good_s=good_s, seen=seen,
-            wound=_torque(watch, reading.before),
-        )  # fmt: skip
+        good, good_s = reading.before[watch.number], reading.now_s - reading.elapsed_s
+        wound = _torque(watch, reading.before)
+        channel = channel._replace(good=good, good_s=good_s, seen=seen, wound=wound)
     value = shown[watch.number]
     if isnan(value):
         return channel._replace(calm=False, held=channel.held if channel.jumped else ())
@@ -202,10 +200,8 @@ def _weigh(
 
 def _believed(channel: Channel) -> Channel:
     """Return the channel when its last reading is believed and nothing is pending."""
-    return channel._replace(
-        calm=True, good=nan, good_s=-inf, wound=nan, held=(), running=0.0, outside=False,
-        jumped=False, stuck=nan,
-    )  # fmt: skip
+    channel = channel._replace(calm=True, good=nan, good_s=-inf, wound=nan, held=())
+    return channel._replace(running=0.0, outside=False, jumped=False, stuck=nan)
 
 
 def _reach(watch: WatchSpec, channel: Channel, reading: Reading) -> float:

@@ -9,10 +9,6 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from pirate_sm.cli.jsonl import _LINES
-from pirate_sm.model.effects import Effect, WakeAt
-from pirate_sm.runtime.companions import Answered
-
 from .conftest import NEWT, ROOT
 
 SCHEMA = json.loads((ROOT / "docs" / "schemas" / "output.schema.json").read_text("utf-8"))
@@ -53,7 +49,6 @@ def test_every_line_holds_to_the_schema(
 
 
 def test_the_schema_knows_every_type_that_is_written_and_no_other() -> None:
-    assert set(_LINES) - {Answered} == set(Effect.__args__) - {WakeAt}  # an Answered is a Log
     documented = {
         "start", "phase", "command", "state", "setpoints", "trigger", "detected", "environment",
         "fault", "log", "end",
