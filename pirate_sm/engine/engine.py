@@ -104,7 +104,10 @@ class Engine:
         if state.mission.ended:
             return state, ()
         moment = Moment(self.robot, self.program, self.nominal, now_s)
-        after = _take(moment, state, event)
+        if type(event) is events.SensorFrame:  # nearly all of them
+            after = inputs.frame(moment, state, event)
+        else:
+            after = _take(moment, state, event)
         if type(event) is not events.SignalReport:  # that counts from the next event on
             after = settle(moment, state, after)
         return after, tuple(moment.effects)

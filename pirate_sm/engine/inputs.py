@@ -15,23 +15,17 @@ from pirate_sm.model.fault_codes import BuiltInFault
 
 def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState:
     """Take a board's values in, and meet the faults that they show."""
-    board = moment.robot.boards.get(event.board)
+    robot, body, now_s = moment.robot, state.robot, moment.now_s
+    board = robot.boards.get(event.board)
     if board is None:
         return state
-    robot = state.robot
     sensing, reports = observe(
-        moment.robot,
-        state.sensing,
-        event,
-        robot.values,
-        robot.latest,
-        moment.now_s,
-        sent=robot.sent,
+        robot, state.sensing, event, body.values, body.latest, now_s, sent=body.sent
     )
-    words = state.obeyed_words(moment.robot)
-    faults, found = look(moment.robot, state.faults, board, sensing, words, moment.now_s)
+    words = state.obeyed_words(robot)
+    faults, found = look(robot, state.faults, board, sensing, words, now_s)
     # Quicker than to replace two fields by name, and this is done for every frame.
-    state = EngineState(state.robot, sensing, state.mission, faults, *state[4:])
+    state = EngineState(body, sensing, state.mission, faults, *state[4:])
     for report in reports:
         state = meet(moment, state, _found(moment, report))
     for fault in found:
