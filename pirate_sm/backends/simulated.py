@@ -14,6 +14,7 @@ from typing import NamedTuple
 from pirate_sm.backends.protocol import Completion
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import Event, FaultReport, SensorFrame, SubmitResult
+from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.simulation.defects import Incident
@@ -207,7 +208,7 @@ class SimulatorBackend:
     def _react_to(self, incident: Incident) -> Sequence[Event]:
         """Return what is known at once of something that has happened to the boards."""
         if incident.what == "boards_restarted":
-            return (FaultReport("firmware.reset", "the boards have started again"),)
+            return (BuiltInFault.FIRMWARE_RESET.report("the boards have started again"),)
         if incident.what == "controller_restarted":
             return (self._start_again(incident.until_s),)
         return ()
@@ -221,7 +222,7 @@ class SimulatorBackend:
             self._robot.step(self._now, self._turns[0])
             self._robot.meet_obstacles()
         self._robot.electronics.rest()
-        return FaultReport("firmware.reset", "the controller has started again")
+        return BuiltInFault.FIRMWARE_RESET.report("the controller has started again")
 
     def _frame(self, board: BoardChannels) -> Sequence[Event]:
         counts = self._robot.frame(self._now, board)

@@ -147,7 +147,7 @@ def _said(it: steps.Instruction, robot: RobotSpec) -> Hashable:
             return ("require", it.states)
         case steps.Say() | steps.Raise() | steps.Finish():
             return ("say", it.message)
-        case _:
+        case steps.Enter():
             return ()
 
 

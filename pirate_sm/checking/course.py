@@ -160,7 +160,7 @@ class _Follower:
                 return tuple(trigger.go for trigger in triggers)
             case steps.Question(choices=choices):
                 return tuple(target for _, target in choices)
-            case _:
+            case steps.Do() | steps.Raise() | steps.Finish():
                 return ()
 
     def _branch(self, step: steps.Branch, configuration: int) -> tuple[int, ...]:

@@ -18,7 +18,7 @@ from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.source import Document
 from pirate_sm.model.mission import AskStep, End, LogStep, Mission, Phase, WaitStep
 from pirate_sm.model.quantities import Parameter
-from pirate_sm.model.triggers import ConditionTrigger, TimeTrigger
+from pirate_sm.model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger
 from pirate_sm.units import QuantityError
 
 _USE = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
@@ -104,6 +104,8 @@ def _late(waits: Iterable[Phase | WaitStep], values: Values) -> Iterator[str]:
                 case TimeTrigger(after=after):
                     if _seconds(after, values) > within_s:
                         yield f"'after {_written(after)}'"
+                case OperatorTrigger():
+                    pass
 
 
 def _waits(value: object) -> Iterator[Phase | WaitStep]:
@@ -178,3 +180,5 @@ def _shown(value: BaseModel) -> Iterator[str]:
             yield from _FIELD.findall(text)
         case End(succeed=succeed, fail=fail):
             yield from _FIELD.findall(f"{succeed} {fail}")
+        case _:
+            pass

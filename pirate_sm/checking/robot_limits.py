@@ -12,6 +12,7 @@ from pirate_sm.engine.robot.criteria import (
     AlignedSpec,
     BelowSpec,
     CriterionSpec,
+    ReachedSpec,
     StalledSpec,
     StoppedSpec,
     TurningSpec,
@@ -70,7 +71,7 @@ def _unheard(view: RobotView, done: CriterionSpec) -> str:
         case StoppedSpec(parts):  # the first part that cannot be heard at all, if there is one
             unheard = (speeds for speeds in parts if not heard & set(speeds))
             needed, every = next(unheard, ()), False
-        case _:
+        case AcceptedSpec() | ReachedSpec():
             return ""
     missing = [robot.vocabulary.numbers[index] for index in needed if index not in heard]
     if not missing or (not every and len(missing) < len(needed)):

@@ -6,7 +6,15 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot_view import RobotView
-from pirate_sm.engine.robot.confirmation_spec import AnglesSpec, HeldSpec, SeenSpec, StandingSpec
+from pirate_sm.engine.robot.confirmation_spec import (
+    AnglesSpec,
+    DrivenSpec,
+    HeldSpec,
+    ImpliedSpec,
+    SeenSpec,
+    StandingSpec,
+)
+from pirate_sm.engine.robot.criteria import AcceptedSpec
 from pirate_sm.loading.problems import Path
 
 
@@ -79,6 +87,8 @@ def _state(view: RobotView, spec: SeenSpec) -> Iterator[tuple[str, str]]:
         case StandingSpec(speeds, _, for_s):
             yield "for", _too_long(view, for_s)
             yield "kind", "" if view.heard & set(speeds) else _unheard(view, speeds)
+        case DrivenSpec() | ImpliedSpec() | AcceptedSpec():
+            pass
 
 
 def _too_long(view: RobotView, for_s: float) -> str:

@@ -14,11 +14,11 @@ from pirate_sm.backends.serial.link.connection_errors import unanswered
 from pirate_sm.backends.serial.link.exchange import Exchange
 from pirate_sm.backends.serial.link.link_plan import STATE
 from pirate_sm.backends.serial.ports.protocol import Port
-from pirate_sm.backends.serial.recovery import RESET
 from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject, TopicFact
 from pirate_sm.diagnosis.records import Records
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import FaultReport, SensorFrame, SubmitResult
+from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.rosserial.frames import Decoder, encode
 from pirate_sm.rosserial.message_types import Malformed
 from pirate_sm.rosserial.topics import PUBLISHER, REQUEST_TOPICS, SUBSCRIBER, TIME
@@ -185,7 +185,7 @@ class Listening:
             elif isinstance(event, SubmitResult):
                 self.results[event.setpoint_id] = event
             elif isinstance(event, FaultReport):
-                self._resets += event.code == RESET
+                self._resets += event.code == BuiltInFault.FIRMWARE_RESET.code
 
     def _meet(self, topic: int, payload: bytes) -> None:
         """A board that nobody expects is noticed."""

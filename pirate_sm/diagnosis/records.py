@@ -8,11 +8,12 @@ from math import inf, isnan, nan
 from pirate_sm.diagnosis.facts import BoardFact, ChannelFact, Subject, shown
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.conversion import convert
-from pirate_sm.engine.sensing.plausibility import RANGE, sift, unseen
+from pirate_sm.engine.sensing.plausibility import sift, unseen
 from pirate_sm.engine.sensing.plausibility_spec import WatchedSpec, WatchSpec
 from pirate_sm.engine.sensing.sensor_memory import Reading
 from pirate_sm.expressions import NumberType
 from pirate_sm.model.events import SensorFrame
+from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.model.profile import Board
 from pirate_sm.units import DIMENSIONLESS, Dimension
 
@@ -53,7 +54,7 @@ class ChannelRecord:
             self._robot.plausibility, self._watched, self._record, numbers, reading
         )
         for report in reports:
-            if report.code == RANGE:
+            if report.code == BuiltInFault.SENSOR_RANGE.code:
                 self.outside = report.message
 
     @property

@@ -113,6 +113,14 @@ def every_step(steps: Iterable[model.Step]) -> Iterator[model.Step]:
                 for choice in step.choose:
                     yield from every_step(choice.do)
                 yield from every_step(step.otherwise)
+            case (
+                model.CommandStep()
+                | model.CallStep()
+                | model.AskStep()
+                | model.WaitStep()
+                | model.LogStep()
+            ):
+                pass
 
 
 def trigger_text(trigger: Trigger) -> str:

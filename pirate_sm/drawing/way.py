@@ -44,6 +44,8 @@ class Way:
                     self._kind = EdgeKind.FAULT
                 case CommandStatus(status="sent" | "skipped"):
                     self._kind = None
+                case _:
+                    pass
 
     def _reach(self, name: str) -> None:
         if self._here and self._kind is not None:

@@ -1,4 +1,4 @@
-"""When a moment has come, in floating point."""
+"""Compare times that differ by rounding."""
 
 from __future__ import annotations
 

@@ -5,24 +5,24 @@ from __future__ import annotations
 from math import inf, isnan, nan
 from typing import NamedTuple
 
-from pirate_sm.engine.mission.program import HandlerSpec, Program
+from pirate_sm.engine.control.position_loop import Loop
+from pirate_sm.engine.mission.program import HandlerSpec
 from pirate_sm.engine.records import often_replaced
 from pirate_sm.engine.robot.confirmation import Look
-from pirate_sm.engine.robot.done import Loop
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.robot.robot_state import Finished, Mark, RobotState
+from pirate_sm.engine.robot.robot_state import (
+    STOPPED,
+    Finished,
+    Mark,
+    RobotState,
+    obeyed,
+    states_of,
+)
 from pirate_sm.engine.sensing.conversion import Sensing
 from pirate_sm.engine.sensing.environment import Surveyed
 from pirate_sm.model.effects import Outcome
 
 Words = tuple[str | None, ...]
-
-
-class Setting(NamedTuple):
-    """What does not change during a run."""
-
-    robot: RobotSpec
-    program: Program
 
 
 class Ending(NamedTuple):
@@ -106,7 +106,7 @@ class MissionState(NamedTuple):
         return not isnan(self.paused_s)
 
     def clock(self, now: float) -> float:
-        """Mission time: it stands still during a pause."""
+        """Return the mission time, which stands still during a pause."""
         return (self.paused_s if self.paused else now) - self.offset_s
 
     @property
@@ -115,11 +115,11 @@ class MissionState(NamedTuple):
         return self.before_pause is not None and self.before_pause.suspended
 
     def motion_clock(self, now: float) -> float:
-        """Time as the command under way counts it: it stands still while that is suspended."""
+        """Return the time as the command under way counts it: it stands still while suspended."""
         return self.paused_s if self.suspended else now
 
     def at(self, pc: int) -> MissionState:
-        """The mission before its instruction at ``pc``."""
+        """Return the mission before its instruction at ``pc``."""
         return self._replace(
             pc=pc, begun=False, tries=0, since=(), origin=(), result=None, answer=None, skipped=None
         )
@@ -163,3 +163,26 @@ class EngineState(NamedTuple):
     rules: tuple[int, ...] = ()
     surveyed: Surveyed = Surveyed()
     look: Look | None = None
+
+    def moved(self, robot: RobotSpec, body: RobotState) -> EngineState:
+        """Return the state with the robot as it is now; the words say its configuration."""
+        if body.configuration == self.robot.configuration:
+            return self._replace(robot=body)
+        return self._replace(robot=body, words=(*states_of(robot, body), *self.words[-2:]))
+
+    def finished(self, command: Finished | None) -> EngineState:
+        """Return the state in which the mission knows how its command ended.
+
+        During a pause commands are the operator's.
+        """
+        if command is None or self.mission.paused:
+            return self
+        return self._replace(mission=self.mission._replace(result=command))
+
+    def obeyed_words(self, robot: RobotSpec) -> Words:
+        """Return what rules for faults see: wheels stopped by a pause or a fault are not stuck."""
+        if self.mission.before_pause is None:
+            marks = self.robot.marks  # mostly none: do not begin to look
+            if not marks or all(mark.command != STOPPED for mark in marks):
+                return self.words
+        return (*obeyed(robot, self.robot), *self.words[-2:])

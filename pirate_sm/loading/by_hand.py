@@ -21,7 +21,7 @@ def by_hand(robot: LoadedRobot, pipe: Pipe | None = None, pipe_name: str = "") -
     break are the operator's own to break.
     """
     spec = robot.normal
-    codes = [code for code, catchable in spec.fault_codes().items() if catchable]
+    codes = [code for code, catchable in spec.fault_codes.items() if catchable]
     handlers = tuple(HandlerSpec(code, None, "") for code in codes)
     program = Program(
         mission=BY_HAND,

@@ -100,7 +100,13 @@ def _all(steps: Sequence[model.Step]) -> Iterator[model.Step]:
                 for choice in step.choose:
                     yield from _all(choice.do)
                 yield from _all(step.otherwise)
-            case _:
+            case (
+                model.CommandStep()
+                | model.CallStep()
+                | model.AskStep()
+                | model.WaitStep()
+                | model.LogStep()
+            ):
                 yield step
 
 

@@ -19,7 +19,7 @@ from pirate_sm.loading.robot_rules import rules_for
 from pirate_sm.loading.scope import Scope, Source
 from pirate_sm.loading.source import Document
 from pirate_sm.model import mission as model
-from pirate_sm.model.triggers import ConditionTrigger, TimeTrigger, Trigger
+from pirate_sm.model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
 
 
 def build_program(
@@ -56,10 +56,9 @@ def build_program(
         compiler.phases(scope)
     except TooLongError as error:
         about, path = error.by or (problems, ())
-        about.add(
-            "mission.too_long", path,
-            f"with its repeats and calls written out it has more than {MOST_INSTRUCTIONS} steps",
-        )  # fmt: skip
+        count = f"more than {MOST_INSTRUCTIONS} steps"
+        message = f"with its repeats and calls written out it has {count}"
+        about.add("mission.too_long", path, message)
     problems.raise_errors(tolerated)
     instructions, handlers, phase_of, turn_of = compiler.assembly.finished()
     program = Program(
@@ -184,15 +183,17 @@ class _PhaseWriter:
         go = after if on else scope.target(trigger.go or "", (*path, "go"))
         place, go_name = scope.place(path), trigger.go or model.CONTINUE
         spec = out.TriggerSpec(name, "", go, go_name, place=place)  # type: ignore[arg-type]
-        if isinstance(trigger, ConditionTrigger):
-            held = scope.waited(trigger.held, (*path, "held"), zero=True)
-            condition = scope.condition(trigger.when, (*path, "when"), in_wait=True)
-            text = trigger.when + (f" for {held:g} s" if held else "")
-            return spec._replace(text=text, condition=condition, held_s=held)
-        if isinstance(trigger, TimeTrigger):
-            after_s = scope.waited(trigger.after, (*path, "after"))
-            return spec._replace(text=f"after {after_s:g} s", after_s=after_s)
-        return spec._replace(text=f"operator: {trigger.operator}", answer=trigger.operator)
+        match trigger:
+            case ConditionTrigger(when=when):
+                held = scope.waited(trigger.held, (*path, "held"), zero=True)
+                condition = scope.condition(when, (*path, "when"), in_wait=True)
+                text = when + (f" for {held:g} s" if held else "")
+                return spec._replace(text=text, condition=condition, held_s=held)
+            case TimeTrigger():
+                after_s = scope.waited(trigger.after, (*path, "after"))
+                return spec._replace(text=f"after {after_s:g} s", after_s=after_s)
+            case OperatorTrigger(operator=word):
+                return spec._replace(text=f"operator: {word}", answer=word)
 
     def _steps(self, steps: Sequence[model.Step], path: Path, after: Label) -> None:
         for number, step in enumerate(steps):
@@ -224,11 +225,8 @@ class _PhaseWriter:
                 self._emit(out.Say, level=step.level, message=message, next=after)
 
     def _branch(self, text: str, path: Path, if_true: Label, if_false: Label) -> None:
-        condition = self.scope.condition(text, path)
-        self._emit(
-            out.Branch, condition=condition, if_true=if_true, if_false=if_false,
-            place=self.scope.place(path),
-        )  # fmt: skip
+        asked = {"condition": self.scope.condition(text, path), "place": self.scope.place(path)}
+        self._emit(out.Branch, if_true=if_true, if_false=if_false, **asked)
 
     def _command(self, step: model.CommandStep, path: Path, after: Label) -> None:
         scope = self.scope
@@ -383,10 +381,8 @@ class _PhaseWriter:
         mission, own = source.mission, self.scope.source
         polarity = self.scope.robot.polarity
         if mission.polarity not in {None, polarity}:
-            self.scope.problems.add(
-                "mission.polarity", path,
-                f"'{mission.mission}' is {mission.polarity}, this mission is {polarity}",
-            )  # fmt: skip
+            message = f"'{mission.mission}' is {mission.polarity}, this mission is {polarity}"
+            self.scope.problems.add("mission.polarity", path, message)
         if robot_of(source) != robot_of(own):
             message = f"'{mission.mission}' is for the robot '{mission.robot}'"
             self.scope.problems.add("mission.robot", path, message)

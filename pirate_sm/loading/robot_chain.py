@@ -73,6 +73,8 @@ def _imu(profile: model.Profile, signals: Signals) -> Imu | None:
                 x, y, z = (_number(signals, source) for source in sources)
                 roll = profile.body.links[link].roll
                 return Imu(link, (x, y, z), _number(signals, roll) if roll else -1)
+            case _:
+                pass
     return None
 
 

@@ -15,12 +15,13 @@ from pirate_sm.engine.robot.criteria import (
     StoppedSpec,
     TurningSpec,
 )
-from pirate_sm.engine.robot.robot_spec import BUILT_IN_FAULTS, CommandSpec, FaultSpec, PostureSpec
+from pirate_sm.engine.robot.robot_spec import CommandSpec, FaultSpec, PostureSpec
 from pirate_sm.expressions import Expression, ExpressionError, NumberType, compile_condition
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_signals import Signals
 from pirate_sm.model import criteria
 from pirate_sm.model import profile as model
+from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE, Quantity, describe
 
@@ -138,7 +139,7 @@ def _check_catchable(
     fault: model.FaultRule, number: int, rules: list[FaultSpec], problems: Problems
 ) -> None:
     """One code is caught or not, whoever raises it: else a mission could not tell."""
-    known = {**{rule.code: rule.catchable for rule in rules}, **BUILT_IN_FAULTS}
+    known = {each.code: each.catchable for each in (*rules, *BuiltInFault)}
     if known.get(fault.code, fault.catchable) != fault.catchable:
         can, must = ("can", "true") if known[fault.code] else ("cannot", "false")
         key = "catchable" if "catchable" in fault.model_fields_set else "code"
@@ -157,10 +158,8 @@ def on_states(
         return None
     others = sorted(condition.names - set(table.regions))
     if others:
-        problems.add(
-            "robot.condition", path, f"only states count here, not {', '.join(others)}",
-            expected=one_of(table.regions),
-        )  # fmt: skip
+        message = f"only states count here, not {', '.join(others)}"
+        problems.add("robot.condition", path, message, expected=one_of(table.regions))
         return None
     return condition
 
@@ -235,10 +234,8 @@ def _speeds_of_parts(profile: model.Profile, signals: Signals) -> tuple[tuple[in
 def _rate(name: str, signals: Signals, path: Path, problems: Problems) -> int:
     rate = signals.rate_of(name)
     if rate < 0:
-        problems.add(
-            "robot.criterion", path,
-            f"whether '{name}' stands still needs a derived signal {{rate_of: {name}}}",
-        )  # fmt: skip
+        message = f"whether '{name}' stands still needs a derived signal {{rate_of: {name}}}"
+        problems.add("robot.criterion", path, message)
     return rate
 
 

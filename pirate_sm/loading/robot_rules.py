@@ -1,4 +1,4 @@
-"""The safety rules of a robot, compiled; their conditions see what ``engine.safety.rules`` tells."""
+"""Compile the safety rules of a robot, for :mod:`pirate_sm.engine.safety.rules`."""
 
 from __future__ import annotations
 

@@ -147,6 +147,8 @@ class Signals:
                         vectors.append(Vector(how, tuple(map(names.index, sources)), target))
                 case kinds.DiameterOf(diameter_of=part):
                     diameters += self._diameter(part, told, target)
+                case kinds.RateOf() | kinds.TorqueOf() | kinds.OdometryOf() | kinds.SpeedOf():
+                    pass  # without its source; made of all wheels
         wheels = tuple(w for w in self.wheels if names[w.angle] in told)
         return BoardSpec(
             board.id, board.module, position, channels, tuple(rates), tuple(torques),
@@ -267,7 +269,7 @@ def _valid_sources(
             return list(profile.body.parts)
         case kinds.OdometryOf() | kinds.SpeedOf():
             return [wheel.name for wheel in profile.body.wheels]
-        case _:
+        case kinds.RateOf() | kinds.TorqueOf() | kinds.RollOf() | kinds.PitchOf() | kinds.NormOf():
             measured = [c.signal for board in profile.boards for c in board.channels if c.signal]
             numbers = [name for name, kind in types.items() if isinstance(kind, NumberType)]
             return [*numbers, *measured]  # one with a faulty conversion is known all the same
@@ -301,11 +303,13 @@ def _dimension(
             return of(sources[0])
         case kinds.SpeedOf():
             return SPEED
-        case _:
+        case kinds.DiameterOf() | kinds.OdometryOf():
             return LENGTH
 
 
-def _vector(derived: kinds.Derived) -> tuple[Literal["roll", "pitch", "norm"], tuple[str, ...]]:
+def _vector(
+    derived: kinds.RollOf | kinds.PitchOf | kinds.NormOf,
+) -> tuple[Literal["roll", "pitch", "norm"], tuple[str, ...]]:
     match derived:
         case kinds.RollOf(roll_of=sources):
             return "roll", sources
@@ -313,7 +317,6 @@ def _vector(derived: kinds.Derived) -> tuple[Literal["roll", "pitch", "norm"], t
             return "pitch", sources
         case kinds.NormOf(norm_of=sources):
             return "norm", sources
-    raise AssertionError(f"not a vector: {derived}")
 
 
 def _wheels(signals: Signals) -> tuple[WheelSpec, ...]:

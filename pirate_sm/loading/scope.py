@@ -139,7 +139,7 @@ class Scope:
     @property
     def handlers(self) -> Handlers:
         """The fault handlers in force: the mission's own, then those of its callers."""
-        known = self.robot.fault_codes()
+        known = self.robot.fault_codes
         own: list[tuple[str, Label | None, str]] = []
         for number, handler in enumerate(self.source.mission.on_fault):
             path: Path = ("on_fault", number)

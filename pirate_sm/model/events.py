@@ -160,6 +160,9 @@ class Abort(NamedTuple):
     reason: str
 
 
+Request: TypeAlias = OperatorCommand | Answer | Pause | Resume | Step | GoTo | Skip | Abort
+"""What a person asks for, or who drives the engine in their place."""
+
 Event: TypeAlias = (
     Tick
     | SensorFrame
@@ -167,14 +170,7 @@ Event: TypeAlias = (
     | EnvironmentReport
     | SubmitResult
     | FaultReport
-    | OperatorCommand
-    | Answer
-    | Pause
-    | Resume
-    | Step
-    | GoTo
-    | Skip
     | SignalReport
     | CommandFailed
-    | Abort
+    | Request
 )

@@ -143,7 +143,8 @@ def _mark(effect: fx.Effect) -> str:
             return f"{effect.phase}: {effect.trigger} fired"
         case fx.Ended():
             return f"{effect.outcome}: {effect.end}" if effect.end else effect.outcome
-    return ""
+        case _:
+            return ""
 
 
 def compare(first: Course, second: Course) -> Comparison:

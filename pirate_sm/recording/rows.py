@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -60,11 +60,10 @@ def rows_of(engine: Engine, again: Iterable[Rerun], origin_s: float = 0.0) -> It
 
 def effect_rows(robot: RobotSpec, at_s: float, effect: fx.Effect) -> Iterator[Row]:
     """Yield the effect as rows of its table; nothing where it has none."""
-    make = _TABLES.get(type(effect))
-    if make is not None:
-        table, header, rows = make(robot, effect)
-        for values in rows:
-            yield Row(table, (TIME, *header), (at_s, *values))
+    made = _table(robot, effect)
+    if made is not None:
+        for values in made.rows:
+            yield Row(made.table, (TIME, *made.header), (at_s, *values))
 
 
 def _named(robot: RobotSpec, name: str) -> str:
@@ -80,50 +79,48 @@ def headed(name: str, dimension: Dimension) -> str:
     return f"{name}_{unit}" if unit else name
 
 
-_Made = tuple[str, Iterable[str], Iterable[tuple[Any, ...]]]
+class _Made(NamedTuple):
+    """Rows of one table without their times."""
+
+    table: str
+    header: tuple[str, ...]
+    rows: Iterable[tuple[Any, ...]]
 
 
-def _plain(table: str) -> Callable[[RobotSpec, Any], _Made]:
-    """Return what makes a row with the fields of its effect as columns."""
+def _table(robot: RobotSpec, effect: fx.Effect) -> _Made | None:  # noqa: C901 - one case each
+    match effect:
+        case fx.Setpoints(setpoint_id, values):
+            names = (f"{s.name}_{'rad' if s.unit == 'angle' else 'duty'}" for s in robot.slots)
+            return _Made("setpoints", ("setpoint_id", *names), [(setpoint_id, *values)])
+        case fx.StateChange(states, unconfirmed):
+            header = (*robot.regions, "unconfirmed")
+            return _Made("states", header, [(*states, " ".join(unconfirmed))])
+        case fx.WaitArmed(phase, triggers, conditions, deadline_s):
+            armed = zip(triggers, conditions, strict=True)
+            rows = [(phase, name, text, deadline_s) for name, text in armed]
+            return _Made("waits", ("phase", "trigger", "condition", "deadline_s"), rows)
+        case fx.Ask(question):
+            return _Made("questions", effect._fields, [(question, choice_words(effect))])
+        case fx.CommandStatus():
+            return _plain("commands", effect)
+        case fx.PhaseChange():
+            return _plain("phases", effect)
+        case fx.TriggerFired():
+            return _plain("triggers", effect)
+        case fx.Detected():
+            return _plain("detector", effect)
+        case fx.Environment():
+            return _plain("environment", effect)
+        case fx.Fault():
+            return _plain("faults", effect)
+        case fx.Log():
+            return _plain("log", effect)
+        case fx.Ended():
+            return _plain("end", effect)
+        case fx.WakeAt():
+            return None
 
-    def make(robot: RobotSpec, it: Any) -> _Made:
-        return table, it._fields, [tuple(it)]
 
-    return make
-
-
-def _setpoints(robot: RobotSpec, it: fx.Setpoints) -> _Made:
-    names = (f"{s.name}_{'rad' if s.unit == 'angle' else 'duty'}" for s in robot.slots)
-    return "setpoints", ("setpoint_id", *names), [(it.setpoint_id, *it.values)]
-
-
-def _state(robot: RobotSpec, it: fx.StateChange) -> _Made:
-    return "states", (*robot.regions, "unconfirmed"), [(*it.states, " ".join(it.unconfirmed))]
-
-
-def _wait(robot: RobotSpec, it: fx.WaitArmed) -> _Made:
-    rows = [
-        (it.phase, name, text, it.deadline_s)
-        for name, text in zip(it.triggers, it.conditions, strict=True)
-    ]
-    return "waits", ("phase", "trigger", "condition", "deadline_s"), rows
-
-
-def _asked(robot: RobotSpec, it: fx.Ask) -> _Made:
-    return "questions", ("question", "choices"), [(it.question, choice_words(it))]
-
-
-_TABLES: dict[type, Callable[[RobotSpec, Any], _Made]] = {
-    fx.Setpoints: _setpoints,
-    fx.StateChange: _state,
-    fx.CommandStatus: _plain("commands"),
-    fx.PhaseChange: _plain("phases"),
-    fx.WaitArmed: _wait,
-    fx.TriggerFired: _plain("triggers"),
-    fx.Detected: _plain("detector"),
-    fx.Environment: _plain("environment"),
-    fx.Fault: _plain("faults"),
-    fx.Log: _plain("log"),
-    fx.Ask: _asked,
-    fx.Ended: _plain("end"),
-}
+def _plain(table: str, effect: fx.Effect) -> _Made:
+    """Return the row with the fields of an effect as columns."""
+    return _Made(table, effect._fields, [tuple(effect)])

@@ -27,7 +27,7 @@ class Told(NamedTuple):
     line: int = 0
 
 
-def told(effect: fx.Effect) -> Told | None:
+def told(effect: fx.Effect) -> Told | None:  # noqa: C901 - one case each
     """Return what a log says of an effect; None where a log has no use for it."""
     level: Level
     match effect:
@@ -51,7 +51,7 @@ def told(effect: fx.Effect) -> Told | None:
         case fx.Ended(outcome, message):
             level = "info" if outcome == "succeeded" else "error"
             return Told(level, with_reason(outcome, message))
-        case _:
+        case fx.Setpoints() | fx.StateChange() | fx.Environment() | fx.Ask() | fx.WakeAt():
             return None
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
@@ -74,27 +73,46 @@ class Timeline:
     def __init__(self, regions: Sequence[str], *, nominal: bool) -> None:
         self._regions = tuple(regions)
         self._nominal = nominal
-        self._tracks = {
-            name: _Track()
-            for name in (PHASE, *(_region(each) for each in regions), COMMANDS, WAITS, TRIGGERS,
-                         DETECTOR, SEGMENT, OPERATOR, TROUBLE)
-        }  # fmt: skip
+        states = map(_region, regions)
+        names = (PHASE, *states, COMMANDS, WAITS, TRIGGERS, DETECTOR, SEGMENT, OPERATOR, TROUBLE)
+        self._tracks = {name: _Track() for name in names}
         self._states: tuple[str, ...] = ()
         self._unconfirmed: tuple[str, ...] = ()
 
     def take(self, at_s: float, cause: object, effects: Sequence[fx.Effect]) -> None:
         """What a moment brought is on it."""
         told = told_person(cause)
-        if told and not self._by_trace(cause):
+        if told and not (self._nominal and isinstance(cause, ev.Skip)):  # its script does
             self._tracks[OPERATOR].mark(at_s, told, "operator")
         for effect in effects:
-            take = _TAKE.get(type(effect))
-            if take is not None:
-                take(self, at_s, effect)
+            self._take(at_s, effect)
 
-    def _by_trace(self, cause: object) -> bool:
-        """Whether it is the script of a trace that passes over waits and answers."""
-        return self._nominal and isinstance(cause, ev.Skip)
+    def _take(self, at_s: float, effect: fx.Effect) -> None:  # noqa: C901 - one case each
+        match effect:
+            case fx.CommandStatus():
+                self._command(at_s, effect)
+            case fx.StateChange():
+                self._state(at_s, effect)
+            case fx.PhaseChange():
+                self._phase(at_s, effect)
+            case fx.WaitArmed():
+                self._wait(at_s, effect)
+            case fx.TriggerFired():
+                self._trigger(at_s, effect)
+            case fx.Detected():
+                self._detected(at_s, effect)
+            case fx.Environment():
+                self._environment(at_s, effect)
+            case fx.Fault():
+                self._fault(at_s, effect)
+            case fx.Log():
+                self._log(at_s, effect)
+            case fx.Ask():
+                self._ask(at_s, effect)
+            case fx.Ended():
+                self._ended(at_s, effect)
+            case fx.Setpoints() | fx.WakeAt():
+                pass
 
     @property
     def phase(self) -> str:
@@ -189,39 +207,26 @@ def _about(it: fx.CommandStatus) -> str:
     return f"{with_reason(it.status, it.reason)}{place}"
 
 
-def _pressed(what: str) -> Callable[[Any], str]:
-    return lambda it: what
+def told_person(cause: object) -> str:
+    """Return what a person did, in words; empty where no person caused it."""
+    return _asked(cause) if isinstance(cause, ev.Request) else ""
 
 
-_BY_PERSON: dict[type, Callable[[Any], str]] = {
-    ev.OperatorCommand: lambda it: f"commands {it.command}",
-    ev.Answer: lambda it: f"answers {it.choice}",
-    ev.Pause: _pressed("pauses"),
-    ev.Resume: _pressed("resumes"),
-    ev.Step: _pressed("asks for one step"),
-    ev.GoTo: lambda it: f"hands back at {it.phase}",
-    ev.Skip: lambda it: f"passes over{f' {it.trigger}' if it.trigger else ' a wait'}",
-    ev.Abort: lambda it: f"ends the run: {it.reason}",
-}
-"""What a person did, in words."""
-
-
-def told_person(event: object) -> str:
-    """What a person did, in words; empty for an event that no person makes."""
-    tell = _BY_PERSON.get(type(event))
-    return tell(event) if tell else ""
-
-
-_TAKE: dict[type, Callable[[Timeline, float, Any], None]] = {
-    fx.CommandStatus: Timeline._command,
-    fx.StateChange: Timeline._state,
-    fx.PhaseChange: Timeline._phase,
-    fx.WaitArmed: Timeline._wait,
-    fx.TriggerFired: Timeline._trigger,
-    fx.Detected: Timeline._detected,
-    fx.Environment: Timeline._environment,
-    fx.Fault: Timeline._fault,
-    fx.Log: Timeline._log,
-    fx.Ask: Timeline._ask,
-    fx.Ended: Timeline._ended,
-}
+def _asked(request: ev.Request) -> str:
+    match request:
+        case ev.OperatorCommand(command):
+            return f"commands {command}"
+        case ev.Answer(choice):
+            return f"answers {choice}"
+        case ev.Pause():
+            return "pauses"
+        case ev.Resume():
+            return "resumes"
+        case ev.Step():
+            return "asks for one step"
+        case ev.GoTo(phase):
+            return f"hands back at {phase}"
+        case ev.Skip(trigger):
+            return f"passes over {trigger or 'a wait'}"
+        case ev.Abort(reason):
+            return f"ends the run: {reason}"

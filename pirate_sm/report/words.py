@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Literal, NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Literal, NamedTuple
 
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
@@ -76,8 +76,8 @@ def summary(it: Course) -> tuple[str, ...]:
     lines.append(_sentence(_counted(it.counts)))
     if it.faults:
         told = [f"{code}{f' ({n} times)' if n > 1 else ''}" for code, n in it.faults.items()]
-        lines.append(f"{_many(sum(it.faults.values()), 'fault was', 'faults were')} reported: "
-                     f"{listed(told)}.")  # fmt: skip
+        faults = _many(sum(it.faults.values()), "fault was", "faults were")
+        lines.append(f"{faults} reported: {listed(told)}.")
     return tuple(lines)
 
 
@@ -121,9 +121,33 @@ class Story:
         if told and not (self._nominal and isinstance(cause, ev.Skip | ev.Answer)):
             self._add(at_s, f"The operator {told}.", "person")
         for effect in effects:
-            take = _TAKE.get(type(effect))
-            if take is not None:
-                take(self, at_s, effect)
+            self._take(at_s, effect)
+
+    def _take(self, at_s: float, effect: fx.Effect) -> None:
+        match effect:
+            case fx.PhaseChange():
+                self._enter(at_s, effect.phase)
+            case fx.WaitArmed():
+                self._waits(at_s, effect)
+            case fx.TriggerFired():
+                self._fired(at_s, effect)
+            case fx.CommandStatus():
+                self._command(at_s, effect)
+            case fx.Fault():
+                self._fault(at_s, effect)
+            case fx.Log():
+                self._log(at_s, effect)
+            case fx.Ask():
+                self._ask(at_s, effect)
+            case (
+                fx.Setpoints()
+                | fx.StateChange()
+                | fx.Detected()
+                | fx.Environment()
+                | fx.WakeAt()
+                | fx.Ended()
+            ):
+                pass
 
     def finish(self, ending: Ending) -> tuple[Sentence, ...]:
         """The whole story, in order."""
@@ -150,8 +174,8 @@ class Story:
         purpose = self._purpose()
         parts = [_sentence(f"{purpose}")] if purpose else []
         if self._commands:
-            names = listed(self._commands) if len(self._commands) <= _MOST_NAMES else (
-                f"{len(self._commands)} commands")  # fmt: skip
+            number = len(self._commands)
+            names = listed(self._commands) if number <= _MOST_NAMES else f"{number} commands"
             parts.append(_sentence(f"{names} done"))
         if self._waits_since is not None:
             waited = f"waited {seconds(at_s - self._waits_since)}"
@@ -168,9 +192,6 @@ class Story:
             self._described = root
             return self._descriptions.get(root, "")
         return ""
-
-    def _entered(self, at_s: float, it: fx.PhaseChange) -> None:
-        self._enter(at_s, it.phase)
 
     def _waits(self, at_s: float, it: fx.WaitArmed) -> None:
         if it.phase != self._phase:  # back from a mission that it called
@@ -212,17 +233,6 @@ class Story:
         if it.question:
             asked = f"The mission asks “{it.question}” ({choice_words(it)})."
             self._add(at_s, asked, "person")
-
-
-_TAKE: dict[type, Callable[[Story, float, Any], None]] = {
-    fx.PhaseChange: Story._entered,
-    fx.WaitArmed: Story._waits,
-    fx.TriggerFired: Story._fired,
-    fx.CommandStatus: Story._command,
-    fx.Fault: Story._fault,
-    fx.Log: Story._log,
-    fx.Ask: Story._ask,
-}
 
 
 def seconds(duration_s: float) -> str:

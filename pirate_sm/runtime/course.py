@@ -133,6 +133,8 @@ class CoursePlayer:
                 return (FaultReport(event.fault or "", event.message or "so the course of events"),)
             case "time" | "sensors":
                 return (Tick(),)
+            case "start":
+                pass
         return ()
 
     def _plan(self, now_s: float) -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from pirate_sm.companion import Companion
 from pirate_sm.model.effects import Effect, Ended, Fault
+from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.runtime.clock import Clock, WallClock
 from pirate_sm.runtime.observing import PULSE_S, Observer, Tap, Watcher
 from pirate_sm.runtime.outcome import BACKEND, BUG, INTERRUPTED, Result, exit_code
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from pirate_sm.engine.engine import Engine
     from pirate_sm.engine.state import EngineState
 
-BACKEND_FAILED = "backend.failed"
+BACKEND_FAILED = BuiltInFault.BACKEND_FAILED.code
 
 
 class _Insisted(Exception):  # noqa: N818 - not an error

@@ -74,16 +74,6 @@ class Anatomy:
         return tuple(motor.current or motor.value for motor in self.motors)
 
 
-_KINDS: dict[type, str] = {
-    kinds.RollOf: "angle",
-    kinds.PitchOf: "angle",
-    kinds.DiameterOf: "length",
-    kinds.OdometryOf: "distance",
-    kinds.SpeedOf: "speed",
-    kinds.NormOf: "acceleration",
-}
-
-
 def anatomy_of(profile: Profile, robot: RobotSpec) -> Anatomy:
     """The anatomy of a robot."""
     body, seeker = profile.body, _Seeker(profile, robot)
@@ -113,13 +103,37 @@ def anatomy_of(profile: Profile, robot: RobotSpec) -> Anatomy:
 
 
 def _readings(profile: Profile) -> Iterator[Reading]:
-    for kind, written in _KINDS.items():
+    """Yield the derived signals that are shown as a number, kind after kind."""
+    for place in range(_MOST_KINDS):
         for name, derived in profile.derived.items():
-            if isinstance(derived, kind):
+            at, written = _written(derived)
+            if at == place:
                 label = (
                     f"⌀ {derived.diameter_of}" if isinstance(derived, kinds.DiameterOf) else name
                 )
                 yield Reading(label, name, written)
+
+
+_MOST_KINDS = 6
+
+
+def _written(derived: kinds.Derived) -> tuple[int, str]:
+    """Return the place of a kind of signal among those shown, -1 without, and how it is written."""
+    match derived:
+        case kinds.RollOf():
+            return 0, "angle"
+        case kinds.PitchOf():
+            return 1, "angle"
+        case kinds.DiameterOf():
+            return 2, "length"
+        case kinds.OdometryOf():
+            return 3, "distance"
+        case kinds.SpeedOf():
+            return 4, "speed"
+        case kinds.NormOf():
+            return 5, "acceleration"
+        case kinds.RateOf() | kinds.TorqueOf():
+            return -1, ""
 
 
 class _Seeker:

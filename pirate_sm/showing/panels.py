@@ -9,6 +9,7 @@ from rich.text import Text
 from pirate_sm.engine.mission.program import Question, Wait
 from pirate_sm.engine.robot.robot_state import state_change
 from pirate_sm.model.effects import Ended
+from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.showing.memory import Told
 from pirate_sm.showing.pose import SIDES, pose_of
 from pirate_sm.showing.snapshot import Snapshot
@@ -135,7 +136,7 @@ def _is_past(snapshot: Snapshot, told: Told) -> bool:
     return bool(rules) and not faults.raised.intersection(rules)
 
 
-_UNHEARD = {"sensor.silent", "link.silent"}
+_UNHEARD = {BuiltInFault.SENSOR_SILENT.code, BuiltInFault.LINK_SILENT.code}
 
 
 def shows_success(snapshot: Snapshot, seen: int) -> bool:

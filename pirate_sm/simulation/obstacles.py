@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from pirate_sm.geometry.route import Route
 from pirate_sm.model.events import FaultReport
+from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import Layout, Physics
 
@@ -104,8 +105,7 @@ class Obstacles:
                     before = arcs[near[0]] < crossing
                     stop = crossing - reach if before else crossing + reach
                     self._standing = Obstacle(stop)
-                    return FaultReport(
-                        "pipe.impassable",
+                    return BuiltInFault.PIPE_IMPASSABLE.report(
                         f"bend {number} lies {math.degrees(abs(off)):.0f} deg out of the plane of"
                         f" wheel {near[0] + 1}; align the part with the bend first",
                     )

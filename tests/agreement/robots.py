@@ -85,7 +85,7 @@ def words_of(kind: str, seed: int = 0) -> Words:
     odd = _ODD_OF_PIRATE if kind == "pirate" else _ODD_OF_NEWTS
     spoken = ", ".join(robot.detector_words)
     conditions = tuple(each.format(words=spoken) for each in (*own, *_COMMON))
-    codes = tuple(code for code, catchable in robot.fault_codes().items() if catchable)
+    codes = tuple(code for code, catchable in robot.fault_codes.items() if catchable)
     called = tuple(_called(folder, path, robot, Random(seed), name) for name in ("sub_a", "sub_b"))
     return Words(folder, path, robot, conditions, (*odd, *_ODD_COMMON), codes, called)
 

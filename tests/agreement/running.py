@@ -154,7 +154,7 @@ class Run:
         """A fault that can be: one that a rule tells only where the rule holds."""
         robot = self.loaded.robot
         handled = [each.code for each in self.loaded.program.handlers[self.state.mission.pc]]
-        codes = [code for code, catchable in robot.fault_codes().items() if catchable]
+        codes = [code for code, catchable in robot.fault_codes.items() if catchable]
         code = self.lot.choice([*handled * 3, *codes])
         rules = [fault for fault in robot.faults if fault.code == code]
         words = (*robot_state.obeyed(robot, self.state.robot), *self.state.words[-2:])

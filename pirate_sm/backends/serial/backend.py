@@ -14,10 +14,8 @@ from pirate_sm.backends.serial.link.exchange import Exchange
 from pirate_sm.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.backends.serial.ports.protocol import Port, PortLostError
 from pirate_sm.errors import BackendError
-from pirate_sm.model.events import Event, FaultReport, SensorFrame
-
-SILENT = "sensor.silent"
-OVERRULED = "runner.stalled"
+from pirate_sm.model.events import Event, SensorFrame
+from pirate_sm.model.fault_codes import BuiltInFault
 
 ANSWER_WITHIN_S = 6.0
 """Beyond the boot loader's time; with every second frame lost that is enough."""
@@ -240,7 +238,7 @@ class SerialBackend:
             return
         if overruled:
             message = "this program stood still for too long, the guardian of the port has stopped"
-            self._events.append(FaultReport(OVERRULED, f"{message} the robot"))
+            self._events.append(BuiltInFault.RUNNER_STALLED.report(f"{message} the robot"))
 
     def _due_s(self, now: float) -> float:
         if self._lost_s < inf:
@@ -301,7 +299,7 @@ class SerialBackend:
         if boards and silent == boards:
             raise BackendError(no_sensors(self.plan.serial.advice.no_sensors))
         if silent:
-            told.append(FaultReport(SILENT, mute(self.plan.modules, silent)))
+            told.append(BuiltInFault.SENSOR_SILENT.report(mute(self.plan.modules, silent)))
         return [*frames.values(), *told]
 
     def _put(self, data: bytes) -> None:

@@ -10,12 +10,7 @@ from dataclasses import dataclass, field
 from math import inf
 
 from pirate_sm.model.events import FaultReport, SensorFrame
-
-RESET = "firmware.reset"
-INTERRUPTED = "link.interrupted"
-SILENT = "link.silent"
-LOST = "link.lost"
-NO_ECHO = "link.no_echo"
+from pirate_sm.model.fault_codes import BuiltInFault
 
 BRIEF = 0.75
 """Share of ``silent_after``: shorter silences that end by themselves are none."""
@@ -160,19 +155,19 @@ class Recovery:
         away_s = now - outage.heard_s
         if outage.gone:
             message = f"the link to the robot is lost: {outage.gone}, and was not back"
-            return FaultReport(LOST, f"{message} {away_s:.1f} s later")
+            return BuiltInFault.LINK_LOST.report(f"{message} {away_s:.1f} s later")
         message = f"the robot's controller has said nothing for {away_s:.1f} s"
-        return FaultReport(SILENT, f"{message}, however often it was asked")
+        return BuiltInFault.LINK_SILENT.report(f"{message}, however often it was asked")
 
     def _dumb(self, outage: Outage) -> FaultReport:
         what = "the robot's controller answers but none of its boards reports any more"
         if not outage.stopped:
             what = f"{what}, and it {_UNCONFIRMED}"
-        return FaultReport(SILENT, f"{what}: {self._advice}")
+        return BuiltInFault.LINK_SILENT.report(f"{what}: {self._advice}")
 
     def _unconfirmed(self, outage: Outage) -> FaultReport:
         back = f"the robot's controller is back after {outage.silence_s:.1f} s of silence"
-        return FaultReport(NO_ECHO, f"{back} and {_UNCONFIRMED}")
+        return BuiltInFault.LINK_NO_ECHO.report(f"{back} and {_UNCONFIRMED}")
 
     def _recovered(self, outage: Outage, stopped: bool) -> FaultReport:
         state = (
@@ -182,8 +177,8 @@ class Recovery:
         )
         if outage.gone:
             what = f"the link was away for {outage.silence_s:.1f} s ({outage.gone}) and is back"
-            return FaultReport(INTERRUPTED, f"{what}: {state}")
-        return FaultReport(RESET, f"{was_reset(outage.silence_s)}: {state}")
+            return BuiltInFault.LINK_INTERRUPTED.report(f"{what}: {state}")
+        return BuiltInFault.FIRMWARE_RESET.report(f"{was_reset(outage.silence_s)}: {state}")
 
 
 def was_reset(silence_s: float) -> str:

@@ -106,6 +106,8 @@ def _enter(book: Ledger, number: int, step: Step) -> None:
                 book.broken.setdefault(effect.message, number)
             case Ended():
                 _end(book, number, effect.outcome, effect.end, effect.message)
+            case _:
+                pass
     state = book.found.nodes[step.target].state.mission
     if state.ending is not None:
         _end(book, number, state.ending.outcome, state.ending.end, state.ending.message)
@@ -126,6 +128,8 @@ def _waited(book: Ledger, number: int, step: Step) -> None:
                 wait.fired[effect.trigger].append(number)
                 if armed == key:
                     wait.at_once[effect.trigger] += 1
+            case _:
+                pass
 
 
 def _end(book: Ledger, number: int, outcome: str, end: str, message: str) -> None:
@@ -152,3 +156,5 @@ def _command(visits: Visits, number: int, effect: CommandStatus) -> None:
             visits.unneeded.append(number)
         case "refused":
             visits.impossible.append(number)
+        case "accepted" | "done" | "failed":
+            pass

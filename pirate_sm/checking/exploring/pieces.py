@@ -49,7 +49,8 @@ def value(node: tree.Node, x: float) -> float:
         case tree.Call(function, arguments):
             numbers = [value(each, x) for each in arguments]
             return abs(numbers[0]) if function == "abs" else _EXTREMES[function](numbers)
-    raise AssertionError(f"{node} is no number")
+        case _:
+            raise AssertionError(f"{node} is no number")
 
 
 _EXTREMES = {"min": min, "max": max}

@@ -11,6 +11,7 @@ from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.project import Report
 from pirate_sm.checking.rehearsal import Rehearsal, RehearsedRun
 from pirate_sm.checking.reports.marking import marked
+from pirate_sm.model.fault_codes import BUILT_IN_FAULTS, BuiltInFault, Origin
 
 _WIDTH = 100
 
@@ -136,7 +137,40 @@ def count(number: int, thing: str) -> str:
 
 
 def explained(code: str) -> str:
-    """What the catalogue says of a code."""
+    """Return what is known of the code of a finding, of a fault, or of both."""
+    found = [_finding_explained(code)] if code in catalogue.entries() else []
+    if code in BUILT_IN_FAULTS:
+        found.append(_fault_explained(BUILT_IN_FAULTS[code]))
+    return "\n\n".join(found)
+
+
+def _fault_explained(fault: BuiltInFault) -> str:
+    handled = f"on_fault: [{{fault: {fault.code}, then: continue}}]"
+    return "\n".join(
+        [
+            f"{fault.code} (fault): {fault.meaning}",
+            "",
+            f"How it is seen: {_seen_by(fault.origin)}",
+            f"A mission can handle it: {handled}"
+            if fault.catchable
+            else "No mission can handle it: the run ends in the safe state.",
+        ]
+    )
+
+
+def _seen_by(origin: Origin) -> str:
+    match origin:
+        case "sensors":
+            return "the engine judges what the sensors show, on every backend alike."
+        case "link":
+            return "the link to the robot reports it, or the engine hears nothing over it."
+        case "surroundings":
+            return "the simulated surroundings of the robot report it."
+        case "program":
+            return "this program watches itself and the mission."
+
+
+def _finding_explained(code: str) -> str:
     entry = catalogue.entries()[code]
     return "\n".join(
         [
@@ -165,6 +199,8 @@ def listed() -> str:
         lines += [group.group, f"  {group.about}", ""]
         lines += [f"  {code:{width}}  {entry.title}" for code, entry in group.codes.items()]
         lines.append("")
+    lines += ["Faults during a run", "  What any robot can have; its profile adds its own.", ""]
+    lines += [f"  {code:{width}}  {fault.meaning}" for code, fault in BUILT_IN_FAULTS.items()]
     return "\n".join(lines).rstrip("\n")
 
 

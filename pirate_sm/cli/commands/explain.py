@@ -7,6 +7,8 @@ from pirate_sm.checking.reports.text import explained, listed
 from pirate_sm.cli.options.checks import ExplainOptions
 from pirate_sm.cli.output.encoding import writable
 from pirate_sm.errors import UsageError
+from pirate_sm.model.fault_codes import BUILT_IN_FAULTS
+from pirate_sm.spelling import nearest
 
 
 def explain_code(options: ExplainOptions) -> int:
@@ -19,8 +21,9 @@ def explain_code(options: ExplainOptions) -> int:
     if code is None:
         print(writable(listed()))
         return 0
-    if code not in catalogue.entries():
-        close = catalogue.nearest_code(code)
+    known = {**catalogue.entries(), **BUILT_IN_FAULTS}
+    if code not in known:
+        close = nearest(code, known)
         hint = f"did you mean '{close}'?" if close else "`pirate explain` lists them all"
         raise UsageError(f"there is no code '{code[:100]}': {hint}")
     print(writable(explained(code)))

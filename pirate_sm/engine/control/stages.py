@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from math import isnan
 
+from pirate_sm.engine.control.position_loop import Loop
 from pirate_sm.engine.robot.criteria import CriterionSpec
-from pirate_sm.engine.robot.done import Loop, holds
+from pirate_sm.engine.robot.done import holds
 from pirate_sm.engine.robot.robot_spec import RobotSpec, StageSpec
 from pirate_sm.engine.robot.robot_state import (
     POSTURE,
@@ -30,7 +31,7 @@ def stage_array(
     regions: tuple[int, ...],
     stage: int,
 ) -> tuple[Numbers, tuple[Loop, ...]]:
-    """The array that puts a stage of the regions' states in force, and its position loops.
+    """Return the array that puts a stage of the regions' states in force, and its position loops.
 
     A posture that needs an unknown angle changes nothing.
     """
@@ -67,7 +68,7 @@ def is_done(
 
 
 def _away(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing) -> list[str]:
-    """Names of the joints that are not at the angle which the posture under way gives them."""
+    """Return the joints that are not at the angle which the posture under way gives them."""
     posture = posture_of(robot, motion) if motion.stage == POSTURE else None
     if posture is None:
         return []
@@ -102,7 +103,7 @@ def looped_values(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Numb
 
 
 def without_loops(state: RobotState) -> Numbers:
-    """The values in force, with zero for every slot that a position loop has driven."""
+    """Return the values in force, with zero for every slot that a position loop has driven."""
     if not state.seeking:
         return state.values
     return tuple(0.0 if slot in state.seeking else value for slot, value in enumerate(state.values))

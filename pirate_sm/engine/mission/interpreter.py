@@ -1,13 +1,12 @@
-"""The mission's instructions, one function per kind (rules are those of docs/missions.md)."""
+"""Execute the mission's instructions, one function per kind (rules: docs/missions.md)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import inf, isnan, nan
-from typing import Any
+from typing import assert_never
 
 from pirate_sm.engine.deadlines import has_come
-from pirate_sm.engine.mission.ending import end, withdraw
+from pirate_sm.engine.mission.ending import end, end_by_fault, withdraw
 from pirate_sm.engine.mission.phase_rate import MOST_TURNS, RUNAWAY, counted, too_fast
 from pirate_sm.engine.mission.program import (
     STOP,
@@ -15,6 +14,7 @@ from pirate_sm.engine.mission.program import (
     Do,
     Enter,
     Finish,
+    Instruction,
     Question,
     Raise,
     Require,
@@ -22,16 +22,15 @@ from pirate_sm.engine.mission.program import (
     TriggerSpec,
     Wait,
 )
+from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, confirmation, robot_state
 from pirate_sm.engine.safety import rules
 from pirate_sm.engine.sensing.conversion import with_changes
-from pirate_sm.engine.state import EngineState, MissionState, Setting, Words
+from pirate_sm.engine.state import EngineState, MissionState, Words
 from pirate_sm.model.effects import (
     TAKEN,
     Ask,
     CommandStatus,
-    Effect,
-    Fault,
     Log,
     PhaseChange,
     TriggerFired,
@@ -41,12 +40,12 @@ from pirate_sm.model.effects import (
 ROUND_AND_ROUND = "the phases go round without ever waiting"
 
 
-def advance(setting: Setting, state: EngineState, now: float, effects: list[Effect]) -> EngineState:
-    """The mission has gone on as far as it can at this moment.
+def advance(moment: Moment, state: EngineState) -> EngineState:
+    """Execute instructions until one has to wait.
 
     Once its time is up no command begins any more; what else is due now comes before (rule 6).
     """
-    instructions = setting.program.instructions
+    instructions = moment.program.instructions
     for _ in range(MOST_TURNS * len(instructions)):
         mission = state.mission
         if mission.ending or mission.ended:
@@ -55,60 +54,78 @@ def advance(setting: Setting, state: EngineState, now: float, effects: list[Effe
             return state
         instruction = instructions[mission.pc]
         begins = type(instruction) is Do and not mission.begun
-        if begins and has_come(mission.clock(now), setting.program.time_limit_s):
+        if begins and has_come(mission.clock(moment.now_s), moment.program.time_limit_s):
             return state
-        after = _KINDS[type(instruction)](setting, state, instruction, now, effects)
+        after = _execute(moment, state, instruction)
         if after.mission.pc == mission.pc and after.mission.begun:
             return after
         if after is state:
             return state
         state = after
-    return end(setting, state, "failed", ROUND_AND_ROUND, "", now, effects)
+    return end(moment, state, "failed", ROUND_AND_ROUND)
 
 
-def spoken(setting: Setting, state: EngineState) -> MissionState:
-    """What the operator said has been heard; to skip a command waits for the array in flight.
+def _execute(moment: Moment, state: EngineState, it: Instruction) -> EngineState:
+    match it:
+        case Wait():
+            return _wait(moment, state, it)
+        case Do():
+            return _do(moment, state, it)
+        case Enter():
+            return _enter(moment, state, it)
+        case Branch():
+            return _branch(moment, state, it)
+        case Require():
+            return _require(moment, state, it)
+        case Question():
+            return _question(moment, state, it)
+        case Say():
+            return _say(moment, state, it)
+        case Raise():
+            return _raise(moment, state, it)
+        case Finish():
+            return _finish(moment, state, it)
+        case _:
+            assert_never(it)
 
-    Whether a command that is passed over has moved the chart is known only then.
+
+def without_requests(moment: Moment, state: EngineState) -> MissionState:
+    """Return the mission without the operator's answer and skip, which have had their effect.
+
+    A skip is kept while a command's array is in flight: whether that has moved the chart is not
+    known before.
     """
     mission = state.mission
-    doing = mission.begun and isinstance(setting.program.instructions[mission.pc], Do)
+    doing = mission.begun and isinstance(moment.program.instructions[mission.pc], Do)
     waits = doing and state.robot.flight is not None
     return mission._replace(answer=None, skipped=mission.skipped if waits else None)
 
 
-def fail(
-    setting: Setting,
-    state: EngineState,
-    cause: str,
-    target: int,
-    now: float,
-    effects: list[Effect],
-) -> EngineState:
-    """The failure has gone to its handler; without one the mission has failed (rule 4).
+def fail(moment: Moment, state: EngineState, cause: str, target: int) -> EngineState:
+    """Go where the failure leads; without a handler end the mission as failed (rule 4).
 
     A failure that is passed over leaves an earlier cause, the one that led here, as it is.
     """
-    passed_over = target == getattr(setting.program.instructions[state.mission.pc], "next", STOP)
+    passed_over = target == getattr(moment.program.instructions[state.mission.pc], "next", STOP)
     kept = state.mission.cause if passed_over else ""
     mission = state.mission._replace(cause=kept or cause)
     if target == STOP:
         state = state._replace(mission=mission)
-        return end(setting, state, "failed", cause, "", now, effects)
-    withdraw(setting, state, effects)
-    effects.append(Log("warning", cause))
+        return end(moment, state, "failed", cause)
+    withdraw(moment, state)
+    moment.warn(cause)
     return state._replace(mission=_moved(mission, target))
 
 
-def next_deadline(setting: Setting, state: EngineState) -> float:
-    """When time alone takes the mission on, in run time."""
+def next_deadline(moment: Moment, state: EngineState) -> float:
+    """Return when time alone takes the mission on, in run time."""
     mission = state.mission
     if mission.ending:
         return mission.ending.give_up_s
     if mission.paused or mission.ended:
         return inf
-    deadline = setting.program.time_limit_s
-    instruction = setting.program.instructions[mission.pc]
+    deadline = moment.program.time_limit_s
+    instruction = moment.program.instructions[mission.pc]
     if mission.diverting or mission.pause_wanted:
         pass  # what is in flight comes first
     elif mission.begun and isinstance(instruction, Wait):
@@ -134,59 +151,47 @@ def _go(state: EngineState, target: int) -> EngineState:
     return state._replace(mission=_moved(state.mission, target))
 
 
-def _enter(
-    setting: Setting, state: EngineState, it: Enter, now: float, effects: list[Effect]
-) -> EngineState:
-    effects.append(PhaseChange(it.phase))
+def _enter(moment: Moment, state: EngineState, it: Enter) -> EngineState:
+    moment.tell(PhaseChange(it.phase))
     mission = state.mission
     handling = mission.handling
     if handling and it.phase != handling and not it.phase.startswith(f"{handling}/"):
         mission = mission._replace(handling="")
-    mission = counted(mission.at(it.next), mission.clock(now))
+    mission = counted(mission.at(it.next), mission.clock(moment.now_s))
     state = state._replace(mission=mission)
-    message = too_fast(setting.program, mission)
-    if not message:
-        return state
-    effects.append(Fault(RUNAWAY, message, "stop"))
-    return end(setting, state, "fault", f"{RUNAWAY}: {message}", "", now, effects)
+    message = too_fast(moment.program, mission)
+    return end_by_fault(moment, state, RUNAWAY, message) if message else state
 
 
-def _do(
-    setting: Setting, state: EngineState, it: Do, now: float, effects: list[Effect]
-) -> EngineState:
+def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
     mission = state.mission
-    name = setting.robot.commands[it.command].name
+    name = moment.robot.commands[it.command].name
     if mission.begun:
-        return _awaited(setting, state, it, name, now, effects)
+        return _awaited(moment, state, it, name)
     if state.robot.flight is not None or state.robot.motion is not None:
         return state  # the array in flight is resolved first
-    reason = robot_state.refusal(setting.robot, state.robot, it.command)
+    reason = robot_state.refusal(moment.robot, state.robot, it.command)
     if reason.startswith("unneeded") and it.skip_unneeded:
-        effects.append(CommandStatus(name, "skipped", reason, it.place))
+        moment.tell(CommandStatus(name, "skipped", reason, it.place))
         return _go(state, it.next)
     if reason:
-        effects.append(CommandStatus(name, "refused", reason, it.place))
+        moment.tell(CommandStatus(name, "refused", reason, it.place))
         cause = f"{name} ({it.place}) was refused as {reason}"
-        return fail(setting, state, cause, it.failed, now, effects)
-    sent: list[Effect] = []
-    robot = commands.begin(
-        setting.robot, state.robot, state.sensing, it.command, it.timeout_s, it.place, sent
-    )
-    forbidden = rules.forbids(setting.robot, setting.program, state.rules, robot)
+        return fail(moment, state, cause, it.failed)
+    trial = moment.trial()
+    robot = commands.begin(trial, state.robot, state.sensing, it.command, it.timeout_s, it.place)
+    forbidden = rules.forbids(moment, state.rules, robot)
     if forbidden:
         message = f"{name} ({it.place}) would break {forbidden}"
-        effects.append(Fault(rules.CODE, message, "stop"))
-        return end(setting, state, "fault", f"{rules.CODE}: {message}", "", now, effects)
-    effects += sent
+        return end_by_fault(moment, state, rules.CODE, message)
+    moment.effects += trial.effects
     return state._replace(robot=robot, mission=mission._replace(begun=True, result=None))
 
 
-def _awaited(
-    setting: Setting, state: EngineState, it: Do, name: str, now: float, effects: list[Effect]
-) -> EngineState:
+def _awaited(moment: Moment, state: EngineState, it: Do, name: str) -> EngineState:
     mission = state.mission
     if mission.skipped is not None and state.robot.flight is None:
-        robot = commands.skip(setting.robot, state.robot, effects)
+        robot = commands.skip(moment, state.robot)
         return _go(state._replace(robot=robot), it.next)
     if mission.result is None:
         return state
@@ -196,45 +201,39 @@ def _awaited(
         again = mission._replace(begun=False, result=None, tries=mission.tries + 1)
         return state._replace(mission=again)
     cause = f"{name} ({it.place}) failed: {mission.result.reason}"
-    return fail(setting, state, cause, it.failed, now, effects)
+    return fail(moment, state, cause, it.failed)
 
 
-def _branch(
-    setting: Setting, state: EngineState, it: Branch, now: float, effects: list[Effect]
-) -> EngineState:
+def _branch(moment: Moment, state: EngineState, it: Branch) -> EngineState:
     value = it.condition.evaluate(state.sensing.shown, state.words)
     if value is None:
-        effects.append(Log("warning", f"{it.place}: '{it.condition.text}' is unknown, not taken"))
+        moment.warn(f"{it.place}: '{it.condition.text}' is unknown, not taken")
     return _go(state, it.if_true if value is True else it.if_false)
 
 
-def _require(
-    setting: Setting, state: EngineState, it: Require, now: float, effects: list[Effect]
-) -> EngineState:
-    names = robot_state.states_of(setting.robot, state.robot)
+def _require(moment: Moment, state: EngineState, it: Require) -> EngineState:
+    names = robot_state.states_of(moment.robot, state.robot)
     # What any accepted array confirms is so as soon as the called mission commands something.
-    open_ = state.robot.marks - confirmation.awaiting(setting.robot, state.robot)
-    doubtful = robot_state.unconfirmed(setting.robot, state.robot._replace(marks=open_))
+    open_ = state.robot.marks - confirmation.awaiting(moment.robot, state.robot)
+    doubtful = robot_state.unconfirmed(moment.robot, state.robot._replace(marks=open_))
     wrong = [
-        f"{setting.robot.regions[region]} is {names[region]}"
-        + (" unconfirmed" if setting.robot.regions[region] in doubtful else "")
+        f"{moment.robot.regions[region]} is {names[region]}"
+        + (" unconfirmed" if moment.robot.regions[region] in doubtful else "")
         + f", not {wanted}"
         for region, wanted in it.states
-        if names[region] != wanted or setting.robot.regions[region] in doubtful
+        if names[region] != wanted or moment.robot.regions[region] in doubtful
     ]
     if not wrong:
         return _go(state, it.next)
     reason = "; ".join(wrong)
-    effects.append(CommandStatus(it.what, "refused", f"impossible: {reason}", it.place))
+    moment.tell(CommandStatus(it.what, "refused", f"impossible: {reason}", it.place))
     cause = f"{it.what} ({it.place}) cannot begin: {reason}"
-    return fail(setting, state, cause, it.failed, now, effects)
+    return fail(moment, state, cause, it.failed)
 
 
-def _wait(
-    setting: Setting, state: EngineState, it: Wait, now: float, effects: list[Effect]
-) -> EngineState:
+def _wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
     mission = state.mission
-    clock = mission.clock(now)
+    clock = mission.clock(moment.now_s)
     if not mission.begun:
         since = (nan,) * len(it.triggers)
         origin = state.sensing.shown if it.compares else ()
@@ -242,24 +241,24 @@ def _wait(
         deadline = clock + it.within_s + mission.offset_s
         names = tuple(trigger.name for trigger in it.triggers)
         texts = tuple(trigger.text for trigger in it.triggers)
-        effects.append(WaitArmed(it.phase, names, texts, deadline, it.place))
+        moment.tell(WaitArmed(it.phase, names, texts, deadline, it.place))
         state = state._replace(mission=mission)
     sensing = state.sensing
     numbers = with_changes(sensing, mission.origin) if it.compares else sensing.shown
     since, fired, reason = _look(it, mission, numbers, state.words, clock)
     if fired >= 0:
         trigger = it.triggers[fired]
-        effects.append(TriggerFired(it.phase, trigger.name, trigger.go_name, reason, it.place))
+        moment.tell(TriggerFired(it.phase, trigger.name, trigger.go_name, reason, it.place))
         return _go(state, trigger.go)
     if has_come(clock, mission.armed_s + it.within_s):
         cause = f"the wait of {it.phase} ({it.place}) lasted longer than {it.within_s:g} s"
-        effects.append(TriggerFired(it.phase, "within", it.within_name, cause, it.place))
+        moment.tell(TriggerFired(it.phase, "within", it.within_name, cause, it.place))
         if it.fails:
-            return fail(setting, state, cause, it.within, now, effects)
+            return fail(moment, state, cause, it.within)
         mission = mission._replace(cause=cause)
         return state._replace(mission=_moved(mission, it.within))
     if mission.skipped:
-        effects.append(Log("warning", f"{it.phase} does not wait for '{mission.skipped}'"))
+        moment.warn(f"{it.phase} does not wait for '{mission.skipped}'")
     if since is mission.since:
         return state
     return state._replace(mission=mission._replace(since=since))
@@ -268,7 +267,7 @@ def _wait(
 def _look(
     it: Wait, mission: MissionState, numbers: tuple[float, ...], words: Words, clock: float
 ) -> tuple[tuple[float, ...], int, str]:
-    """Since when each condition is true; the first trigger that fires (-1: none), and why."""
+    """Return since when each condition is true, the trigger that fires (-1: none), and why."""
     if mission.skipped is not None:
         for index, trigger in enumerate(it.triggers):
             if mission.skipped in {"", trigger.name}:
@@ -298,61 +297,38 @@ def _is_time(trigger: TriggerSpec, mission: MissionState, clock: float) -> bool:
     return trigger.answer == mission.answer
 
 
-def _question(
-    setting: Setting, state: EngineState, it: Question, now: float, effects: list[Effect]
-) -> EngineState:
+def _question(moment: Moment, state: EngineState, it: Question) -> EngineState:
     mission = state.mission
-    clock = mission.clock(now)
+    clock = mission.clock(moment.now_s)
     choices = tuple(choice for choice, _ in it.choices)
     if not mission.begun:
-        effects.append(Ask(it.text, choices))
+        moment.tell(Ask(it.text, choices))
         return state._replace(mission=mission._replace(begun=True, armed_s=clock))
     answer = choices[0] if mission.skipped is not None else mission.answer
     if answer is not None:
         for choice, target in it.choices:
             if choice == answer:
-                effects.append(Ask("", ()))
+                moment.tell(Ask("", ()))
                 mission = mission._replace(cause=f"the operator answered '{answer}' ({it.place})")
                 return state._replace(mission=_moved(mission, target))
-        effects.append(Log("warning", f"'{answer}' is no answer to '{it.text}'"))
+        moment.warn(f"'{answer}' is no answer to '{it.text}'")
         return state._replace(mission=mission._replace(answer=None))
     if has_come(clock, mission.armed_s + it.timeout_s):
         cause = f"'{it.text}' ({it.place}) was not answered within {it.timeout_s:g} s"
-        return fail(setting, state, cause, it.failed, now, effects)
+        return fail(moment, state, cause, it.failed)
     return state
 
 
-def _say(
-    setting: Setting, state: EngineState, it: Say, now: float, effects: list[Effect]
-) -> EngineState:
-    effects.append(Log(it.level, it.message.replace("{cause}", state.mission.cause)))
+def _say(moment: Moment, state: EngineState, it: Say) -> EngineState:
+    moment.tell(Log(it.level, it.message.replace("{cause}", state.mission.cause)))
     return _go(state, it.next)
 
 
-def _raise(
-    setting: Setting, state: EngineState, it: Raise, now: float, effects: list[Effect]
-) -> EngineState:
+def _raise(moment: Moment, state: EngineState, it: Raise) -> EngineState:
     cause = it.message.replace("{cause}", state.mission.cause)
-    return fail(setting, state, f"{cause} ({it.place})", it.failed, now, effects)
+    return fail(moment, state, f"{cause} ({it.place})", it.failed)
 
 
-def _finish(
-    setting: Setting, state: EngineState, it: Finish, now: float, effects: list[Effect]
-) -> EngineState:
+def _finish(moment: Moment, state: EngineState, it: Finish) -> EngineState:
     message = it.message.replace("{cause}", state.mission.cause or "no failure")
-    return end(setting, state, it.outcome, message, it.end, now, effects)
-
-
-_Kind = Callable[[Setting, EngineState, Any, float, list[Effect]], EngineState]
-
-_KINDS: dict[type, _Kind] = {
-    Enter: _enter,
-    Do: _do,
-    Branch: _branch,
-    Require: _require,
-    Wait: _wait,
-    Question: _question,
-    Say: _say,
-    Raise: _raise,
-    Finish: _finish,
-}
+    return end(moment, state, it.outcome, message, it.end)

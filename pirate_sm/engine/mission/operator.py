@@ -1,23 +1,31 @@
-"""What the operator may do, and why not: the one place that both the engine and a view ask."""
+"""What the operator may do, and why not; asked by the engine and by views."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import assert_never
 
 from pirate_sm.engine.mission import pausing
 from pirate_sm.engine.mission.ending import end
+from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, confirmation, robot_state
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import CommandStatus, Effect, Log
-from pirate_sm.model.events import Abort, Answer, OperatorCommand, Skip
-
-if TYPE_CHECKING:
-    from pirate_sm.engine.engine import Engine
+from pirate_sm.model.effects import CommandStatus
+from pirate_sm.model.events import (
+    Abort,
+    Answer,
+    GoTo,
+    OperatorCommand,
+    Pause,
+    Request,
+    Resume,
+    Skip,
+    Step,
+)
 
 
 def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
-    """Why a command of the operator would be refused now; empty: it would be taken.
+    """Return why a command of the operator would be refused now; empty: it would be taken.
 
     Args:
         robot: The robot.
@@ -35,45 +43,44 @@ def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
     return robot_state.refusal(robot, state.robot, index)
 
 
-def command(
-    engine: Engine, state: EngineState, event: OperatorCommand, now: float, effects: list[Effect]
-) -> EngineState:
+def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
+    """Do what a person asks for, or say why not."""
+    match request:
+        case OperatorCommand():
+            return _command(moment, state, request)
+        case Answer() | Skip() if state.mission.paused:
+            answers = isinstance(request, Answer)
+            what = "no answer is taken" if answers else "nothing is passed over"
+            moment.warn(f"{what} while paused")
+            return state
+        case Answer(choice):
+            return state._replace(mission=state.mission._replace(answer=choice))
+        case Skip(trigger):
+            return state._replace(mission=state.mission._replace(skipped=trigger))
+        case Pause():
+            return pausing.wanted(state)
+        case Resume():
+            return pausing.resume(moment, state, one_step=False)
+        case Step():
+            return pausing.resume(moment, state, one_step=True)
+        case GoTo():
+            return pausing.go_to(moment, state, request)
+        case Abort(reason):
+            return end(moment, state, "interrupted", reason)
+        case _:
+            assert_never(request)
+
+
+def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> EngineState:
     """Begin the command, or refuse it with the reason; a suspended command is ended by it."""
-    index = engine.robot.table.command_index.get(event.command)
+    index = moment.robot.table.command_index.get(event.command)
     if index is None:
         reason = "impossible: there is no such command"
     else:
-        reason = why_not_command(engine.robot, state, index)
+        reason = why_not_command(moment.robot, state, index)
     if reason or index is None:
-        effects.append(CommandStatus(event.command, "refused", reason))
+        moment.tell(CommandStatus(event.command, "refused", reason))
         return state
-    state = pausing.take_over(engine.robot, state, effects)
-    robot = commands.begin(engine.robot, state.robot, state.sensing, index, None, "", effects)
+    state = pausing.take_over(moment, state)
+    robot = commands.begin(moment, state.robot, state.sensing, index, None, "")
     return state._replace(robot=robot)
-
-
-def answer(
-    engine: Engine, state: EngineState, event: Answer, now: float, effects: list[Effect]
-) -> EngineState:
-    """Note the answer, which the open question takes."""
-    if state.mission.paused:
-        effects.append(Log("warning", "no answer is taken while paused"))
-        return state
-    return state._replace(mission=state.mission._replace(answer=event.choice))
-
-
-def skip(
-    engine: Engine, state: EngineState, event: Skip, now: float, effects: list[Effect]
-) -> EngineState:
-    """Note that a wait or question is passed over."""
-    if state.mission.paused:
-        effects.append(Log("warning", "nothing is passed over while paused"))
-        return state
-    return state._replace(mission=state.mission._replace(skipped=event.trigger))
-
-
-def abort(
-    engine: Engine, state: EngineState, event: Abort, now: float, effects: list[Effect]
-) -> EngineState:
-    """End the run because the operator, or who drives the engine, wants it."""
-    return end(engine.setting, state, "interrupted", event.reason, "", now, effects)

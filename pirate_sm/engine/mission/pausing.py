@@ -3,61 +3,52 @@
 from __future__ import annotations
 
 from math import nan
-from typing import TYPE_CHECKING
 
 from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, confirmation, robot_state
-from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import Finished, RobotState
 from pirate_sm.engine.state import BeforePause, EngineState, MissionState
-from pirate_sm.model.effects import Effect, Log
-from pirate_sm.model.events import GoTo, Pause, Resume, Step
-
-if TYPE_CHECKING:
-    from pirate_sm.engine.engine import Engine
-
+from pirate_sm.model.effects import Log
+from pirate_sm.model.events import GoTo
 
 TAKEN_OVER = "the operator took over"
 
 
-def want(
-    engine: Engine, state: EngineState, event: Pause, now: float, effects: list[Effect]
-) -> EngineState:
-    """The mission pauses as soon as no array is in flight."""
+def wanted(state: EngineState) -> EngineState:
+    """Return the state of a mission that pauses as soon as no array is in flight."""
     mission = state.mission
     if mission.paused or mission.ending:
         return state
     return state._replace(mission=mission._replace(pause_wanted=True))
 
 
-def begin_if_wanted(
-    robot: RobotSpec, state: EngineState, now: float, effects: list[Effect]
-) -> EngineState:
-    """A wanted pause has begun, unless an array is still in flight."""
+def begin_if_wanted(moment: Moment, state: EngineState) -> EngineState:
+    """Begin a wanted pause, unless an array is still in flight."""
     mission, body = state.mission, state.robot
     if not mission.pause_wanted or mission.ending or mission.diverting or body.flight:
         return state
     before = BeforePause(body.values, body.loops, body.configuration, body.motion is not None)
-    if not robot_state.is_safe(robot, body):
-        doubted = commands.doubt(robot, body)
+    if not robot_state.is_safe(moment.robot, body):
+        doubted = commands.doubt(moment.robot, body)
         before = before._replace(doubts=doubted.marks - body.marks)
         if before.doubts:
-            effects.append(robot_state.state_change(robot, doubted))
-        body = commands.stop(robot, doubted, state.sensing, effects)
-    effects.append(Log("info", "paused: wheels stopped, deadlines frozen"))
-    paused = mission._replace(pause_wanted=False, paused_s=now, before_pause=before)
+            moment.tell(robot_state.state_change(moment.robot, doubted))
+        body = commands.stop(moment, doubted, state.sensing)
+    moment.tell(Log("info", "paused: wheels stopped, deadlines frozen"))
+    paused = mission._replace(pause_wanted=False, paused_s=moment.now_s, before_pause=before)
     return state._replace(robot=body, mission=paused)
 
 
 def forget(mission: MissionState, body: RobotState) -> MissionState:
-    """What was in force before a pause is not to be asserted again."""
+    """Return a mission that will not assert again what was in force before its pause."""
     if mission.before_pause is None:
         return mission
     now = BeforePause(body.values, (), body.configuration, False)
     return mission._replace(before_pause=now)
 
 
-def take_over(robot: RobotSpec, state: EngineState, effects: list[Effect]) -> EngineState:
+def take_over(moment: Moment, state: EngineState) -> EngineState:
     """End the command that the pause has suspended: the operator gives another one.
 
     A mission that goes on afterwards finds that its step has failed, and everything else as the
@@ -66,7 +57,7 @@ def take_over(robot: RobotSpec, state: EngineState, effects: list[Effect]) -> En
     before, body = state.mission.before_pause, state.robot
     if before is None or not before.suspended:
         return state
-    body = commands.fail(robot, body, TAKEN_OVER, effects)
+    body = commands.fail(moment, body, TAKEN_OVER)
     untouched = (nan,) * len(body.values)
     mission = state.mission._replace(
         result=Finished(False, TAKEN_OVER),
@@ -75,46 +66,37 @@ def take_over(robot: RobotSpec, state: EngineState, effects: list[Effect]) -> En
     return state._replace(robot=body, mission=mission)
 
 
-def go_on(
-    engine: Engine, state: EngineState, event: Resume | Step, now: float, effects: list[Effect]
-) -> EngineState:
-    """The mission goes on, with a ``Step`` for one instruction."""
-    return resume(engine.robot, state, now, isinstance(event, Step), effects)
-
-
-def go_to(
-    engine: Engine, state: EngineState, event: GoTo, now: float, effects: list[Effect]
-) -> EngineState:
-    """The paused mission goes on with the phase, if the robot is still as it was then.
+def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
+    """Go on with a phase after a pause, if the robot is still as it was when that was decided.
 
     Whether the phase can run from there is known to who sends the event: see
     :mod:`pirate_sm.checking.entries`.
     """
-    here = robot_state.state_change(engine.robot, state.robot)
-    obstacle = why_not_to(engine.program, state, event.phase)
+    here = robot_state.state_change(moment.robot, state.robot)
+    obstacle = why_not_to(moment.program, state, event.phase)
     if not obstacle and here != (event.states, event.unconfirmed):
         obstacle = "the robot is not any more in the states that were looked at"
     if obstacle:
-        effects.append(Log("warning", f"{event.phase} does not begin: {obstacle}"))
+        moment.warn(f"{event.phase} does not begin: {obstacle}")
         return state
     body, mission = state.robot, state.mission
     if body.motion is not None:
-        body = commands.fail(engine.robot, body, TAKEN_OVER, effects)
-    begin = engine.program.beginning(event.phase)
+        body = commands.fail(moment, body, TAKEN_OVER)
+    begin = moment.program.beginning(event.phase)
     assert begin is not None  # why_not_to has looked
-    effects.append(Log("info", f"handed back at {event.phase}"))
+    moment.tell(Log("info", f"handed back at {event.phase}"))
     mission = mission.at(begin)._replace(
         handling="",
         cause="",
         before_pause=None,
         paused_s=nan,
-        offset_s=mission.offset_s + now - mission.paused_s,
+        offset_s=mission.offset_s + moment.now_s - mission.paused_s,
     )
     return state._replace(robot=body, mission=mission)
 
 
 def why_not_to(program: Program, state: EngineState, phase: str) -> str:
-    """Why nothing can be handed back now, whatever the phase does; empty: it can."""
+    """Return why no phase can be gone on with now, whatever it does; empty: one can."""
     if program.beginning(phase) is None:
         return "the mission has no such phase"
     if not state.mission.paused:
@@ -129,7 +111,7 @@ def why_not_to(program: Program, state: EngineState, phase: str) -> str:
 
 
 def why_not_on(state: EngineState) -> str:
-    """Why a paused mission cannot go on where it was; empty: it can, or is not paused."""
+    """Return why a paused mission cannot go on where it was; empty: it can, or is not paused."""
     before, body = state.mission.before_pause, state.robot
     if before is None:
         return ""
@@ -142,10 +124,8 @@ def why_not_on(state: EngineState) -> str:
     return ""
 
 
-def resume(
-    robot: RobotSpec, state: EngineState, now: float, one_step: bool, effects: list[Effect]
-) -> EngineState:
-    """The mission goes on where it was, all its deadlines later by the length of the pause.
+def resume(moment: Moment, state: EngineState, *, one_step: bool) -> EngineState:
+    """Go on where the mission was, all deadlines later by the length of the pause.
 
     In another configuration than before the pause it stays paused: its actuation must not be
     asserted there. So it does while a command of the operator is under way.
@@ -156,9 +136,9 @@ def resume(
         return state._replace(mission=mission._replace(pause_wanted=one_step))
     obstacle = why_not_on(state)
     if obstacle:
-        effects.append(Log("warning", f"still paused: {obstacle}"))
+        moment.warn(f"still paused: {obstacle}")
         return state
-    length = now - mission.paused_s
+    length = moment.now_s - mission.paused_s
     if body.motion is not None:
         motion = body.motion._replace(
             accepted_s=body.motion.accepted_s + length,
@@ -166,11 +146,11 @@ def resume(
             since_s=nan,
         )
         body = body._replace(motion=motion)
-    body = commands.reassert(body, before.values, before.loops, effects)
+    body = commands.reassert(moment, body, before.values, before.loops)
     if body.marks & before.doubts:
         body = body._replace(marks=body.marks - before.doubts)
-        effects.append(robot_state.state_change(robot, body))
-    effects.append(Log("info", "resumed"))
+        moment.tell(robot_state.state_change(moment.robot, body))
+    moment.tell(Log("info", "resumed"))
     running = mission._replace(
         paused_s=nan, offset_s=mission.offset_s + length, before_pause=None, one_step=one_step
     )

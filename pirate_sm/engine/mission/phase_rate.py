@@ -1,11 +1,12 @@
-"""How many phases may begin within a second of mission time."""
+"""Limit how many phases begin within a second of mission time."""
 
 from __future__ import annotations
 
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.state import MissionState
+from pirate_sm.model.fault_codes import BuiltInFault
 
-RUNAWAY = "mission.runaway"
+RUNAWAY = BuiltInFault.MISSION_RUNAWAY.code
 """The fault of a mission whose phases follow each other faster than sensors can speak."""
 
 MOST_TURNS = 4
@@ -14,14 +15,14 @@ in between, or the handling of a fault is over. One that comes more often comes 
 
 
 def counted(mission: MissionState, clock: float) -> MissionState:
-    """The mission with one more phase begun."""
+    """Return the mission with one more phase begun."""
     if clock >= mission.second_s + 1.0:
         return mission._replace(second_s=clock, entered=1)
     return mission._replace(entered=mission.entered + 1)
 
 
 def too_fast(program: Program, mission: MissionState) -> str:
-    """Why the mission may not go on; empty while it may.
+    """Return why the mission may not go on; empty while it may.
 
     A long mission may begin more phases: those that go round at one moment are reported as that.
     """

@@ -150,7 +150,7 @@ Instruction: TypeAlias = Enter | Do | Branch | Require | Wait | Question | Say |
 
 
 class RuleSpec(NamedTuple):
-    """A safety rule in force for this mission; its conditions see the facts of ``engine.safety.rules``.
+    """A safety rule in force for this mission; :mod:`pirate_sm.engine.safety.rules` judges it.
 
     Attributes:
         after: From when on it applies; None: always.
@@ -214,14 +214,14 @@ class Program:
         return f" ({turn})" if turn else ""
 
     def beginning(self, phase: str) -> int | None:
-        """Index of the instruction that enters a phase, None where there is none."""
+        """Return the index of the instruction that enters a phase, None where there is none."""
         for index, each in enumerate(self.instructions):
             if isinstance(each, Enter) and each.phase == phase:
                 return index
         return None
 
     def handler(self, at: int, code: str) -> HandlerSpec | None:
-        """The innermost handler for a fault at this instruction."""
+        """Return the innermost handler for a fault at this instruction."""
         if not 0 <= at < len(self.handlers):
             return None
         return next((each for each in self.handlers[at] if each.code == code), None)

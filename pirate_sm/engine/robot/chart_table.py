@@ -45,17 +45,17 @@ class ChartTable:
 
     @cached_property
     def command_index(self) -> Mapping[str, int]:
-        """Index of each command by its name."""
+        """Return the index of each command by its name."""
         return {name: number for number, name in enumerate(self.commands)}
 
     def index_of(self, configuration: Configuration) -> int | None:
-        """The index of a configuration, or None when it cannot be reached."""
+        """Return the index of a configuration, or None when it cannot be reached."""
         return self._index.get(configuration)
 
     def follow(self, configuration: int, command: int) -> int:
-        """The configuration that the chart has after the command."""
+        """Return the configuration that the chart has after the command."""
         return self.following[configuration][command]
 
     def why_not(self, configuration: int, command: int) -> str:
-        """Why the chart does not move: what it needs that is not so."""
+        """Return why the chart does not move: what it needs that is not so."""
         return self.reasons[self.refusals[configuration][command]]

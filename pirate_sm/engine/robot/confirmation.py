@@ -1,4 +1,4 @@
-"""Said is not seen: what is declared of the robot is compared with its sensors before it moves.
+"""Compare what is declared of the robot with its sensors before it moves.
 
 A robot that starts with sensors has every state and every held part marked as declared. For a
 bounded time the marks are compared with what the sensors show, by the profile's ``seen``. What
@@ -32,8 +32,9 @@ from pirate_sm.engine.robot.robot_state import (
     at_rest_in,
     states_of,
 )
+from pirate_sm.model.fault_codes import BuiltInFault
 
-CODE = "start.contradicted"
+CODE = BuiltInFault.START_CONTRADICTED.code
 
 LOOKING = "the sensors are still being compared with the states that were declared"
 
@@ -80,7 +81,7 @@ class Look(NamedTuple):
 
     @property
     def due_s(self) -> float:
-        """When time alone decides something."""
+        """Return when time alone decides something."""
         lasting = [each.agrees_s + each.for_s for each in self.marks if not isnan(each.agrees_s)]
         return min((self.until_s, *lasting))
 
@@ -194,7 +195,7 @@ def look(
 
 
 def parts_left_open(robot: RobotSpec, body: RobotState) -> tuple[str, ...]:
-    """Names of the parts that are declared to hold and that the sensors have not confirmed."""
+    """Return the parts that are declared to hold and that the sensors have not confirmed."""
     open_ = sorted(m.which for m in body.marks if m.kind == "part" and m.command == DECLARED)
     return tuple(robot.parts[part] for part in open_)
 
@@ -332,14 +333,14 @@ def _held(
 
 
 def _borne(setpoint: float, torque: float) -> float:
-    """The torque in the direction in which the state turns the joint."""
+    """Return the torque in the direction in which the state turns the joint."""
     return torque if setpoint > 0 else -torque if setpoint < 0 else abs(torque)
 
 
 def _span(
     robot: RobotSpec, body: RobotState, spec: HeldSpec, numbers: Numbers, diameter_m: float | None
 ) -> tuple[float, str]:
-    """How far the part's diameter is off, as a share, and the sentence that says so.
+    """Return how far the part's diameter is off, as a share, and the sentence that says so.
 
     Infinite where the part touches no wall; NaN where a diameter is not known.
     """

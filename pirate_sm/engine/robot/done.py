@@ -1,10 +1,10 @@
-"""Whether what a command asked for has happened; told by signals, not by having been sent."""
+"""Whether signals show that what a command asked for has happened."""
 
 from __future__ import annotations
 
 from math import copysign, isnan
-from typing import NamedTuple
 
+from pirate_sm.engine.control.position_loop import Loop
 from pirate_sm.engine.robot.criteria import (
     AcceptedSpec,
     AlignedSpec,
@@ -15,53 +15,9 @@ from pirate_sm.engine.robot.criteria import (
     StoppedSpec,
     TurningSpec,
 )
-from pirate_sm.engine.robot.robot_spec import LoopSpec, RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 
 Numbers = tuple[float, ...]
-
-
-class Loop(NamedTuple):
-    """A running position loop.
-
-    Attributes:
-        slot: Whose duty it sets.
-        angle: Number index of the controlled angle; ``rate`` that of its rate.
-        torque: Number index of the torque that its joint bears.
-        target_rad: Where it shall come to.
-    """
-
-    slot: int
-    angle: int
-    rate: int
-    torque: int
-    spec: LoopSpec
-    target_rad: float
-
-    def arrived(self, numbers: Numbers) -> bool:
-        """Whether the angle is inside the threshold; an unknown angle has not arrived."""
-        return abs(self.target_rad - numbers[self.angle]) <= self.spec.threshold_rad
-
-    def duty(self, numbers: Numbers, loss: float = 0.0) -> float:
-        """Return the duty cycle of a proportional controller, 0 once arrived or when blind.
-
-        Args:
-            numbers: Signals.
-            loss: Share of reports that is lost. The gain is smaller by it: where the array that
-                stops the joint may come late, the joint comes to its angle more slowly.
-        """
-        error = self.target_rad - numbers[self.angle]
-        if not abs(error) > self.spec.threshold_rad:
-            return 0.0
-        size = min(
-            max(abs(error) * self.spec.gain * (1 - loss), self.spec.least_duty), self.spec.limit
-        )
-        return size if error > 0 else -size
-
-    def pushes(self, numbers: Numbers, setpoints: Numbers, share: float) -> bool:
-        """Whether the joint bears ``share`` of the torque that its duty gives at stall."""
-        duty = setpoints[self.slot]
-        borne = numbers[self.torque] * (1.0 if duty > 0 else -1.0)
-        return duty != 0 and borne > share * abs(duty) * self.spec.stall_torque_nm
 
 
 def holds(
@@ -108,30 +64,32 @@ def still(speeds: tuple[int, ...], numbers: Numbers, below: float) -> bool:
 
 
 def must_hold_s(criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]) -> float:
-    """For how long the criterion must have been true."""
+    """Return for how long the criterion must have been true."""
     if isinstance(criterion, ReachedSpec):
         return 0.0 if all(loop.arrived(numbers) for loop in loops) else criterion.for_s
     return getattr(criterion, "for_s", 0.0)
 
 
-def told(
+def in_words(
     robot: RobotSpec, criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]
 ) -> str:
-    """In words, what showed that the command is done; which joints a wall has stopped."""
-    if isinstance(criterion, ReachedSpec):
-        names = robot.vocabulary.numbers
-        stopped = [names[loop.angle] for loop in loops if not loop.arrived(numbers)]
-        if stopped:
-            return f"{', '.join(stopped)} stopped by the wall, standing still under torque"
-        return "every joint has come to its angle"
-    return _TOLD[type(criterion)]
-
-
-_TOLD: dict[type, str] = {
-    AcceptedSpec: "setpoints accepted",
-    StalledSpec: "the joints stand still under torque",
-    TurningSpec: "a driven wheel turns",
-    StoppedSpec: "the wheels stand still",
-    AlignedSpec: "the angle is at its setpoint",
-    BelowSpec: "near zero",
-}
+    """Return in words what shows that the command is done, and which joints a wall has stopped."""
+    match criterion:
+        case ReachedSpec():
+            names = robot.vocabulary.numbers
+            stopped = [names[loop.angle] for loop in loops if not loop.arrived(numbers)]
+            if stopped:
+                return f"{', '.join(stopped)} stopped by the wall, standing still under torque"
+            return "every joint has come to its angle"
+        case AcceptedSpec():
+            return "setpoints accepted"
+        case StalledSpec():
+            return "the joints stand still under torque"
+        case TurningSpec():
+            return "a driven wheel turns"
+        case StoppedSpec():
+            return "the wheels stand still"
+        case AlignedSpec():
+            return "the angle is at its setpoint"
+        case BelowSpec():
+            return "near zero"

@@ -14,12 +14,12 @@ from itertools import count
 from typing import NamedTuple
 
 from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, robot_state
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import Mark, RobotState
 from pirate_sm.engine.safety import rules
 from pirate_sm.engine.sensing.conversion import Sensing, nothing_known
-from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import SubmitResult
 
 RulePlaces = tuple[int, ...]
@@ -130,7 +130,7 @@ def _steps(
     for command, spec in enumerate(robot.commands):
         if robot_state.refusal(robot, body, command):
             continue
-        after = _done(robot, body, sensing, command)
+        after = _done(robot, program, body, sensing, command)
         following, broken = rules.follow(program, robot, places, after, 1, spec.name)
         hindrance = _letting_go(robot, body, after.configuration)
         if not hindrance and broken:
@@ -143,15 +143,17 @@ def _letting_go(robot: RobotSpec, body: RobotState, target: int) -> str:
     return f"it lets go of {parts}, and no other part is confirmed to hold" if parts else ""
 
 
-def _done(robot: RobotSpec, body: RobotState, sensing: Sensing, command: int) -> RobotState:
+def _done(
+    robot: RobotSpec, program: Program, body: RobotState, sensing: Sensing, command: int
+) -> RobotState:
     """Return the robot after the command, with each of its arrays accepted and each stage done."""
-    effects: list[Effect] = []
-    body = commands.begin(robot, body, sensing, command, None, "", effects)
-    later_s = robot.commands[command].nominal_s
+    now = Moment(robot, program, True, 0.0)
+    later = Moment(robot, program, True, robot.commands[command].nominal_s)
+    body = commands.begin(now, body, sensing, command, None, "")
     while body.motion is not None or body.flight is not None:
         if body.flight is not None:
             accepted = SubmitResult(body.flight.setpoint_id, "accepted")
-            body, _ = commands.resolve(robot, body, accepted, 0.0, effects)
+            body, _ = commands.resolve(now, body, accepted)
         else:
-            body, _ = commands.watch(robot, body, sensing, later_s, True, effects)
+            body, _ = commands.watch(later, body, sensing)
     return body

@@ -19,28 +19,7 @@ from pirate_sm.engine.robot.criteria import CriterionSpec
 from pirate_sm.engine.sensing.body_spec import BodySpec
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec
 from pirate_sm.expressions import Expression, Vocabulary
-
-BUILT_IN_FAULTS: Mapping[str, bool] = {
-    "sensor.silent": True,
-    "sensor.stuck": True,
-    "sensor.spiking": True,
-    "sensor.range": True,
-    "sensor.jumped": True,
-    "motion.unasked": True,
-    "link.silent": False,
-    "link.lost": False,
-    "link.interrupted": True,
-    "link.no_echo": False,
-    "link.mismatch": False,
-    "runner.stalled": False,
-    "firmware.reset": True,
-    "backend.failed": False,
-    "pipe.impassable": True,
-    "rule.violated": False,
-    "start.contradicted": False,
-    "mission.runaway": False,
-}
-"""Faults that any robot can have, and whether a mission may catch them (rule 10)."""
+from pirate_sm.model.fault_codes import BuiltInFault
 
 
 class LoopSpec(NamedTuple):
@@ -135,7 +114,7 @@ class CommandSpec:
     asks_parts: frozenset[int] = frozenset()
 
     def posture(self, configuration: int) -> PostureSpec | None:
-        """The posture that comes first where the command leads to this configuration."""
+        """Return the posture that comes first where the command leads to this configuration."""
         return self.postures[configuration] if self.postures else None
 
 
@@ -205,12 +184,12 @@ class BoardSpec:
 
     @cached_property
     def length(self) -> int:
-        """How many values a frame must have at least."""
+        """Return how many values a frame must have at least."""
         return max((place + 1 for place, *_ in self.channels), default=0)
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        """Indexes of every number that comes from this board alone."""
+        """Return the indexes of every number that comes from this board alone."""
         return (
             *(target for _, target, _ in self.channels),
             *(target for _, target in self.rates),
@@ -234,6 +213,11 @@ class LinkSpec:
     silent_after_s: float
     resend_after_s: float
     resend_limit: int
+
+    @cached_property
+    def listen_every_s(self) -> float:
+        """Return how often to look which boards are silent and which signals stale."""
+        return min(self.stale_after_s, self.silent_after_s) / 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,12 +261,12 @@ class RobotSpec:
 
     @property
     def regions(self) -> tuple[str, ...]:
-        """Names of the state machines."""
+        """Return the names of the state machines."""
         return self.table.regions
 
     @cached_property
     def wheel_boards(self) -> tuple[int, ...]:
-        """Position of the board that reports each wheel; -1 where none does."""
+        """Return the position of the board that reports each wheel; -1 where none does."""
         positions = {
             wheel.place: board.position for board in self.boards.values() for wheel in board.wheels
         }
@@ -293,6 +277,8 @@ class RobotSpec:
 
         Each comes with the words of the rule.
         """
+        if not faults:
+            return {}
         rules = [self.faults[index] for index in sorted(faults)]
         return {part: rule.message for rule in rules for part in rule.denies}
 
@@ -319,7 +305,7 @@ class RobotSpec:
 
     @cached_property
     def driven(self) -> tuple[Mapping[int, tuple[int, ...]], ...]:
-        """Per configuration the regions that drive wheels, each with the wheels' slots."""
+        """Return per configuration the regions that drive wheels, each with the wheels' slots."""
         return tuple(
             {
                 region: slots
@@ -330,14 +316,15 @@ class RobotSpec:
         )
 
     def _wheels(self, region: int, state: str) -> tuple[int, ...]:
-        """Slots that the safe state stops and that the state drives."""
+        """Return the slots that the safe state stops and that the state drives."""
         return tuple(
             write.slot
             for write in self.actuation[region][state][-1]
             if write.how == "set" and write.value != 0 and write.slot in self.safe_zero
         )
 
-    def fault_codes(self) -> dict[str, bool]:
-        """Every fault code of this robot and whether a mission may catch it."""
-        own = {fault.code: fault.catchable for fault in self.faults}
-        return {**BUILT_IN_FAULTS, **own}
+    @cached_property
+    def fault_codes(self) -> Mapping[str, bool]:
+        """Return every fault code of this robot and whether a mission may handle it."""
+        known = (*BuiltInFault, *self.faults)
+        return {fault.code: fault.catchable for fault in known}

@@ -1,4 +1,4 @@
-"""The robot as far as it has been commanded, and what can be asked of that; changes nothing."""
+"""The robot as it has been commanded, and what follows from that; nothing here changes it."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from functools import lru_cache
 from math import inf, isnan, nan
 from typing import Literal, NamedTuple
 
+from pirate_sm.engine.control.position_loop import Loop
 from pirate_sm.engine.records import often_replaced
 from pirate_sm.engine.robot.chart_table import Configuration
 from pirate_sm.engine.robot.criteria import CriterionSpec
-from pirate_sm.engine.robot.done import Loop
 from pirate_sm.engine.robot.robot_spec import CommandSpec, PostureSpec, RobotSpec
 from pirate_sm.model.effects import StateChange
 
@@ -124,12 +124,12 @@ class RobotState(NamedTuple):
 
     @property
     def latest(self) -> Numbers:
-        """The newest values, whether accepted yet or not."""
+        """Return the newest values, whether accepted yet or not."""
         return self.flight.values if self.flight else self.values
 
 
 def at_rest_in(robot: RobotSpec, configuration: int) -> RobotState:
-    """A robot that is in this configuration, confirmed, and has not been sent anything."""
+    """Return a robot in this configuration, confirmed, that has not been sent anything."""
     values = [0.0] * len(robot.slots)
     for region, state in enumerate(robot.table.configurations[configuration]):
         for write in robot.actuation[region][state][-1]:
@@ -141,17 +141,17 @@ def at_rest_in(robot: RobotSpec, configuration: int) -> RobotState:
 
 
 def unconfirmed(robot: RobotSpec, state: RobotState) -> tuple[str, ...]:
-    """Names of the regions whose state is not confirmed, in the order of the chart."""
+    """Return the regions whose state is not confirmed, in the order of the chart."""
     return state_change(robot, state).unconfirmed
 
 
 def states_of(robot: RobotSpec, state: RobotState) -> Configuration:
-    """The state name of each region."""
+    """Return the state name of each region."""
     return robot.table.configurations[state.configuration]
 
 
 def obeyed(robot: RobotSpec, state: RobotState) -> tuple[str | None, ...]:
-    """The state of each region; None where its wheels have been stopped from outside it."""
+    """Return the state of each region; None where its wheels have been stopped from outside it."""
     names = states_of(robot, state)
     driven = robot.driven[state.configuration]
     if not driven:
@@ -163,17 +163,17 @@ def obeyed(robot: RobotSpec, state: RobotState) -> tuple[str | None, ...]:
 
 
 def state_change(robot: RobotSpec, state: RobotState) -> StateChange:
-    """The effect that tells the configuration and what of it is unconfirmed."""
+    """Return the effect that tells the configuration and what of it is unconfirmed."""
     return _state_change(robot, state.configuration, state.marks)
 
 
 def confirmed_parts(robot: RobotSpec, state: RobotState) -> frozenset[int]:
-    """Parts whose clamp has been seen to hold."""
+    """Return the parts whose clamp has been seen to hold."""
     return _confirmed_parts(robot, state.configuration, state.marks)
 
 
 def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
-    """Why the command would be refused now, beginning with *unneeded* or *impossible*; or empty.
+    """Return why the command would be refused now, first *unneeded* or *impossible*; or empty.
 
     A command is possible when it moves the chart, its posture does not rule it out, and it lets go
     of no part unless a confirmed clamp remains, and drives only with one. One that moves nothing
@@ -226,7 +226,7 @@ def _refusal(robot: RobotSpec, here: int, marks: Marks, command: int) -> str:
 
 @lru_cache(maxsize=_MOST_REMEMBERED)
 def touched(robot: RobotSpec, here: int, marks: Marks, command: int) -> tuple[tuple[int, ...], int]:
-    """Regions that the command actuates, and the stage that it begins with.
+    """Return the regions that the command actuates, and the stage that it begins with.
 
     A command that only confirms a clamp anew asserts what is in force in that state: its last
     stage.
@@ -243,7 +243,7 @@ def touched(robot: RobotSpec, here: int, marks: Marks, command: int) -> tuple[tu
 
 @lru_cache(maxsize=_MOST_REMEMBERED)
 def marks_after(robot: RobotSpec, here: int, marks: Marks, command: int) -> Marks:
-    """What is not confirmed once the command's first array has been accepted."""
+    """Return what is not confirmed once the command's first array has been accepted."""
     made = _made_by(robot, here, marks, command)
     held, was_held = robot.held[robot.table.follow(here, command)], robot.held[here]
     again = {m.which for m in _retried(robot, here, marks, command) if m.kind == "part"}
@@ -259,7 +259,7 @@ def marks_after(robot: RobotSpec, here: int, marks: Marks, command: int) -> Mark
 
 
 def _made_by(robot: RobotSpec, here: int, marks: Marks, command: int) -> frozenset[int]:
-    """Regions whose states the command makes: those that it moves or tries again."""
+    """Return the regions whose states the command makes: those that it moves or tries again."""
     before = robot.table.configurations[here]
     after = robot.table.configurations[robot.table.follow(here, command)]
     moved = {index for index, name in enumerate(after) if name != before[index]}
@@ -268,7 +268,7 @@ def _made_by(robot: RobotSpec, here: int, marks: Marks, command: int) -> frozens
 
 
 def _retried(robot: RobotSpec, here: int, marks: Marks, command: int) -> Marks:
-    """What the command, given now, would confirm of what is not confirmed.
+    """Return what the command, given now, would confirm of what is not confirmed.
 
     That is what it left unconfirmed itself and, where what it asks for is commanded already, the
     unconfirmed states or clamps that this rests on.
@@ -280,7 +280,7 @@ def _retried(robot: RobotSpec, here: int, marks: Marks, command: int) -> Marks:
 
 
 def _rests_on(robot: RobotSpec, here: int, marks: Marks, command: int) -> set[Mark]:
-    """Marks without which it would be certain that what the command asks for is so already."""
+    """Return the marks without which it would be certain that the command is unneeded."""
     spec = robot.commands[command]
     if spec.asks_parts:
         return {mark for mark in marks if mark.kind == "part" and mark.which in spec.asks_parts}
@@ -304,7 +304,7 @@ def _is_so(names: Configuration, spec: CommandSpec, unknown: set[int]) -> bool:
 
 
 def safe_values(robot: RobotSpec, state: RobotState, numbers: Numbers) -> Numbers:
-    """The safe state: the last accepted actuation, wheels at zero, position loops stopped.
+    """Return the safe array: the last accepted actuation, wheels at zero, loops stopped.
 
     Args:
         robot: The robot.
@@ -324,7 +324,7 @@ def is_safe(robot: RobotSpec, state: RobotState) -> bool:
 
 
 def next_deadline(robot: RobotSpec, state: RobotState, nominal: bool) -> float:
-    """When time alone can change something: a timeout, a resend, a criterion held long enough."""
+    """Return when time alone changes something: a timeout, a resend, a criterion held long."""
     if state.flight is not None:
         return state.flight.resend_at_s  # a command does not end before that is resolved
     motion = state.motion
@@ -350,7 +350,7 @@ def criterion_of(robot: RobotSpec, motion: Motion) -> CriterionSpec:
 
 
 def known_values(values: Numbers, numbers: Numbers, robot: RobotSpec) -> Numbers:
-    """Values without the unknown: an angle to be kept is the measured one, or 0 [decided]."""
+    """Return values of which none is unknown: a kept angle is the measured one, or 0 [decided]."""
     if not isnan(sum(values)):  # one unknown makes the sum unknown
         return values
     filled = list(values)

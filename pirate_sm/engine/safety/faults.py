@@ -1,4 +1,4 @@
-"""Faults that the signals tell: rules of the profile, silent boards, channels without a value."""
+"""Find faults in the signals: rules of the profile, silent boards, channels without a value."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from pirate_sm.engine.sensing import plausibility
 from pirate_sm.engine.sensing.conversion import Sensing, nothing_known
 from pirate_sm.engine.sensing.report_loss import silent_limit_s
 from pirate_sm.engine.state import FaultState, Words
+from pirate_sm.model.fault_codes import BuiltInFault
 
-ANEW = frozenset({"firmware.reset", "link.interrupted"})
+ANEW = frozenset({BuiltInFault.FIRMWARE_RESET.code, BuiltInFault.LINK_INTERRUPTED.code})
 """After these what was known of the robot is past, and counters may begin at zero."""
 
 
@@ -24,9 +25,14 @@ class Found(NamedTuple):
     catchable: bool
     denies: frozenset[int] = frozenset()
 
+    @classmethod
+    def built_in(cls, fault: BuiltInFault, message: str) -> Found:
+        """Return a fault that any robot can have."""
+        return cls(fault.code, message, fault.catchable)
+
 
 def no_faults(robot: RobotSpec) -> FaultState:
-    """Nothing is wrong yet."""
+    """Return the state of a robot of which no fault is known."""
     return FaultState((nan,) * len(robot.faults))
 
 
@@ -38,7 +44,7 @@ def look(
     words: Words,
     now: float,
 ) -> tuple[FaultState, tuple[Found, ...]]:
-    """The rules that the board's signals can change have been looked at.
+    """Judge the fault rules that the board's signals can change.
 
     A rule is raised once when its condition has held long enough, and again only after it has
     been untrue or unknown in between.
@@ -87,12 +93,12 @@ def _blind(
             blind ^= {target}
             if target in blind:
                 name = robot.vocabulary.numbers[target]
-                found.append(Found("sensor.silent", f"{name} has no value", True))
+                found.append(Found.built_in(BuiltInFault.SENSOR_SILENT, f"{name} has no value"))
     return blind, found
 
 
 def unsettle(robot: RobotSpec, faults: FaultState, sensing: Sensing, words: Words) -> FaultState:
-    """Rules that do not hold any more, since boards have gone silent, begin anew (rule 7)."""
+    """Let rules begin anew that do not hold any more since boards have gone silent (rule 7)."""
     since = tuple(
         began if isnan(began) or rule.when.evaluate(sensing.numbers, words) is True else nan
         for rule, began in zip(robot.faults, faults.since, strict=True)
@@ -102,7 +108,7 @@ def unsettle(robot: RobotSpec, faults: FaultState, sensing: Sensing, words: Word
 
 
 def begin_anew(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
-    """Nothing is known but the odometry, which leaves out what was rolled unseen."""
+    """Forget everything but the odometry, which leaves out what was rolled unseen."""
     fresh = nothing_known(robot)
     numbers = list(fresh.numbers)
     if robot.odometry >= 0:
@@ -133,7 +139,7 @@ def listen(
         if every <= faults.silent:
             return faults, ()
         message = f"no board has reported for {silent_after_s:g} s"
-        return faults._replace(silent=every), (Found("link.silent", message, False),)
+        return faults._replace(silent=every), (Found.built_in(BuiltInFault.LINK_SILENT, message),)
     if newest_s <= now - silent_after_s / 2:
         return faults, ()
     limit_s = silent_limit_s(robot.link, sensing.loss)
@@ -142,10 +148,9 @@ def listen(
     if not new:
         return faults, ()
     return faults._replace(silent=silent | faults.silent), tuple(
-        Found(
-            "sensor.silent",
+        Found.built_in(
+            BuiltInFault.SENSOR_SILENT,
             f"board {board.id} ({board.module}) has not reported for {limit_s:.3g} s",
-            True,
         )
         for board in robot.boards.values()
         if board.position in new

@@ -1,20 +1,20 @@
-"""The rules of a robot are watched: what breaks one ends the mission (see ``engine.safety.rules``)."""
+"""Watch the safety rules during a run: what breaks one ends the mission."""
 
 from __future__ import annotations
 
-from pirate_sm.engine.mission.ending import end
+from pirate_sm.engine.mission.ending import end_by_fault
+from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.safety import rules
-from pirate_sm.engine.state import EngineState, Setting
-from pirate_sm.model.effects import Effect, Fault, Log
+from pirate_sm.engine.state import EngineState
 
 
-def watch(
-    setting: Setting, before: EngineState, state: EngineState, now: float, effects: list[Effect]
-) -> EngineState:
-    """The rules know what has become of the robot; one that the mission breaks ends it.
+def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
+    """Follow the rules to where the robot is now; end a mission that breaks one.
 
-    What the operator commands is theirs to answer for: it is told, and the mission goes on.
+    A command of the operator that breaks a rule is only warned of: the mission goes on.
     """
+    if not state.rules:
+        return state
     old, new = before.robot, state.robot
     motion = new.motion or old.motion
     accepted = old.configuration != new.configuration
@@ -23,9 +23,9 @@ def watch(
     diverting = state.mission.diverting is not None
     if not accepted and diverting:
         return state
-    name = setting.robot.commands[motion.command].name if motion is not None else None
+    name = moment.robot.commands[motion.command].name if motion is not None else None
     places, broken = rules.follow(
-        setting.program, setting.robot, state.rules, new, int(accepted), name if accepted else None
+        moment.program, moment.robot, state.rules, new, int(accepted), name if accepted else None
     )
     if places != state.rules:
         state = state._replace(rules=places)
@@ -33,10 +33,7 @@ def watch(
     # command was sent, and its wheels are stopped before the handler begins.
     for rule in () if diverting else broken:
         if motion is not None and not motion.place:
-            effects.append(Log("warning", f"{name}, given by hand, violates {rules.said(rule)}"))
+            moment.warn(f"{name}, given by hand, violates {rules.said(rule)}")
         elif not (state.mission.ending or state.mission.ended):
-            effects.append(Fault(rules.CODE, rules.said(rule), "stop"))
-            state = end(
-                setting, state, "fault", f"{rules.CODE}: {rules.said(rule)}", "", now, effects
-            )
+            state = end_by_fault(moment, state, rules.CODE, rules.said(rule))
     return state

@@ -1,4 +1,4 @@
-"""Safety rules: watched in every run, and the command that would break one is not sent.
+"""Judge safety rules: in every run, and before a command is sent that could break one.
 
 A rule sees the robot as it is commanded: the state of each region and the command just accepted
 (words), and how many parts are held, are confirmed to hold, and how many wheels are driven
@@ -9,10 +9,12 @@ hold, or one of two marks.
 from __future__ import annotations
 
 from pirate_sm.engine.mission.program import Program, RuleSpec
+from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, robot_state
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.model.events import SubmitResult
+from pirate_sm.model.fault_codes import BuiltInFault
 
 NUMBERS = ("clamps", "confirmed_clamps", "driven_wheels")
 """Numbers that conditions of rules know, in this order."""
@@ -20,14 +22,14 @@ NUMBERS = ("clamps", "confirmed_clamps", "driven_wheels")
 COMMAND = "command"
 """The word after those of the regions: the command just accepted, unknown at other times."""
 
-CODE = "rule.violated"
+CODE = BuiltInFault.RULE_VIOLATED.code
 
 _NOT_YET = -1
 _IN_FORCE = 0
 
 
 def unseen(program: Program) -> tuple[int, ...]:
-    """Where every rule is before anything has been."""
+    """Return where every rule is before the robot has been seen."""
     return (_NOT_YET,) * len(program.rules)
 
 
@@ -35,7 +37,7 @@ def follow(
     program: Program, robot: RobotSpec, before: tuple[int, ...], body: RobotState, steps: int,
     command: str | None = None,
 ) -> tuple[tuple[int, ...], tuple[RuleSpec, ...]]:  # fmt: skip
-    """Where every rule is with the robot so, and those that it violates.
+    """Return where every rule is with the robot as given, and the rules that it violates.
 
     Args:
         program: Holds the rules.
@@ -74,12 +76,11 @@ def follow(
     return tuple(after), tuple(broken)
 
 
-def forbids(robot: RobotSpec, program: Program, places: tuple[int, ...], begun: RobotState) -> str:
-    """Which rules a command would break as soon as it is accepted; empty: none.
+def forbids(moment: Moment, places: tuple[int, ...], begun: RobotState) -> str:
+    """Return which rules a command would break as soon as it is accepted; empty: none.
 
     Args:
-        robot: The robot.
-        program: Holds the rules.
+        moment: Its robot and program.
         places: Where the rules are.
         begun: The robot as it is once the command has begun.
     """
@@ -87,12 +88,12 @@ def forbids(robot: RobotSpec, program: Program, places: tuple[int, ...], begun: 
     if not places or flight is None or motion is None:
         return ""
     accepted = SubmitResult(flight.setpoint_id, "accepted")
-    body, _ = commands.resolve(robot, begun, accepted, 0.0, [])
-    name = robot.commands[motion.command].name
-    _, broken = follow(program, robot, places, body, 1, name)
+    body, _ = commands.resolve(moment.trial(), begun, accepted)
+    name = moment.robot.commands[motion.command].name
+    _, broken = follow(moment.program, moment.robot, places, body, 1, name)
     return "; ".join(said(rule) for rule in broken)
 
 
 def said(rule: RuleSpec) -> str:
-    """The rule in one line."""
+    """Return the rule in one line."""
     return f"rule {rule.name} ({rule.text})" + (f": {rule.why}" if rule.why else "")

@@ -1,4 +1,4 @@
-"""Raw frames become signals: conversions, rates, torques, diameters, odometry (appendix B)."""
+"""Make signals of raw frames: conversions, rates, torques, diameters, odometry (appendix B)."""
 
 from __future__ import annotations
 
@@ -63,12 +63,12 @@ class Sensing(NamedTuple):
 
     @property
     def shown(self) -> Numbers:
-        """What conditions of the mission see. Position loops go by the boards alone."""
+        """Return what conditions of the mission see; position loops go by the boards alone."""
         return self.told[: len(self.numbers)] or self.numbers
 
     @property
     def doubted(self) -> frozenset[int]:
-        """Number indexes that rest on a sensor whose last reading is not believed.
+        """Return the number indexes that rest on a sensor whose last reading is not believed.
 
         The number is NaN, except in the first few readings, where it is the last believed value:
         the sensor may only have spiked.
@@ -91,7 +91,7 @@ def with_changes(sensing: Sensing, origin: Numbers) -> Numbers:
 
 
 def nothing_known(robot: RobotSpec, *, blind: bool = False) -> Sensing:
-    """Every signal is unknown; the odometer stands at zero unless nothing will ever be seen."""
+    """Return unknown signals; the odometer stands at zero unless nothing will ever be seen."""
     numbers = [nan] * len(robot.vocabulary.numbers)
     if robot.odometry >= 0 and not blind:
         numbers[robot.odometry] = 0.0
@@ -211,7 +211,7 @@ def _roll_on(
     driven: Numbers,
     now: float,
 ) -> tuple[Numbers, Numbers]:
-    """Odometry and speed have taken the board's wheels in; returns the new shares and angles.
+    """Take a board's wheels into odometry and speed; return the new shares and angles.
 
     Odometry is the mean over the driven wheels that can be measured of what their rims rolled;
     each wheel's share is added when its board reports, for all the time since it last did. One
@@ -241,7 +241,7 @@ def _roll_on(
 
 
 def _speed(robot: RobotSpec, numbers: list[float], driven: Numbers) -> float:
-    """The mean over the driven wheels that can be measured, over all of them when none is."""
+    """Return the mean over the driven wheels that can be measured, over all when none is driven."""
     known, total, every, sum_ = 0, 0.0, 0, 0.0
     for wheel in robot.wheels:
         speed = numbers[wheel.speed] * wheel.metres_per_rad
@@ -256,7 +256,7 @@ def _speed(robot: RobotSpec, numbers: list[float], driven: Numbers) -> float:
 
 
 def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
-    """Signals of boards that have not reported for too long are unknown."""
+    """Make the signals of boards unknown that have not reported for too long."""
     limit = now - robot.link.stale_after_s
     if min(sensing.heard_s, default=now) > limit:
         return sensing._replace(checked_s=now)

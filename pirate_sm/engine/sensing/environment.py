@@ -17,25 +17,17 @@ as it is valid.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import atan2, hypot, inf, isnan, nan, pi, radians, remainder
 from statistics import median
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-from pirate_sm.engine.deadlines import has_come
-from pirate_sm.engine.robot.robot_state import confirmed_parts
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import RobotState, confirmed_parts
+from pirate_sm.engine.sensing.body_spec import BodySpec
 from pirate_sm.geometry.plane import turned
 from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
 from pirate_sm.model.effects import Environment
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from pirate_sm.engine.engine import Engine
-    from pirate_sm.engine.robot.robot_spec import RobotSpec
-    from pirate_sm.engine.sensing.body_spec import BodySpec
-    from pirate_sm.engine.state import EngineState
-    from pirate_sm.model.effects import Effect
-    from pirate_sm.model.events import EnvironmentReport
 
 OUT, STRAIGHT, JOINT = SEGMENTS = ("Out", "Straight", "Joint")
 """What the segment may be called (thesis section 4-3-2)."""
@@ -71,7 +63,7 @@ _NOISE_RAD, _NOISE_M = radians(1), 1e-3
 """Changes up to these are not reported."""
 
 _NO_FORCE: Vector = (nan, nan, nan)
-_NOTHING = Environment("", nan, nan, nan)
+NOTHING_AROUND = Environment("", nan, nan, nan)
 
 
 class Surveyed(NamedTuple):
@@ -88,7 +80,7 @@ class Surveyed(NamedTuple):
         straight_m: The diameter of the last straight; NaN before the first.
     """
 
-    reported: Environment = _NOTHING
+    reported: Environment = NOTHING_AROUND
     forces: tuple[Vector, ...] = ()
     felt_s: float = -inf
     part: int = -1
@@ -103,51 +95,30 @@ def nothing_surveyed(*, nominal: bool) -> Surveyed:
     return Surveyed(due_s=inf) if nominal else Surveyed()
 
 
-def hear(
-    engine: Engine,
-    state: EngineState,
-    event: EnvironmentReport,
+def survey(
+    robot: RobotSpec,
+    before: Surveyed,
+    state: RobotState,
+    numbers: Sequence[float],
+    word: str | None,
+    raised: frozenset[int],
     now_s: float,
-    effects: list[Effect],
-) -> EngineState:
-    """Take a report from outside: it counts instead of our own while it is valid."""
-    until_s = now_s + event.valid_for_s
-    surveyed = state.surveyed._replace(
-        outside_until_s=until_s, due_s=min(state.surveyed.due_s, until_s)
-    )
-    return _tell(state, surveyed, Environment(*event[:4]), effects)
+) -> tuple[Surveyed, Environment]:
+    """Return what is to be remembered, and the surroundings as signals and words tell them.
 
-
-def look_round(
-    engine: Engine, state: EngineState, now_s: float, effects: list[Effect]
-) -> EngineState:
-    """Report the pipe around the robot where it has changed."""
-    if engine.nominal:
-        surveyed, found = state.surveyed._replace(due_s=inf), _NOTHING
-    else:
-        surveyed, found = survey(engine.robot, state, now_s)
-    if not has_come(now_s, surveyed.outside_until_s):
-        return state._replace(surveyed=surveyed)
-    if not _differs(surveyed.reported, found):
-        return state._replace(surveyed=surveyed)
-    return _tell(state, surveyed, found, effects)
-
-
-def _tell(
-    state: EngineState, surveyed: Surveyed, found: Environment, effects: list[Effect]
-) -> EngineState:
-    effects.append(found)
-    words = (*state.words[:-1], found.segment or None)
-    return state._replace(words=words, surveyed=surveyed._replace(reported=found))
-
-
-def survey(robot: RobotSpec, state: EngineState, now_s: float) -> tuple[Surveyed, Environment]:
-    """Return what is to be remembered, and the surroundings as signals and words tell them."""
-    before, numbers, body = state.surveyed, state.sensing.numbers, robot.body
-    word = state.words[-2]
+    Args:
+        robot: The robot.
+        before: What was remembered.
+        state: What the robot is commanded to.
+        numbers: Every signal in SI; NaN is unknown.
+        word: The detector's valid word, if there is one.
+        raised: Fault rules that are raised, by index.
+        now_s: When it is.
+    """
+    body = robot.body
     in_bend = before.in_bend if word is None else word not in robot.words_behind
-    opened = robot.held[state.robot.configuration] & robot.denied_by(state.faults.raised).keys()
-    held = sorted(confirmed_parts(robot, state.robot) | opened)
+    opened = robot.held[state.configuration] & robot.denied_by(raised).keys()
+    held = sorted(confirmed_parts(robot, state) | opened)
     walled = [part for part in held if not _is_open(body, part, numbers)]
     segment = ""
     if word is not None and in_bend:
@@ -258,7 +229,7 @@ def _attitude(forces: Sequence[Vector]) -> tuple[float, float]:
     return roll, atan2(along, across)
 
 
-def _differs(old: Environment, new: Environment) -> bool:
+def differs(old: Environment, new: Environment) -> bool:
     """Return whether a report says more than noise would."""
     return (
         old.segment != new.segment

@@ -1,4 +1,4 @@
-"""Decides which sensor values are possible, and reports sensors that show impossible ones.
+"""Decide which sensor values are possible, and report sensors that show impossible ones.
 
 Every value of a frame is compared with what the body and the motors can do. An impossible value
 is held back for a few readings, with the last believed value in its place: a spike is over by
@@ -22,12 +22,7 @@ from math import inf, isnan, nan
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.engine.sensing.sensor_memory import Channel, Numbers, Reading, Record
 from pirate_sm.model.events import FaultReport
-
-STUCK = "sensor.stuck"
-SPIKING = "sensor.spiking"
-RANGE = "sensor.range"
-JUMPED = "sensor.jumped"
-UNASKED = "motion.unasked"
+from pirate_sm.model.fault_codes import BuiltInFault
 
 
 def unseen(watched: WatchedSpec) -> Record:
@@ -130,11 +125,9 @@ def _believe(
 ) -> Channel:
     """Return the channel after a reading; what is shown of it takes its place in ``shown``."""
     if channel.calm:
-        good_s = reading.now_s - reading.elapsed_s
-        channel = channel._replace(
-            good=reading.before[watch.number], good_s=good_s, seen=seen,
-            wound=_torque(watch, reading.before),
-        )  # fmt: skip
+        good, good_s = reading.before[watch.number], reading.now_s - reading.elapsed_s
+        wound = _torque(watch, reading.before)
+        channel = channel._replace(good=good, good_s=good_s, seen=seen, wound=wound)
     value = shown[watch.number]
     if isnan(value):
         return channel._replace(calm=False, held=channel.held if channel.jumped else ())
@@ -192,23 +185,23 @@ def _weigh(
         return channel, channel.good
     if not possible:
         if not channel.outside and len(held) > spec.hold_back:
-            reports.append(FaultReport(RANGE, _outside(watch, value)))
+            reports.append(BuiltInFault.SENSOR_RANGE.report(_outside(watch, value)))
             channel = channel._replace(outside=True)
         return channel, nan
     if not watch.joint or channel.seen <= spec.hold_back:
         return _believed(channel), value
-    where = f"from {watch.told(channel.good)} to {watch.told(value)}"
+    where = f"from {watch.in_words(channel.good)} to {watch.in_words(value)}"
     message = f"{watch.name} has jumped {where}, faster than its motor can turn"
-    reports.append(FaultReport(JUMPED, f"{message}: it is unknown until it jumps back"))
+    reports.append(
+        BuiltInFault.SENSOR_JUMPED.report(f"{message}: it is unknown until it jumps back")
+    )
     return channel._replace(jumped=True, held=(value,)), nan
 
 
 def _believed(channel: Channel) -> Channel:
     """Return the channel when its last reading is believed and nothing is pending."""
-    return channel._replace(
-        calm=True, good=nan, good_s=-inf, wound=nan, held=(), running=0.0, outside=False,
-        jumped=False, stuck=nan,
-    )  # fmt: skip
+    channel = channel._replace(calm=True, good=nan, good_s=-inf, wound=nan, held=())
+    return channel._replace(running=0.0, outside=False, jumped=False, stuck=nan)
 
 
 def _reach(watch: WatchSpec, channel: Channel, reading: Reading) -> float:
@@ -265,14 +258,14 @@ def _count_spike(
     if not often or now_s - channel.spiking_s <= spec.spikes_within_s:
         return channel
     message = f"{watch.name} has spiked {spec.spikes} times in {within_s:.1f} s"
-    reports.append(FaultReport(SPIKING, message))
+    reports.append(BuiltInFault.SENSOR_SPIKING.report(message))
     return channel._replace(spiking_s=now_s)
 
 
 def _outside(watch: WatchSpec, value: float) -> str:
     low = f"{watch.low / watch.per_unit:.3g}"
-    where = f"{low} to {watch.told(watch.high)}"
-    return f"{watch.name} reports {watch.told(value)}, outside {where}"
+    where = f"{low} to {watch.in_words(watch.high)}"
+    return f"{watch.name} reports {watch.in_words(value)}, outside {where}"
 
 
 def _moved(
@@ -316,7 +309,7 @@ def _stuck(
         f"{watch.name} has shown the same for {spec.stuck_after_s:g} s while its motor is "
         "driven and bears no load: the sensor is stuck, or the motor gets no current"
     )
-    reports.append(FaultReport(STUCK, message))
+    reports.append(BuiltInFault.SENSOR_STUCK.report(message))
     return channel._replace(calm=False, good=value, good_s=now_s, wound=nan, stuck=value)
 
 
@@ -344,5 +337,5 @@ def _unasked(
     if channel.unasked:
         return channel
     message = f"{watch.name} moves though nothing was asked of its motor"
-    reports.append(FaultReport(UNASKED, message))
+    reports.append(BuiltInFault.MOTION_UNASKED.report(message))
     return channel._replace(unasked=True)

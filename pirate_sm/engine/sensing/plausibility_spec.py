@@ -48,7 +48,7 @@ class WatchSpec(NamedTuple):
     unit: str = ""
     per_unit: float = 1.0
 
-    def told(self, value: float) -> str:
+    def in_words(self, value: float) -> str:
         """Return the value as people read it."""
         return f"{value / self.per_unit:.3g} {self.unit}".strip()
 
@@ -61,17 +61,17 @@ class WatchedSpec:
 
     @cached_property
     def ranges(self) -> tuple[tuple[int, float, float], ...]:
-        """Number index, least and largest value of the sensors that have a range."""
+        """Return number index, least and largest value of the sensors that have a range."""
         return tuple((w.number, w.low, w.high) for w in self.sensors if w.high < inf)
 
     @cached_property
     def rates(self) -> tuple[tuple[int, float, float], ...]:
-        """Number index, fastest change per second and slack of those that have a rate."""
+        """Return number index, fastest change per second and slack of those that have a rate."""
         return tuple((w.number, w.rate, w.slack) for w in self.sensors if w.rate < inf)
 
     @cached_property
     def moving(self) -> tuple[tuple[int, int, float], ...]:
-        """Place, slot and least duty of those that measure a motion."""
+        """Return place, slot and least duty of those that measure a motion."""
         sensors = enumerate(self.sensors)
         return tuple((at, w.slot, w.least_duty) for at, w in sensors if w.moved < inf)
 

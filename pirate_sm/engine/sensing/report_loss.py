@@ -1,4 +1,4 @@
-"""How much of what the boards report is lost, and how long a board may therefore be silent."""
+"""Estimate how many reports are lost, and how long a board may therefore be silent."""
 
 from __future__ import annotations
 

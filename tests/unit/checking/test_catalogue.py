@@ -19,7 +19,7 @@ PACKAGE = ROOT / "pirate_sm"
 SOURCES = [
     *sorted((PACKAGE / "loading").glob("*.py")),
     *sorted((PACKAGE / "checking").rglob("*.py")),
-    *sorted((PACKAGE / "model").glob("*.py")),
+    *sorted(set((PACKAGE / "model").glob("*.py")) - {PACKAGE / "model" / "fault_codes.py"}),
     PACKAGE / "cli" / "order.py",
 ]
 ENTRIES = catalogue.entries()

@@ -163,7 +163,7 @@ def test_a_backend_that_breaks_is_code_3(pirate_run: Any, sabotage: Any, error: 
 
 
 def test_a_fault_of_ours_is_code_4_with_one_line(pirate_run: Any, sabotage: Any) -> None:
-    sabotage.breaks(Engine, "_settle", ZeroDivisionError("oops"))
+    sabotage.breaks(Engine, "step", ZeroDivisionError("oops"))
 
     result = pirate_run(*DRIVES[:3], "--quiet")
 
@@ -175,7 +175,7 @@ def test_a_fault_of_ours_is_code_4_with_one_line(pirate_run: Any, sabotage: Any)
 
 
 @pytest.mark.parametrize(
-    ("where", "method", "code"), [(TraceBackend, "advance", 3), (Engine, "_settle", 4)]
+    ("where", "method", "code"), [(TraceBackend, "advance", 3), (Engine, "step", 4)]
 )
 def test_debug_shows_the_traceback(
     pirate_run: Any, sabotage: Any, where: type, method: str, code: int

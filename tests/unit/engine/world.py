@@ -122,7 +122,7 @@ class Course:
         boards = list(self.robot.boards)
         board = boards[choice % len(boards)]
         words = (*self.robot.detector_words, "nonsense")
-        codes = (*self.robot.fault_codes(), "made.up")
+        codes = (*self.robot.fault_codes, "made.up")
         noise = tuple(float((choice * (7 + i)) % 4096 - 2048) for i in range(9))
         makers: dict[str, ev.Event] = {
             "frame": ev.SensorFrame(board, noise),

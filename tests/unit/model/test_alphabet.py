@@ -7,7 +7,6 @@ import typing
 
 import pytest
 
-from pirate_sm.engine import engine
 from pirate_sm.model import effects, events
 
 
@@ -30,10 +29,6 @@ def test_each_is_frozen_and_says_what_it_is(kind):
     assert kind.__doc__
     for name in kind._fields:
         assert getattr(kind, name) is not None
-
-
-def test_the_engine_takes_every_event():
-    assert set(engine._ON) | {events.SensorFrame, events.SignalReport} == classes(events)
 
 
 def test_the_alphabet_is_what_its_version_says():

@@ -340,3 +340,7 @@ class GuardedPort:
             case Kind.HEARD:
                 self._heard_s = self.now()
                 self._acknowledged.hear(self._heard_s)
+            case Kind.WRITE | Kind.BEAT | Kind.HEED | Kind.LEAVE | Kind.STOP:
+                pass  # what is only sent to the guardian
+            case Kind.WRITE | Kind.BEAT | Kind.HEED | Kind.LEAVE | Kind.STOP:
+                pass  # what only the guardian is sent

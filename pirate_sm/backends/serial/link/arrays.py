@@ -27,6 +27,7 @@ from pirate_sm.backends.serial.link.wire_slots import (
     why_refused,
 )
 from pirate_sm.model.events import FaultReport, SubmitResult, SubmitStatus
+from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.rosserial.messages import Array
 
 BUDGET = 8
@@ -39,8 +40,6 @@ _HURRY = 0.6
 """Copies of one array follow each other after this share of the time between two arrays."""
 
 _REMEMBERED = 64
-
-NO_ECHO = "link.no_echo"
 
 
 @dataclass
@@ -369,7 +368,7 @@ class SetpointLink:
             self._tell(flight.order.setpoint_id, "unknown", reason)
         elif flight.needed and self._waiting is None:
             message = "the setpoints in force could not be confirmed again"
-            self._results.append(FaultReport(NO_ECHO, message))
+            self._results.append(BuiltInFault.LINK_NO_ECHO.report(message))
 
     def _tell(self, setpoint_id: int, status: SubmitStatus, reason: str) -> None:
         self._results.append(SubmitResult(setpoint_id, status, reason))

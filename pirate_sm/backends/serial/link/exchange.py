@@ -17,13 +17,12 @@ from pirate_sm.backends.serial.link.stop_confirmation import StopConfirmation
 from pirate_sm.backends.serial.link.throttle import Throttle
 from pirate_sm.backends.serial.link.wanted_topics import TopicPayload, TopicRefused, TopicsKnown
 from pirate_sm.backends.serial.link.wire_slots import to_counts, why_refused
-from pirate_sm.backends.serial.recovery import BRIEF, RESET, Outage, Recovery, was_reset
-from pirate_sm.model.events import Event, FaultReport
+from pirate_sm.backends.serial.recovery import BRIEF, Outage, Recovery, was_reset
+from pirate_sm.model.events import Event
+from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.rosserial.frames import OVERHEAD_BYTES
 from pirate_sm.rosserial.message_types import Malformed
 from pirate_sm.rosserial.messages import Array
-
-MISMATCH = "link.mismatch"
 
 _GREETING_BYTES = OVERHEAD_BYTES * 2
 """What the conversation itself writes is not longer."""
@@ -370,10 +369,10 @@ class Exchange:
             self.link.reassert(now)
         if known.again and self._flowing and not self._watching:
             self._flowing = False
-            self._events.append(FaultReport(RESET, was_reset(known.silence_s)))
+            self._events.append(BuiltInFault.FIRMWARE_RESET.report(was_reset(known.silence_s)))
 
     def _refuse(self, refused: TopicRefused) -> None:
         self.refused.append(refused.reason)
         if self.heard:
             self.outage, self._given_up = None, True
-            self._events.append(FaultReport(MISMATCH, refused.reason))
+            self._events.append(BuiltInFault.LINK_MISMATCH.report(refused.reason))

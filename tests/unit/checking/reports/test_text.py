@@ -115,8 +115,26 @@ def test_a_code_is_explained_with_examples() -> None:
     assert "cannot be allowed" in explained("syntax")
 
 
+def test_a_fault_is_explained() -> None:
+    assert explained("sensor.silent").splitlines() == [
+        "sensor.silent (fault): a board does not report, or a sensor has no value",
+        "",
+        "How it is seen: the engine judges what the sensors show, on every backend alike.",
+        "A mission can handle it: on_fault: [{fault: sensor.silent, then: continue}]",
+    ]
+    assert "No mission can handle it" in explained("link.lost")
+
+
+def test_a_code_of_a_finding_and_a_fault_is_explained_as_both() -> None:
+    text = explained("rule.violated")
+
+    assert "rule.violated (error): A safety rule of the robot can be violated" in text
+    assert "rule.violated (fault): a safety rule of the robot is broken, or would be" in text
+
+
 def test_every_code_is_listed_by_group() -> None:
     lines = listed().splitlines()
 
     assert lines[0] == "Missions, step by step"
     assert any(line.startswith("  unknown-key ") for line in lines)
+    assert "  motion.unasked " in "\n".join(lines)

@@ -12,7 +12,7 @@ from pirate_sm.loading.mission import load_mission
 from pirate_sm.model.effects import CommandStatus
 from pirate_sm.model.events import Abort, OperatorCommand, SubmitResult, Tick
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 
 
 @pytest.mark.parametrize("leading", [(), (0,), (0, 1)], ids=["at rest", "one", "two"])

@@ -10,7 +10,7 @@ from pirate_sm.engine.robot.command_needs import changes, needs, taken_in
 from pirate_sm.engine.robot.robot_state import at_rest_in, refusal
 from pirate_sm.loading.robot import load_robot
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 
 
 @pytest.fixture(scope="module", params=["hardware_profiles/pirate_ii", "tests/robots/newt"])

@@ -13,7 +13,7 @@ from pirate_sm.engine.robot.robot_state import Mark, at_rest_in, refusal, states
 from pirate_sm.loading.by_hand import by_hand
 from pirate_sm.loading.robot import load_robot
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 ROBOTS = {
     "pirate_ii": ROOT / "hardware_profiles" / "pirate_ii",
     "newt": ROOT / "tests" / "robots" / "newt",

@@ -8,7 +8,7 @@ import pytest
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.loading.robot import load_robot
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 ROBOTS = (ROOT / "hardware_profiles" / "pirate_ii", ROOT / "tests" / "robots" / "newt")
 
 

@@ -1,0 +1,135 @@
+"""What follows from an event: what is due, done, broken or next, and when to look again."""
+
+from __future__ import annotations
+
+from math import inf, isnan
+
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.mission import pausing
+from pirate_sm.engine.mission.diverting import divert, meet
+from pirate_sm.engine.mission.ending import end, finish
+from pirate_sm.engine.mission.interpreter import advance, next_deadline, without_requests
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.robot import commands, robot_state, start_check
+from pirate_sm.engine.safety.faults import listen, unsettle
+from pirate_sm.engine.safety.rule_watch import watch
+from pirate_sm.engine.sensing import surroundings
+from pirate_sm.engine.sensing.conversion import forget_stale
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import WakeAt
+
+
+def settle(  # noqa: C901 - asked at every event, so most of it is asked here
+    moment: Moment, before: EngineState, state: EngineState
+) -> EngineState:
+    """Return the state after everything that follows from an event at this moment.
+
+    Args:
+        moment: When it is, and what happens.
+        before: The state before the event.
+        state: The state with the event in it.
+    """
+    due = has_come(moment.now_s, state.wake_at_s)
+    if due:
+        state = _housekeep(moment, state)
+    if moment.now_s >= state.surveyed.due_s and not state.mission.ended:  # nothing follows the end
+        state = surroundings.look_round(moment, state)
+    judged = before
+    if state.mission.ending is not None:
+        state = finish(moment, state)
+    elif not state.mission.ended:
+        if state.look is not None:
+            state = start_check.go_on(moment, state, state.look)
+        if state.robot.motion is not None and not state.mission.suspended:
+            state = _watch(moment, state)
+        # Whether the next command would break a rule is asked of where the rules are now.
+        if state.robot is not before.robot:
+            state = judged = watch(moment, before, state)
+        if not (state.mission.ending or state.mission.ended):
+            state = _go_on(moment, state)
+    if state.robot is not judged.robot:
+        state = watch(moment, judged, state)
+    mission = state.mission
+    if mission.answer is not None or mission.skipped is not None:
+        state = state._replace(mission=without_requests(moment, state))
+    changed = (
+        state.robot is not before.robot
+        or state.mission is not before.mission
+        or state.word_until_s != before.word_until_s
+        or state.look is not before.look
+    )
+    if changed or moment.effects or due:
+        state = _set_wake(moment, state)
+    return state
+
+
+def _go_on(moment: Moment, state: EngineState) -> EngineState:
+    if state.look is None:  # nothing is commanded before it is over
+        if state.mission.diverting is not None:
+            state = divert(moment, state)
+        if state.mission.pause_wanted:
+            state = pausing.begin_if_wanted(moment, state)
+        state = advance(moment, state)
+    limit_s = moment.program.time_limit_s
+    if limit_s < inf and has_come(state.mission.clock(moment.now_s), limit_s):
+        message = f"the mission's time limit of {limit_s:g} s has passed"
+        state = end(moment, state, "failed", message)
+    if state.mission.pause_wanted:
+        state = pausing.begin_if_wanted(moment, state)
+    return state
+
+
+def _watch(moment: Moment, state: EngineState) -> EngineState:
+    robot, finished = commands.watch(
+        moment, state.robot, state.sensing, denied=moment.robot.denied_by(state.faults.raised)
+    )
+    if robot is not state.robot:
+        state = state.moved(moment.robot, robot)
+    return state.finished(finished)
+
+
+def _housekeep(moment: Moment, state: EngineState) -> EngineState:
+    """Forget what has become too old, send again what is due, and report silent boards."""
+    if has_come(moment.now_s, state.word_until_s):
+        words = (*state.words[:-2], None, state.words[-1])
+        state = state._replace(words=words, word_until_s=inf)
+    robot = commands.resend(moment, state.robot)
+    if robot is not state.robot:
+        state = state._replace(robot=robot)
+    if moment.nominal or not has_come(
+        moment.now_s, state.sensing.checked_s + moment.robot.link.listen_every_s
+    ):
+        return state
+    sensing = forget_stale(moment.robot, state.sensing, moment.now_s)
+    faults = state.faults
+    if sensing.stale != state.sensing.stale:
+        faults = unsettle(moment.robot, faults, sensing, state.obeyed_words(moment.robot))
+    faults, found = listen(moment.robot, faults, sensing, moment.now_s)
+    state = state._replace(sensing=sensing, faults=faults)
+    for fault in found:
+        state = meet(moment, state, fault)
+    return state
+
+
+def _set_wake(moment: Moment, state: EngineState) -> EngineState:
+    """Tell when time alone will change something, if that has changed."""
+    if state.mission.ended:
+        return state
+    body = state.robot
+    if state.mission.suspended:
+        body = body._replace(motion=None)  # its deadline is frozen
+    wake = min(
+        robot_state.next_deadline(moment.robot, body, moment.nominal),
+        next_deadline(moment, state),
+        state.word_until_s,
+    )
+    if state.look is not None and not state.mission.ending:
+        wake = min(wake, state.look.due_s)
+    if moment.nominal:
+        wake = min(wake, state.surveyed.due_s)
+    else:
+        wake = min(wake, state.sensing.checked_s + moment.robot.link.listen_every_s)
+    if wake == state.wake_at_s or isnan(wake):
+        return state
+    moment.tell(WakeAt(wake))
+    return state._replace(wake_at_s=wake)

@@ -1,0 +1,90 @@
+"""What backends and detectors report becomes the engine's state."""
+
+from __future__ import annotations
+
+from pirate_sm.engine.mission.diverting import meet
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.robot import commands
+from pirate_sm.engine.safety.faults import ANEW, Found, begin_anew, look, unsettle
+from pirate_sm.engine.sensing.conversion import observe
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import Detected
+from pirate_sm.model.events import DetectorWord, FaultReport, SensorFrame, SubmitResult
+from pirate_sm.model.fault_codes import BuiltInFault
+
+
+def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState:
+    """Take a board's values in, and meet the faults that they show."""
+    robot, body, now_s = moment.robot, state.robot, moment.now_s
+    board = robot.boards.get(event.board)
+    if board is None:
+        return state
+    sensing, reports = observe(
+        robot, state.sensing, event, body.values, body.latest, now_s, sent=body.sent
+    )
+    words = state.obeyed_words(robot)
+    faults, found = look(robot, state.faults, board, sensing, words, now_s)
+    # Quicker than to replace two fields by name, and this is done for every frame.
+    state = EngineState(body, sensing, state.mission, faults, *state[4:])
+    for report in reports:
+        state = meet(moment, state, _found(moment, report))
+    for fault in found:
+        state = meet(moment, state, fault)
+    return state
+
+
+def _found(moment: Moment, report: FaultReport) -> Found:
+    code, message = report
+    denies = moment.robot.denied_by_report(code, message)
+    return Found(code, message, moment.robot.fault_codes.get(code, True), denies)
+
+
+def word(moment: Moment, state: EngineState, event: DetectorWord) -> EngineState:
+    """Take a detector's word in, which is valid for a time."""
+    if event.word not in moment.robot.detector_words:
+        moment.warn(f"the detector said '{event.word}', an unknown word")
+        return state
+    state = state._replace(word_until_s=moment.now_s + event.valid_for_s)
+    if state.words[-2] == event.word:
+        return state
+    moment.tell(Detected(event.word))
+    return state._replace(words=(*state.words[:-2], event.word, state.words[-1]))
+
+
+def submitted(moment: Moment, state: EngineState, event: SubmitResult) -> EngineState:
+    """Take in what has become of an array; a stop or loop that was not sent is a fault."""
+    flight = state.robot.flight
+    robot, finished = commands.resolve(moment, state.robot, event)
+    state = state.moved(moment.robot, robot)
+    state = state.finished(finished)
+    if flight is None or event.setpoint_id != flight.setpoint_id:
+        return state
+    limit = moment.robot.link.resend_limit
+    if event.status == "unknown" and flight.tries > limit:
+        message = f"setpoints were not confirmed after {limit} repeats"
+        found = Found.built_in(BuiltInFault.LINK_NO_ECHO, message)
+        state = meet(moment, state, found)
+    elif event.status in {"rejected", "superseded"} and flight.purpose != "gate":
+        # Only a command can be refused; without the array the robot is not what it seems.
+        message = f"the backend has {event.status} setpoints: {event.reason or 'no reason'}"
+        state = _refused(moment, state, message)
+    return state
+
+
+def _refused(moment: Moment, state: EngineState, message: str) -> EngineState:
+    ending = state.mission.ending
+    if ending is None:
+        found = Found.built_in(BuiltInFault.BACKEND_FAILED, message)
+        return meet(moment, state, found)
+    ending = ending._replace(message=f"{ending.message} ({message})")
+    return state._replace(mission=state.mission._replace(ending=ending))
+
+
+def fault_report(moment: Moment, state: EngineState, event: FaultReport) -> EngineState:
+    """Meet a fault that a backend has found; after some of them sensing begins anew."""
+    if event.code in ANEW:
+        state = state._replace(sensing=begin_anew(moment.robot, state.sensing, moment.now_s))
+        words = state.obeyed_words(moment.robot)
+        faults = unsettle(moment.robot, state.faults, state.sensing, words)
+        state = state._replace(faults=faults)
+    return meet(moment, state, _found(moment, event))

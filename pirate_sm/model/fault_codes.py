@@ -1,0 +1,108 @@
+"""The faults that any robot can have: code, origin, meaning, and whether a mission may handle them.
+
+Whoever raises, handles or explains one of them takes it from here. A robot's own faults are rules
+of its profile, see :class:`pirate_sm.model.profile.FaultRule`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum
+from typing import Final, Literal, NamedTuple, TypeAlias
+
+from pirate_sm.model.events import FaultReport
+
+Origin: TypeAlias = Literal["sensors", "link", "surroundings", "program"]
+
+
+class _About(NamedTuple):
+    code: str
+    origin: Origin
+    catchable: bool
+    meaning: str
+
+
+class BuiltInFault(Enum):
+    """A fault that any robot can have."""
+
+    SENSOR_SILENT = _About(
+        "sensor.silent", "sensors", True, "a board does not report, or a sensor has no value"
+    )
+    SENSOR_STUCK = _About(
+        "sensor.stuck",
+        "sensors",
+        True,
+        "a sensor shows the same value although its motor must turn",
+    )
+    SENSOR_SPIKING = _About(
+        "sensor.spiking", "sensors", True, "a sensor often shows an impossible value for a moment"
+    )
+    SENSOR_RANGE = _About(
+        "sensor.range", "sensors", True, "a sensor shows a value outside its range, and keeps to it"
+    )
+    SENSOR_JUMPED = _About(
+        "sensor.jumped", "sensors", True, "a joint's angle has changed faster than it can"
+    )
+    MOTION_UNASKED = _About(
+        "motion.unasked", "sensors", True, "something moves although no motor is driven"
+    )
+    LINK_SILENT = _About("link.silent", "link", False, "no board reports any more")
+    LINK_LOST = _About(
+        "link.lost", "link", False, "the port is gone and has not come back within its time"
+    )
+    LINK_INTERRUPTED = _About("link.interrupted", "link", True, "the port was gone and is back")
+    LINK_NO_ECHO = _About("link.no_echo", "link", False, "setpoints could not be confirmed")
+    LINK_MISMATCH = _About(
+        "link.mismatch", "link", False, "after a reset the firmware means something else by a topic"
+    )
+    RUNNER_STALLED = _About(
+        "runner.stalled",
+        "program",
+        False,
+        "the guardian has acted because this program stood still",
+    )
+    FIRMWARE_RESET = _About(
+        "firmware.reset", "link", True, "the controller has started again in the middle of the run"
+    )
+    BACKEND_FAILED = _About(
+        "backend.failed", "program", False, "the backend has refused setpoints or has failed itself"
+    )
+    PIPE_IMPASSABLE = _About(
+        "pipe.impassable", "surroundings", True, "the simulated robot stands before an obstacle"
+    )
+    RULE_VIOLATED = _About(
+        "rule.violated", "program", False, "a safety rule of the robot is broken, or would be"
+    )
+    START_CONTRADICTED = _About(
+        "start.contradicted", "sensors", False, "the robot does not stand as the mission says"
+    )
+    MISSION_RUNAWAY = _About(
+        "mission.runaway", "program", False, "phases follow each other faster than sensors report"
+    )
+
+    @property
+    def code(self) -> str:
+        """How missions and views name it."""
+        return self.value.code
+
+    @property
+    def catchable(self) -> bool:
+        """Whether a mission may handle it (rule 10)."""
+        return self.value.catchable
+
+    @property
+    def origin(self) -> Origin:
+        """What it is seen by."""
+        return self.value.origin
+
+    @property
+    def meaning(self) -> str:
+        """What is wrong."""
+        return self.value.meaning
+
+    def report(self, message: str) -> FaultReport:
+        """Return a report that this fault has come up."""
+        return FaultReport(self.code, message)
+
+
+BUILT_IN_FAULTS: Final[Mapping[str, BuiltInFault]] = {each.code: each for each in BuiltInFault}

@@ -1,0 +1,158 @@
+"""Each alphabet is closed by types: who adds a member is led by mypy to each place that needs it.
+
+One scratch copy of the package gets one more member of each alphabet. The type checker must then
+name every file that takes all of its members.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections import defaultdict
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from mypy import api
+
+ROOT = Path(__file__).parents[1]
+
+
+class Alphabet(NamedTuple):
+    """A union of types.
+
+    Attributes:
+        file: The file that it stands in.
+        last: Its last member as written there.
+        added: Name and base class of the member that is added.
+        places: Every file that must be changed for one more member.
+    """
+
+    file: str
+    last: str
+    added: str
+    places: tuple[str, ...]
+
+
+ALPHABETS = {
+    "event": Alphabet(
+        "model/events.py", "    | Request", "NewEvent(NamedTuple)", ("engine/engine.py",)
+    ),
+    "request of a person": Alphabet(
+        "model/events.py",
+        "| Skip | Abort",
+        "NewRequest(NamedTuple)",
+        ("engine/engine.py", "engine/mission/operator.py", "report/timeline.py"),
+    ),
+    "effect": Alphabet(
+        "model/effects.py",
+        "    | Ended",
+        "NewEffect(NamedTuple)",
+        (
+            "cli/output/json_lines.py",
+            "recording/rows.py",
+            "recording/told.py",
+            "report/timeline.py",
+            "report/words.py",
+            "showing/telling.py",
+        ),
+    ),
+    "instruction": Alphabet(
+        "engine/mission/program.py",
+        "| Finish",
+        "NewInstruction(NamedTuple)",
+        (
+            "checking/abilities.py",
+            "checking/course.py",
+            "console/leaping.py",
+            "engine/mission/interpreter.py",
+        ),
+    ),
+    "step": Alphabet(
+        "model/mission.py",
+        '| Annotated[WaitStep, Tag("wait")]',
+        "NewStep(_AnyStep)",
+        ("drawing/step_text.py", "loading/calls.py", "loading/program.py"),
+    ),
+    "trigger": Alphabet(
+        "model/triggers.py",
+        '| Annotated[OperatorTrigger, Tag("operator")]',
+        "NewTrigger(Frozen)",
+        (
+            "checking/parameters.py",
+            "drawing/mission_graph.py",
+            "drawing/step_text.py",
+            "loading/program.py",
+            "loading/scope.py",
+        ),
+    ),
+    "criterion": Alphabet(
+        "model/criteria.py",
+        "| Aligned | Below",
+        "NewCriterion(Frozen)",
+        ("drawing/criterion_text.py", "loading/robot_commands.py"),
+    ),
+    "resolved criterion": Alphabet(
+        "engine/robot/criteria.py",
+        "| BelowSpec",
+        "NewCriterionSpec(NamedTuple)",
+        ("checking/robot_limits.py", "engine/robot/done.py"),
+    ),
+    "way to see a state": Alphabet(
+        "engine/robot/confirmation_spec.py",
+        "| ImpliedSpec | AcceptedSpec",
+        "NewSeenSpec(NamedTuple)",
+        ("checking/robot_sight.py", "engine/robot/confirmation.py"),
+    ),
+    "derived signal": Alphabet(
+        "model/derived.py",
+        '| Annotated[SpeedOf, Tag("speed_of")]',
+        "NewOf(Frozen)",
+        ("loading/robot_signals.py", "showing/anatomy.py"),
+    ),
+    "origin of a fault": Alphabet(
+        "model/fault_codes.py",
+        'Literal["sensors", "link", "surroundings", "program"]',
+        "NewOrigin(Enum)",
+        ("checking/reports/text.py",),
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def missed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, set[str]]:
+    """Return the files in which the type checker misses each new member."""
+    scratch = tmp_path_factory.mktemp("scratch")
+    package = scratch / "pirate_sm"
+    shutil.copytree(ROOT / "pirate_sm", package, ignore=shutil.ignore_patterns("__pycache__"))
+    for each in ALPHABETS.values():
+        file = package / each.file
+        text = file.read_text(encoding="utf-8")
+        assert text.count(each.last) == 1
+        before, after = text.split(each.last)
+        before, line, union = before.rpartition("\n\n")
+        file.write_text(
+            f'{before}\nclass {each.added}:\n    """One more."""\n{line}{union}'
+            f"{each.last} | {each.added.partition('(')[0]}{after}",
+            encoding="utf-8",
+        )
+    out, wrong, _ = api.run(
+        [f"--config-file={ROOT / 'pyproject.toml'}", f"--cache-dir={scratch}", str(package)]
+    )
+    assert not wrong
+    found: dict[str, set[str]] = defaultdict(set)
+    for line in out.splitlines():
+        place, error, message = line.partition(": error: ")
+        for member in re.findall(r"\bNew\w+", message if error else ""):
+            file = Path(place.partition(":")[0])
+            found[member].add(file.relative_to(package).as_posix())
+    return found
+
+
+@pytest.mark.parametrize("name", ALPHABETS)
+def test_the_type_checker_names_every_place_that_a_new_member_needs(
+    name: str, missed: dict[str, set[str]]
+) -> None:
+    alphabet = ALPHABETS[name]
+
+    assert missed[alphabet.added.partition("(")[0]] == set(alphabet.places)
