@@ -103,12 +103,13 @@ def main() -> None:
     parser.add_argument("--only", choices=PACKAGES, help="one package alone")
     parser.add_argument("--at-once", type=int, default=2)
     parser.add_argument("--again", action="store_true", help="run all tests for coverage anew")
+    parser.add_argument("--tests", nargs="*", default=[], help="folders of tests; all otherwise")
     options = parser.parse_args()
     if options.again:
         (KEPT / "coverage").unlink(missing_ok=True)
         (KEPT / "times").unlink(missing_ok=True)
     files = [path for places in PACKAGES.values() for path in files_of(places)]
-    coverage = measure(ROOT, files, KEPT, options.at_once)
+    coverage = measure(ROOT, files, KEPT, options.at_once, options.tests)
     reasons = known_equivalents()
     short = []
     with TemporaryDirectory() as folder:

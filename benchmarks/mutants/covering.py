@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,7 +31,9 @@ class Coverage:
         return self.lines.get(path, {}).get(line, [])
 
 
-def measure(root: Path, files: Iterable[str], kept: Path, at_once: int) -> Coverage:
+def measure(
+    root: Path, files: Iterable[str], kept: Path, at_once: int, tests: Sequence[str] = ()
+) -> Coverage:
     """Return what the tests of the tree run, as the newest run in ``kept`` says, or by a new run.
 
     Args:
@@ -39,6 +41,7 @@ def measure(root: Path, files: Iterable[str], kept: Path, at_once: int) -> Cover
         files: Files of interest, relative to the tree.
         kept: A folder in which the outcome is kept.
         at_once: How many tests run at once.
+        tests: Where tests are looked for; by default all there are.
 
     Raises:
         SystemExit: The tests fail without any mutant.
@@ -49,7 +52,7 @@ def measure(root: Path, files: Iterable[str], kept: Path, at_once: int) -> Cover
         folders = {f"--cov={Path(each).parent}" for each in files}
         run = subprocess.run(
             [sys.executable, "-m", "pytest", "-q", f"-n{at_once}", "-p", __name__,
-             *sorted(folders), "--cov-context=test", "--cov-report=", "-p", "no:cacheprovider"],
+             *sorted(folders), "--cov-context=test", "--cov-report=", "-p", "no:cacheprovider", *tests],
             cwd=root, check=False,
             env={**os.environ, "COVERAGE_FILE": str(data), TIMES: str(times)},
         )  # fmt: skip
