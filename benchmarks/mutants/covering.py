@@ -51,8 +51,8 @@ def measure(
         kept.mkdir(parents=True, exist_ok=True)
         folders = {f"--cov={Path(each).parent}" for each in files}
         run = subprocess.run(
-            [sys.executable, "-m", "pytest", "-q", f"-n{at_once}", "-p", __name__,
-             *sorted(folders), "--cov-context=test", "--cov-report=", "-p", "no:cacheprovider", *tests],
+            [sys.executable, "-m", "pytest", "-q", f"-n{at_once}", "-p", __name__, *sorted(folders),
+             "--cov-context=test", "--cov-report=", "-p", "no:cacheprovider", *tests],
             cwd=root, check=False,
             env={**os.environ, "COVERAGE_FILE": str(data), TIMES: str(times)},
         )  # fmt: skip
