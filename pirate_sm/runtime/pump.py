@@ -138,7 +138,7 @@ class Pump:
             BackendRaisedError: The backend has raised.
         """
         try:
-            return self._backend.advance(min(self._until_s, until_s))
+            return self._backend.advance(self._until_s if self._until_s < until_s else until_s)
         except Exception as error:
             raise BackendRaisedError from error
 

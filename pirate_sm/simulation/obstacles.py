@@ -55,7 +55,8 @@ class Obstacles:
     def step(self, now_s: float, cycle_s: float) -> FaultReport | None:
         """Move obstacles to where they should be now; return the fault of an impassable bend."""
         rolls = self._physics.rolls()
-        in_plane = max(map(abs, rolls[1:])) < _OUT_OF_PLANE_RAD
+        _, ahead, behind = rolls
+        in_plane = abs(ahead) < _OUT_OF_PLANE_RAD and abs(behind) < _OUT_OF_PLANE_RAD
         if in_plane and not self._waiting and self._standing is None:
             return None
         arcs: list[float] = self._arcs.tolist()
