@@ -18,7 +18,7 @@ from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 from pirate_sm.recording.file import DiskFile, RecordingFile
 from pirate_sm.recording.header import RunHeader
-from pirate_sm.recording.reader import Step
+from pirate_sm.recording.steps import Step
 from pirate_sm.recording.recorder import Recorder
 from pirate_sm.recording.side_channel import SideChannel
 from pirate_sm.recording.viewing import Viewer

@@ -15,7 +15,8 @@ from pirate_sm.recording.beginning import DamagedInsideError
 from pirate_sm.recording.chunks import Chunks
 from pirate_sm.recording.file import DiskFile, Pieces
 from pirate_sm.recording.header import REPAIRED
-from pirate_sm.recording.reader import Recording, Step
+from pirate_sm.recording.reader import Recording
+from pirate_sm.recording.steps import Step
 
 _LEAST_BYTES = 1 << 20
 """The least bytes of messages in one piece: nothing can be cut short any more."""

@@ -13,7 +13,8 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import SensorFrame, SignalReport
-from pirate_sm.recording.reader import Checkpoint, Recording, Step
+from pirate_sm.recording.reader import Recording
+from pirate_sm.recording.steps import Checkpoint, Step
 
 
 class Rerun(NamedTuple):

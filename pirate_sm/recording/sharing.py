@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.recording.reader import Checkpoint, Recording, read_recording
+from pirate_sm.recording.reader import Recording, read_recording
+from pirate_sm.recording.steps import Checkpoint
 from pirate_sm.recording.reloading import recorded_mission
 from pirate_sm.recording.replay import Replayed, replay
 

@@ -15,7 +15,8 @@ from pirate_sm.model.events import Event, SensorFrame, SignalReport, Tick
 from pirate_sm.recording import recorder as module
 from pirate_sm.recording.bodies import body_from_text, body_to_text
 from pirate_sm.recording.file import DiskFile, RecordingFile
-from pirate_sm.recording.reader import Recording, Step, read_recording
+from pirate_sm.recording.reader import Recording, read_recording
+from pirate_sm.recording.steps import Step
 from pirate_sm.recording.recorder import Recorder
 from pirate_sm.recording.side_channel import SideChannel
 from pirate_sm.recording.viewing import Viewer

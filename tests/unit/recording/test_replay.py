@@ -11,7 +11,7 @@ from recording_runs import ROOT, record, record_serial
 from pirate_sm.bay.switches import Switches
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model.effects import CommandStatus, Setpoints
-from pirate_sm.recording import reader as reading
+from pirate_sm.recording import piece_reader
 from pirate_sm.recording import recorder as recording_module
 from pirate_sm.recording.reader import read_recording
 from pirate_sm.recording.reloading import as_recorded, recorded_mission
@@ -241,7 +241,7 @@ def test_a_state_that_has_changed_is_a_difference(tmp_path, often, monkeypatch):
 
 def test_another_version_does_not_take_checkpoints_for_its_own(tmp_path, often, monkeypatch):
     recording = record(tmp_path / "run.mcap", Order("mitre_bend", seed=2))
-    monkeypatch.setattr(reading, "__version__", "0.0.1")
+    monkeypatch.setattr(piece_reader, "__version__", "0.0.1")
 
     assert recording.checkpoint(1e9) is None
     assert list(recording.checkpoints()) == []
