@@ -10,8 +10,8 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from pirate_sm.checking.exploring.explorer import explore
-from pirate_sm.checking.mission import check_loaded, conditions_of
+from pirate_sm.checking.exploring.explore import explore
+from pirate_sm.checking.mission.check_mission import check_loaded, conditions_of
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 

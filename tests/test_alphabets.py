@@ -62,8 +62,8 @@ ALPHABETS = {
         "| Finish",
         "NewInstruction(NamedTuple)",
         (
-            "checking/abilities.py",
-            "checking/course.py",
+            "checking/diff/mission_behaviour.py",
+            "checking/pipe/usual_course.py",
             "console/leaping.py",
             "engine/mission/interpreter.py",
         ),
@@ -79,7 +79,7 @@ ALPHABETS = {
         '| Annotated[OperatorTrigger, Tag("operator")]',
         "NewTrigger(Frozen)",
         (
-            "checking/parameters.py",
+            "checking/mission/mission_parameters.py",
             "drawing/mission_graph.py",
             "drawing/step_text.py",
             "loading/program.py",
@@ -96,13 +96,13 @@ ALPHABETS = {
         "engine/robot/criteria.py",
         "| BelowSpec",
         "NewCriterionSpec(NamedTuple)",
-        ("checking/robot_limits.py", "engine/robot/done.py"),
+        ("checking/robot/profile_numbers.py", "engine/robot/done.py"),
     ),
     "way to see a state": Alphabet(
         "engine/robot/confirmation_spec.py",
         "| ImpliedSpec | AcceptedSpec",
         "NewSeenSpec(NamedTuple)",
-        ("checking/robot_sight.py", "engine/robot/confirmation.py"),
+        ("checking/robot/seen_states.py", "engine/robot/confirmation.py"),
     ),
     "derived signal": Alphabet(
         "model/derived.py",

@@ -9,8 +9,8 @@ from typing import Any, TypeAlias, TypedDict, Unpack, cast
 from pirate_sm import wiring
 from pirate_sm.checking.allowances import settle
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.mission import check_loaded
-from pirate_sm.checking.project import Wishes, check_paths
+from pirate_sm.checking.mission.check_mission import check_loaded
+from pirate_sm.checking.project.check_project import Wishes, check_paths
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.wiring import Order, Prepared

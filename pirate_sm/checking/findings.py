@@ -11,7 +11,7 @@ from pirate_sm.loading.problems import Locator, Place, Problem
 from pirate_sm.loading.problems import Severity as LoadSeverity
 
 if TYPE_CHECKING:
-    from pirate_sm.checking.exploring.explorer import Exploration
+    from pirate_sm.checking.exploring.explore import Exploration
 
 
 class Severity(IntEnum):

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import ClassVar
 
 from pirate_sm.checking.allowances import settle
+from pirate_sm.checking.file_kinds import Kind
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.kinds import Kind
-from pirate_sm.checking.mission import MissionCheck, check_loaded
-from pirate_sm.checking.project import CheckedFile, Report
+from pirate_sm.checking.mission.check_mission import MissionCheck, check_loaded
+from pirate_sm.checking.project.check_project import CheckedFile, Report
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.errors import PirateError
 from pirate_sm.loading.mission import LoadedMission

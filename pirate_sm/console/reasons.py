@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from pirate_sm.checking.entries import why_not_from
+from pirate_sm.checking.plans.phase_entry import why_not_from
 from pirate_sm.console.keys import CONTROLS
 from pirate_sm.engine.mission.operator import why_not_command
 from pirate_sm.engine.mission.pausing import why_not_on, why_not_to

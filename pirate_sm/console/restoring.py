@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from rich.text import Text
 
-from pirate_sm.checking.restoring import Beginnings, beginnings, restoring
+from pirate_sm.checking.plans.restoring_commands import Beginnings, beginnings, restoring
 from pirate_sm.console.dialogs import Choice
 from pirate_sm.console.giving import Series
 from pirate_sm.console.reasons import Situation

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from agreement.running import Run, situation
 from pirate_sm.checking.findings import Severity
-from pirate_sm.checking.mission import MissionCheck
+from pirate_sm.checking.mission.check_mission import MissionCheck
 from pirate_sm.engine.mission.interpreter import ROUND_AND_ROUND
 from pirate_sm.engine.mission.program import Do, Require, Wait
 from pirate_sm.engine.safety import rules

@@ -6,9 +6,9 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from pirate_sm.checking.counterexamples import SCRIPT_SUFFIX, write_counterexample
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.mission import MissionCheck
+from pirate_sm.checking.mission.check_mission import MissionCheck
+from pirate_sm.checking.reports.counterexamples import SCRIPT_SUFFIX, write_counterexample
 from pirate_sm.cli.order import read_script
 from pirate_sm.engine.safety import rules
 from pirate_sm.model import effects as fx

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from math import inf, isfinite, isnan, nan
 from random import Random
 
-from pirate_sm.checking.exploring.ranges import ANYTHING, ranges
+from pirate_sm.checking.exploring.signal_ranges import ANYTHING, ranges
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Branch, Program, Question, Wait
 from pirate_sm.engine.robot import robot_state

@@ -13,7 +13,7 @@ from math import inf, isfinite, isnan, nan, prod
 from typing import NamedTuple
 
 from agreement.running import conditions_in
-from pirate_sm.checking.exploring.ranges import ANYTHING, ranges
+from pirate_sm.checking.exploring.signal_ranges import ANYTHING, ranges
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Question, Wait
 from pirate_sm.engine.robot import robot_state

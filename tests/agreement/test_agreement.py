@@ -18,7 +18,7 @@ from agreement.missions import invent
 from agreement.playing import is_it, play, shows, written
 from agreement.running import Measured, Run, Shown
 from agreement.searching import Search, TooMuchError
-from pirate_sm.checking.mission import check_mission
+from pirate_sm.checking.mission.check_mission import check_mission
 
 NIGHT = int(os.environ.get("NIGHTLY", "0"))
 KINDS = ("pirate", "newt", "made", "made")

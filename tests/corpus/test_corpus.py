@@ -9,7 +9,7 @@ import pytest
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.project import check_paths
+from pirate_sm.checking.project.check_project import check_paths
 
 from .made import MADE, Made, mission_with_faults
 from .seeding import HERE, ROBOTS, ROOT, Case, cases, copied

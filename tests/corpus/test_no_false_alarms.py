@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pirate_sm.checking.project import Wishes, check_paths
+from pirate_sm.checking.project.check_project import Wishes, check_paths
 from pirate_sm.loading import library
 
 from .odd import Odd, odd_missions

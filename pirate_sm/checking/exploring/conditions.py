@@ -12,8 +12,8 @@ from functools import lru_cache
 from itertools import product
 from typing import NamedTuple, TypeAlias
 
-from pirate_sm.checking.exploring.pieces import borders, is_linear, samples, signals
-from pirate_sm.checking.exploring.ranges import ANYTHING, Range
+from pirate_sm.checking.exploring.piecewise_linear import borders, is_linear, samples, signals
+from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range
 from pirate_sm.engine.robot.chart_table import Configuration
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, Vocabulary, tree
 

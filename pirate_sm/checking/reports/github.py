@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.project import Report
-from pirate_sm.checking.reports.marking import end_column
+from pirate_sm.checking.project.check_project import Report
+from pirate_sm.checking.reports.source_lines import end_column
 from pirate_sm.checking.reports.text import summary
 
 _COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.POSSIBLE: "notice"}

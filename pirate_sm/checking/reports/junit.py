@@ -7,8 +7,8 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.project import Report
-from pirate_sm.checking.reports.marking import excerpt
+from pirate_sm.checking.project.check_project import Report
+from pirate_sm.checking.reports.source_lines import excerpt
 from pirate_sm.visible import visible
 
 

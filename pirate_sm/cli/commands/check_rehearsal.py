@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from math import inf
 from pathlib import Path
 
-from pirate_sm.checking.rehearsal import Nearly, Rehearsal, Rehearse, RehearsedRun
+from pirate_sm.checking.mission.rehearsal import Nearly, Rehearsal, Rehearse, RehearsedRun
 from pirate_sm.cli.errors import say
 from pirate_sm.engine.deadlines import ROUNDING_S
 from pirate_sm.engine.mission.program import Wait

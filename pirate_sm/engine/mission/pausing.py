@@ -70,7 +70,7 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
     """Go on with a phase after a pause, if the robot is still as it was when that was decided.
 
     Whether the phase can run from there is known to who sends the event: see
-    :mod:`pirate_sm.checking.entries`.
+    :mod:`pirate_sm.checking.plans.phase_entry`.
     """
     here = robot_state.state_change(moment.robot, state.robot)
     obstacle = why_not_to(moment.program, state, event.phase)

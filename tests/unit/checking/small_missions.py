@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.mission import MissionCheck, check_mission
+from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
 
 NEWT = Path(__file__).resolve().parents[2] / "robots" / "newt"
 

@@ -1,0 +1,1 @@
+"""What one version of a mission can do and another cannot."""

@@ -1,0 +1,329 @@
+"""What one version of a mission can do and another cannot, whatever their texts look like."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias, TypeVar
+
+from pirate_sm.checking.diff.mission_behaviour import (
+    IGNORED,
+    STOPPED,
+    Abilities,
+    Outcome,
+    Success,
+    Trigger,
+)
+from pirate_sm.checking.exploring.explore import WITHIN
+
+K = TypeVar("K")
+V = TypeVar("V")
+
+Triggers: TypeAlias = Mapping[tuple[str, str], Trigger]
+
+Kind: TypeAlias = Literal["gained", "lost", "changed", "renamed"]
+About: TypeAlias = Literal[
+    "fact", "phase", "command", "trigger", "outcome", "failure", "fault", "rule", "success"
+]
+
+
+@dataclass(frozen=True)
+class Change:
+    """One difference.
+
+    Attributes:
+        text: The same as a sentence.
+        phase: Where it is, in the names of the new version; empty where it is everywhere.
+        name: What it is about.
+        before: How it was; ``after`` how it is now. Empty where there was or is none.
+    """
+
+    kind: Kind
+    about: About
+    text: str
+    name: str = ""
+    phase: str = ""
+    before: str = ""
+    after: str = ""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Everything that differs.
+
+    Attributes:
+        cut_off: Versions with too much to look at: there may be more.
+    """
+
+    changes: tuple[Change, ...]
+    cut_off: tuple[Literal["old", "new"], ...] = ()
+
+    @property
+    def same(self) -> bool:
+        """Whether both versions can do the same, as far as is known."""
+        return all(each.kind == "renamed" for each in self.changes)
+
+    def of(self, kind: Kind) -> tuple[Change, ...]:
+        """The changes of one kind."""
+        return tuple(each for each in self.changes if each.kind == kind)
+
+
+def compare(old: Abilities, new: Abilities) -> Difference:
+    """What the new version can do and the old one cannot, and the other way round.
+
+    A phase or an end that has another name and is the same otherwise has been renamed.
+    """
+    phases, ends = _renamed(old.phases, new.phases), _renamed(old.outcomes, new.outcomes)
+    renamed = [
+        *(_rename("phase", before, after) for before, after in phases.items()),
+        *(_rename("outcome", before, after) for before, after in ends.items()),
+    ]
+    was = _in_new_names(old, {**ends, **phases})
+    changes = [
+        *_facts(was, new), *_phases(was, new), *_commands(was, new), *_triggers(was, new),
+        *_outcomes(was, new), *_failures(was, new), *_faults(was, new), *_rules(was, new),
+        *_success(was.success, new.success), *renamed,
+    ]  # fmt: skip
+    cut_off: list[Literal["old", "new"]] = ["old"] if not old.complete else []
+    return Difference(tuple(changes), tuple(cut_off + (["new"] if not new.complete else [])))
+
+
+def _renamed(old: Mapping[str, Hashable], new: Mapping[str, Hashable]) -> dict[str, str]:
+    """New names by old ones, of what is there once before and once after."""
+    lost = {name: content for name, content in old.items() if name not in new}
+    gained = {name: content for name, content in new.items() if name not in old}
+    there, here = Counter(lost.values()), Counter(gained.values())
+    by_content = {content: name for name, content in gained.items()}
+    return {
+        name: by_content[content]
+        for name, content in lost.items()
+        if content != () and there[content] == here[content] == 1
+    }
+
+
+def _rename(about: About, before: str, after: str) -> Change:
+    thing = "phase" if about == "phase" else "end"
+    text = f"the {thing} '{before}' is called '{after}' now"
+    return Change("renamed", about, text, after, "", before, after)
+
+
+def _in_new_names(old: Abilities, names: Mapping[str, str]) -> Abilities:
+    def new(name: str) -> str:
+        return names.get(name, name)
+
+    facts = {name: new(value) for name, value in old.facts.items()}
+    return replace(
+        old,
+        facts=facts,
+        phases={new(name): content for name, content in old.phases.items()},
+        commands={(new(phase), name): terms for (phase, name), terms in old.commands.items()},
+        triggers={
+            (new(phase), new(name)): Trigger(each.text, tuple(map(new, each.go)))
+            for (phase, name), each in old.triggers.items()
+        },
+        outcomes={new(name): outcome for name, outcome in old.outcomes.items()},
+        failures={
+            (new(phase), name): frozenset(map(new, ends))
+            for (phase, name), ends in old.failures.items()
+        },
+        faults={(new(phase), code): new(go) for (phase, code), go in old.faults.items()},
+    )
+
+
+def _facts(old: Abilities, new: Abilities) -> Iterator[Change]:
+    for name, after in new.facts.items():
+        before = old.facts.get(name, after)
+        if before != after:
+            text = f"{name}: {after}; before: {before}"
+            yield Change("changed", "fact", text, name, "", before, after)
+
+
+def _phases(old: Abilities, new: Abilities) -> Iterator[Change]:
+    for kind, name, here, there in _one_sided(old, new, lambda each: each.phases):
+        gives = [command for phase, command in here.commands if phase == name]
+        elsewhere = {command for _, command in there.commands}
+        alone = ", ".join(command for command in gives if command not in elsewhere)
+        gained = kind == "gained"
+        text = f"the phase '{name}' " + ("can be reached" if gained else "is reached no more")
+        if gives:
+            text += f"; it {'gives' if gained else 'gave'} {', '.join(gives)}"
+        if alone:
+            text += f"; before, nothing gave {alone}" if gained else f"; now nothing gives {alone}"
+        yield Change(kind, "phase", text, name)
+
+
+def _commands(old: Abilities, new: Abilities) -> Iterator[Change]:
+    for kind, (phase, name), _, there in _one_sided(old, new, lambda each: each.commands):
+        if phase not in there.phases:
+            continue  # told with the phase
+        nowhere = all(other != name for _, other in there.commands)
+        if kind == "gained":
+            text = f"{name} can be given in '{phase}'" + "; before, nothing gave it" * nowhere
+        else:
+            text = f"{name} is given in '{phase}' no more" + "; now nothing gives it" * nowhere
+        yield Change(kind, "command", text, name, phase)
+    for (phase, name), before, after in _both(old.commands, new.commands):
+        text = f"{name} in '{phase}' is given on other terms: {after}; before: {before}"
+        yield Change("changed", "command", text, name, phase, before, after)
+
+
+def _triggers(old: Abilities, new: Abilities) -> Iterator[Change]:
+    old = replace(old, triggers=_matched(old.triggers, new.triggers))
+    for kind, (phase, name), here, there in _one_sided(old, new, lambda each: each.triggers):
+        if phase not in there.phases:
+            continue
+        said = _trigger(name, here.triggers[phase, name])
+        text = f"the wait of '{phase}' can end by {said}"
+        if kind == "lost":
+            text = f"the wait of '{phase}' ends no more by {said}"
+        yield Change(kind, "trigger", text, name, phase)
+    for (phase, name), was, now in _both(old.triggers, new.triggers):
+        before, after = _trigger(name, was), _trigger(name, now)
+        text = f"the wait of '{phase}' ends by {after}; before by {before}"
+        if was.go == now.go:
+            text = f"the wait of '{phase}' ends by {_by(name, now)}; before by {_by(name, was)}"
+        elif was.text == now.text:
+            what, leads = _by(name, now), _list(now.go)
+            text = f"in '{phase}' {what} leads to {leads}; before to {_list(was.go)}"
+        yield Change("changed", "trigger", text, name, phase, before, after)
+
+
+def _matched(old: Triggers, new: Triggers) -> Triggers:
+    """The old triggers under the names of the new ones: of what waits for the same, else as named.
+
+    A trigger that nobody has named has the name of what it leads to.
+    """
+    alike = {(phase, each.text): (phase, name) for (phase, name), each in new.items()}
+    found: dict[tuple[str, str], Trigger] = {}
+    others = []
+    for (phase, name), each in old.items():
+        if (phase, each.text) in alike:
+            found[alike[phase, each.text]] = each
+        else:
+            others.append((phase, name, each))
+    for phase, name, each in others:
+        found[(phase, each.text) if (phase, name) in found else (phase, name)] = each
+    return found
+
+
+def _trigger(name: str, trigger: Trigger) -> str:
+    return f"{_by(name, trigger)}, which leads to {_list(trigger.go)}"
+
+
+def _by(name: str, trigger: Trigger) -> str:
+    return f"its limit of {trigger.text}" if name == WITHIN else f"'{trigger.text}'"
+
+
+def _outcomes(old: Abilities, new: Abilities) -> Iterator[Change]:
+    for kind, name, here, _ in _one_sided(old, new, lambda each: each.outcomes):
+        said = f", which {_outcome(here.outcomes[name])}"
+        if name == STOPPED:
+            said = ", as nothing handles a failure or a fault"
+        text = f"it can end in {_end(name)}{said}"
+        if kind == "lost":
+            text = f"it ends no more in {_end(name)}{said}"
+        yield Change(kind, "outcome", text, name)
+    for name, was, now in _both(old.outcomes, new.outcomes):
+        before, after = _outcome(was), _outcome(now)
+        text = f"the end '{name}' {after}; before: {before}"
+        yield Change("changed", "outcome", text, name, "", before, after)
+
+
+def _outcome(outcome: Outcome) -> str:
+    said = f": {outcome.message}" if outcome.message else ""
+    return ("succeeds" if outcome.succeeds else "fails") + said
+
+
+def _end(name: str) -> str:
+    return "the safe stop" if name == STOPPED else f"'{name}'"
+
+
+def _failures(old: Abilities, new: Abilities) -> Iterator[Change]:
+    """Commands whose failure ends otherwise, those together that change alike."""
+    alike: dict[tuple[str, str], dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
+    for (phase, name), was, now in _both(old.failures, new.failures):
+        alike[_ends(was), _ends(now)][phase].append(name)
+    for (before, after), phases in alike.items():
+        for phase, names in phases.items():
+            text = (
+                f"where {' or '.join(names)} fails in '{phase}' and nothing else goes wrong, "
+                f"it ends in {after}; before in {before}"
+            )
+            yield Change("changed", "failure", text, ", ".join(names), phase, before, after)
+
+
+def _ends(names: frozenset[str]) -> str:
+    return " or ".join(map(_end, sorted(names))) or "nothing: it goes round for ever"
+
+
+def _faults(old: Abilities, new: Abilities) -> Iterator[Change]:
+    """Faults that lead elsewhere, phases together in which they change alike."""
+    kept = [phase for phase in new.phases if phase in old.phases]
+    codes = dict.fromkeys(code for _, code in (*old.faults, *new.faults))
+    for code in codes:
+        alike: dict[tuple[str, str], list[str]] = defaultdict(list)
+        for phase in kept:
+            before, after = old.faults.get((phase, code), ""), new.faults.get((phase, code), "")
+            if before != after:
+                alike[before, after].append(phase)
+        for (before, after), phases in alike.items():
+            where = "" if len(phases) == len(kept) else f" in {_list(phases)}"
+            text = f"the fault {code} {_handling(after)}{where}; before: {_handling(before)}"
+            kind: Kind = "changed" if before and after else "gained" if after else "lost"
+            yield Change(kind, "fault", text, code, ", ".join(phases) * bool(where), before, after)
+
+
+def _handling(go: str) -> str:
+    if not go:
+        return "stops the mission"
+    return "is only told" if go == IGNORED else f"leads to '{go}'"
+
+
+def _rules(old: Abilities, new: Abilities) -> Iterator[Change]:
+    for kind, message, _, _ in _one_sided(old, new, lambda each: dict.fromkeys(each.broken)):
+        text = f"it can come to this: {message}"
+        if kind == "lost":
+            text = f"it comes to this no more: {message}"
+        yield Change(kind, "rule", text, message)
+    for kind, name, _, _ in _one_sided(old, new, lambda each: dict.fromkeys(each.rules)):
+        text = f"the rule {name} is watched" + " no more" * (kind == "lost")
+        yield Change(kind, "rule", text, name)
+
+
+def _success(old: Success | None, new: Success | None) -> Iterator[Change]:
+    if old == new:
+        return
+    if old is None or new is None:
+        kind: Kind = "lost" if new is None else "gained"
+        text = "nothing leads to success any more" if new is None else "it can succeed"
+    else:
+        kind, text = "changed", f"success takes at least {_way(new)}; before {_way(old)}"
+    before, after = (_way(each) if each else "" for each in (old, new))
+    yield Change(kind, "success", text, "", "", before, after)
+
+
+def _way(way: Success) -> str:
+    return f"{_count(way.commands, 'command')} and {_count(way.events, 'event')}"
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+
+
+def _one_sided(
+    old: Abilities, new: Abilities, part: Callable[[Abilities], Mapping[K, object]]
+) -> Iterator[tuple[Kind, K, Abilities, Abilities]]:
+    """What only one of them has: whether it is gained, its key, who has it and who has it not."""
+    before, after = part(old), part(new)
+    yield from (("gained", key, new, old) for key in after if key not in before)
+    yield from (("lost", key, old, new) for key in before if key not in after)
+
+
+def _both(old: Mapping[K, V], new: Mapping[K, V]) -> Iterator[tuple[K, V, V]]:
+    """What both have, where it differs."""
+    return ((key, old[key], new[key]) for key in new if key in old and old[key] != new[key])
+
+
+def _list(names: Iterable[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)

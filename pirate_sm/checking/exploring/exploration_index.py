@@ -1,0 +1,160 @@
+"""What an exploration has seen at each place of the mission's files."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from pirate_sm.checking.exploring.explore import BEGINS, Exploration, Step
+from pirate_sm.engine.mission.interpreter import ROUND_AND_ROUND
+from pirate_sm.engine.safety import rules
+from pirate_sm.model.effects import (
+    CommandStatus,
+    Ended,
+    Fault,
+    Log,
+    PhaseChange,
+    TriggerFired,
+    WaitArmed,
+)
+
+WaitKey: TypeAlias = tuple[str, str]
+"""A wait's phase and its place, ``file:line:col``."""
+
+
+@dataclass
+class Visits:
+    """What became of a command or a call each time its turn came; indexes of steps."""
+
+    name: str = ""
+    given: list[int] = field(default_factory=list)
+    skipped: list[int] = field(default_factory=list)
+    unneeded: list[int] = field(default_factory=list)
+    impossible: list[int] = field(default_factory=list)
+    reasons: dict[int, str] = field(default_factory=dict)
+
+    @property
+    def refused(self) -> list[int]:
+        """Every time it was refused."""
+        return self.unneeded + self.impossible
+
+    @property
+    def never_fine(self) -> bool:
+        """Whether it was refused each time that was looked at."""
+        return bool(self.refused) and not self.given and not self.skipped
+
+
+@dataclass
+class Waiting:
+    """What became of one wait.
+
+    Attributes:
+        armed: Steps in which it began.
+        fired: Per trigger the steps in which it ended the wait.
+        at_once: Per trigger how often it did so in the very moment in which the wait began.
+    """
+
+    armed: list[int] = field(default_factory=list)
+    fired: dict[str, list[int]] = field(default_factory=lambda: defaultdict(list))
+    at_once: dict[str, int] = field(default_factory=lambda: defaultdict(int))
+    states: set[int] = field(default_factory=set)
+
+
+@dataclass
+class Ledger:
+    """All of it.
+
+    Attributes:
+        visits: By ``file:line:col``.
+        broken: Per safety rule's message the first step in which it would be violated.
+        ends: Names of ends, and outcomes of others, with the first step that leads there.
+    """
+
+    found: Exploration
+    visits: dict[str, Visits] = field(default_factory=lambda: defaultdict(Visits))
+    waits: dict[WaitKey, Waiting] = field(default_factory=lambda: defaultdict(Waiting))
+    phases: dict[str, int] = field(default_factory=dict)
+    ends: dict[tuple[str, str], int] = field(default_factory=dict)
+    broken: dict[str, int] = field(default_factory=dict)
+    round_and_round: list[int] = field(default_factory=list)
+
+    def sure(self, step: int) -> bool:
+        """Whether a step comes about without what the check cannot decide."""
+        return self.found.steps[step].sure
+
+
+def ledger(found: Exploration) -> Ledger:
+    """Every step of the exploration has been entered where it belongs."""
+    book = Ledger(found)
+    for number, step in enumerate(found.steps):
+        _enter(book, number, step)
+    return book
+
+
+def _enter(book: Ledger, number: int, step: Step) -> None:
+    _waited(book, number, step)
+    for effect in step.effects:
+        match effect:
+            case CommandStatus():
+                _command(book.visits[effect.place], number, effect)
+            case Log():
+                _begun(book, number, effect.message)
+            case PhaseChange():
+                book.phases.setdefault(effect.phase, number)
+            case Fault(code=rules.CODE):
+                book.broken.setdefault(effect.message, number)
+            case Ended():
+                _end(book, number, effect.outcome, effect.end, effect.message)
+            case _:
+                pass
+    state = book.found.nodes[step.target].state.mission
+    if state.ending is not None:
+        _end(book, number, state.ending.outcome, state.ending.end, state.ending.message)
+
+
+def _waited(book: Ledger, number: int, step: Step) -> None:
+    armed: WaitKey | None = None
+    for effect in step.effects:
+        match effect:
+            case WaitArmed():
+                armed = effect.phase, effect.place
+                wait = book.waits[armed]
+                wait.armed.append(number)
+                wait.states.add(book.found.nodes[step.target].state.robot.configuration)
+            case TriggerFired():
+                key = effect.phase, effect.place
+                wait = book.waits[key]
+                wait.fired[effect.trigger].append(number)
+                if armed == key:
+                    wait.at_once[effect.trigger] += 1
+            case _:
+                pass
+
+
+def _end(book: Ledger, number: int, outcome: str, end: str, message: str) -> None:
+    book.ends.setdefault((outcome, end), number)
+    if message == ROUND_AND_ROUND:
+        book.round_and_round.append(number)
+
+
+def _begun(book: Ledger, number: int, line: str) -> None:
+    if line.startswith(BEGINS):
+        book.visits[line.removeprefix(BEGINS)].given.append(number)
+
+
+def _command(visits: Visits, number: int, effect: CommandStatus) -> None:
+    visits.name = effect.name
+    if effect.status == "refused":
+        visits.reasons.setdefault(number, effect.reason)
+    match effect.status:
+        case "sent":
+            visits.given.append(number)
+        case "skipped":
+            visits.skipped.append(number)
+        case "refused" if effect.reason.startswith("unneeded"):
+            visits.unneeded.append(number)
+        case "refused":
+            visits.impossible.append(number)
+        case "accepted" | "done" | "failed":
+            pass

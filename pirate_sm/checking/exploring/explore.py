@@ -1,0 +1,353 @@
+"""Breadth-first over everything that can happen to a mission, on the production engine.
+
+Two states of the engine are one here when the mission and the robot can only go on alike: times
+and numbers of arrays do not count, and of a wait only which of its conditions have begun to hold.
+What is found first is therefore reached by the fewest events.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from math import inf, isnan
+from typing import Any, NamedTuple
+
+from pirate_sm.checking.exploring.alternating_sensors import lasting
+from pirate_sm.checking.exploring.asking_program import (
+    NOWHERE,
+    Asked,
+    Moment,
+    Oracle,
+    TooManyQuestionsError,
+    Trigger,
+)
+from pirate_sm.checking.exploring.conditions import Conditions
+from pirate_sm.checking.exploring.possible_events import Move, Moves
+from pirate_sm.checking.exploring.state_keys import fewest_mishaps, key_of, key_of_wait
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.mission.program import Program, Require, Say, Wait
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import RobotState
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import Effect, Setpoints, StateChange, TriggerFired, WakeAt
+from pirate_sm.model.events import Tick
+
+MOST_NODES = 50_000
+
+MOST_WORK = 100_000
+"""Of what one exploration may take: steps of the engine, with what they asked and what came of
+them; some seven seconds."""
+
+_EFFECTS_A_STEP = 20
+_TESTS_A_STEP = 20
+"""So many take about as long as a step that has no more to do."""
+
+BEGINS = "\0begins "
+"""Before the place of a call, in a line of the log that tells that its terms are met."""
+
+MISHAPS = frozenset({"rejected", "failed", "fault"})
+"""Kinds of moves that nobody plans for."""
+
+WITHIN = "within"
+"""The name under which the limit of a wait stands among its triggers."""
+
+START = Move("start", Tick(), 0.0)
+
+_QUIET = frozenset({Setpoints, StateChange, WakeAt})
+
+
+class Node(NamedTuple):
+    """A state of the engine, reached for the first time.
+
+    Attributes:
+        step: Index of the step that led here.
+        sure: Whether it is reached without what the check cannot decide.
+    """
+
+    state: EngineState
+    now: float
+    step: int
+    sure: bool
+
+    @property
+    def over(self) -> bool:
+        """Whether the run is ending here."""
+        return self.state.mission.ended or self.state.mission.ending is not None
+
+
+class Step(NamedTuple):
+    """Something happened.
+
+    Attributes:
+        source: Index of the node before, -1 before the start.
+        target: Index of the node after it.
+        effects: What followed, without setpoints.
+        moment: What sensors must have shown.
+    """
+
+    source: int
+    target: int
+    move: Move
+    effects: tuple[Effect, ...]
+    moment: Moment
+    sure: bool
+
+    @property
+    def in_vain(self) -> bool:
+        """Whether a wait has lasted too long."""
+        return any(isinstance(e, TriggerFired) and e.trigger == WITHIN for e in self.effects)
+
+    @property
+    def went_wrong(self) -> bool:
+        """Whether it is a mishap, or a wait that has lasted too long."""
+        return self.move.kind in MISHAPS or self.in_vain
+
+
+@dataclass
+class Exploration:
+    """All that can happen.
+
+    Attributes:
+        complete: False when there was too much of it.
+        work: How much of ``MOST_WORK`` it took.
+        branches: By the place of each branch what its condition has been.
+    """
+
+    program: Program
+    robot: RobotSpec
+    nodes: list[Node] = field(default_factory=list)
+    steps: list[Step] = field(default_factory=list)
+    complete: bool = True
+    work: float = 0.0
+    branches: Mapping[str, set[Asked]] = field(default_factory=dict)
+    _mishaps: list[int] = field(default_factory=list)
+
+    def path(self, step: int) -> list[Step]:
+        """The shortest course of events that ends with this step, from the start on."""
+        found = []
+        while step >= 0:
+            found.append(self.steps[step])
+            source = self.steps[step].source
+            step = self.nodes[source].step if source >= 0 else -1
+        return found[::-1]
+
+    def mishaps(self, step: int) -> int:
+        """How many things must go wrong, at least, before and in this step."""
+        if not self._mishaps:
+            self._mishaps = fewest_mishaps([(e.source, e.target, e.went_wrong) for e in self.steps])
+        here = self.steps[step]
+        before = self._mishaps[here.source] if here.source >= 0 else 0
+        return before + here.went_wrong
+
+    def is_playable(self, step: int) -> bool:
+        """Whether a course of single events, one after the other, leads there."""
+        return all(each.move.kind != "lasting" for each in self.path(step))
+
+
+def explore(
+    robot: RobotSpec,
+    program: Program,
+    conditions: Conditions,
+    most: int = MOST_NODES,
+    body: RobotState | None = None,
+    most_work: float = MOST_WORK,
+) -> Exploration:
+    """Everything that can happen to the mission has been tried once, unless that is too much.
+
+    What is sure is explored first, so that nothing is called unsure that also comes about
+    without what cannot be decided.
+
+    Args:
+        robot: The robot.
+        program: The mission.
+        conditions: What can be true together.
+        most: Nodes after which it is cut off.
+        body: What the robot has been commanded to before; None: it is where the program begins.
+        most_work: What it may take, likewise.
+    """
+    oracle = Oracle(conditions, robot.table.configurations[program.start_configuration])
+    program = _telling(replace(program, time_limit_s=inf, most_phases=inf))
+    asking = oracle.program(program)
+    walk = _Walk(
+        Engine(robot, asking, nominal=True),
+        oracle,
+        Moves(robot, asking, conditions),
+        Exploration(program, robot, branches=oracle.branches),
+        most,
+        most_work,
+    )
+    walk.begin(body)
+    walk.go_on()
+    return walk.found
+
+
+def _telling(program: Program) -> Program:
+    """The same program; it also tells when a call begins, which nothing else would show."""
+    instructions = [*program.instructions]
+    said: list[tuple[Say, int]] = []
+    for index, each in enumerate(program.instructions):
+        if isinstance(each, Require) and each.place:
+            instructions[index] = each._replace(next=len(instructions) + len(said))
+            said.append((Say("info", f"{BEGINS}{each.place}", each.next), index))
+    return replace(
+        program,
+        instructions=(*instructions, *(say for say, _ in said)),
+        handlers=(*program.handlers, *(program.handlers[index] for _, index in said)),
+        phase_of=(*program.phase_of, *(program.phase_of[index] for _, index in said)),
+    )
+
+
+@dataclass
+class _Walk:
+    engine: Engine
+    oracle: Oracle
+    moves: Moves
+    found: Exploration
+    most: int
+    most_work: float
+    _known: dict[Any, int] = field(default_factory=dict)
+    _sure: deque[int] = field(default_factory=deque)
+    _unsure: deque[int] = field(default_factory=deque)
+    _outlasted: set[Any] = field(default_factory=set)
+    _held_back: list[tuple[int, Move, EngineState, tuple[Effect, ...], Moment]] = field(
+        default_factory=list
+    )
+
+    def begin(self, body: RobotState | None) -> None:
+        self._try(-1, START, partial(self.engine.start, body=body))
+
+    def go_on(self) -> None:
+        while self.found.complete:
+            if self._sure:
+                self._leave(self._sure.popleft())
+            elif self._held_back:
+                held, self._held_back = self._held_back, []
+                for arrival in held:
+                    self._enter(*arrival, False)
+            elif self._unsure:
+                self._leave(self._unsure.popleft())
+            elif not self._outlast():
+                return
+
+    def _outlast(self) -> bool:
+        """Whether a wait has come to something new while sensors showed now this and now that."""
+        steps = len(self.found.steps) + len(self._held_back)
+        fired: dict[Any, set[str]] = defaultdict(set)
+        for done in self.found.steps:
+            for effect in done.effects:
+                if isinstance(effect, TriggerFired) and done.source >= 0:
+                    key = key_of_wait(self.found.nodes[done.source].state)
+                    fired[key].add(effect.trigger)
+        for index, node in enumerate(list(self.found.nodes)):
+            it = self._wait_of(node.state)
+            if it is None or node.over or (key := key_of_wait(node.state)) in self._outlasted:
+                continue
+            self._outlasted.add(key)
+            for state, at_s in lasting(it, node.state, self.moves.conditions):
+                move = Move("lasting", Tick(), at_s)
+                step = partial(self.engine.step, state, move.event, at_s)
+                self._try(index, move, step, _due(it, state, at_s), fired[key])
+        return len(self.found.steps) + len(self._held_back) > steps
+
+    def _leave(self, index: int) -> None:
+        node = self.found.nodes[index]
+        if node.over:
+            return
+        state = node.state
+        wait = self._wait_of(state)
+        for move in self.moves.of(state, node.now):
+            if not self.found.complete:
+                return
+            due = () if wait is None else _due(wait, state, move.at_s)
+            self._try(index, move, partial(self.engine.step, state, move.event, move.at_s), due)
+
+    def _wait_of(self, state: EngineState) -> Wait | None:
+        """The wait that it has come to."""
+        it = self.engine.program.instructions[state.mission.pc]
+        return it if state.mission.begun and isinstance(it, Wait) else None
+
+    def _waits(self, result: tuple[EngineState, tuple[Effect, ...]]) -> int:
+        """Index of the wait that it has come to."""
+        return NOWHERE if self._wait_of(result[0]) is None else result[0].mission.pc
+
+    def _try(
+        self,
+        source: int,
+        move: Move,
+        step: Callable[[], tuple[EngineState, tuple[Effect, ...]]],
+        due: Collection[Trigger] = (),
+        known: Collection[str] | None = None,
+    ) -> None:
+        """The results of the step have been reached, as far as they are not too much.
+
+        Args:
+            source: Index of the node before.
+            move: What happens.
+            step: What the engine does then.
+            due: Triggers that fire if their condition is still true.
+            known: If given, a result counts only where a trigger has fired that is not one of them.
+        """
+        conditions, tests = self.moves.conditions, self.moves.conditions.tests
+        try:
+            for (state, effects), moment in self.oracle.every(step, self._waits, due):
+                if known is None or any(
+                    isinstance(each, TriggerFired) and each.trigger not in known for each in effects
+                ):
+                    self._arrive(source, move, state, effects, moment)
+                more = (conditions.tests - tests) / _TESTS_A_STEP
+                tests = conditions.tests
+                self.found.work += 1 + len(effects) / _EFFECTS_A_STEP + more
+                if self.found.work > self.most_work or not self.found.complete:
+                    self.found.complete = False
+                    return
+        except TooManyQuestionsError:
+            self.found.complete = False
+
+    def _arrive(
+        self,
+        source: int,
+        move: Move,
+        state: EngineState,
+        effects: tuple[Effect, ...],
+        moment: Moment,
+    ) -> None:
+        sure = moment.answer.sure and (source < 0 or self.found.nodes[source].sure)
+        if sure or (source >= 0 and not self.found.nodes[source].sure):
+            self._enter(source, move, state, effects, moment, sure)
+        else:  # until all that is sure is known
+            self._held_back.append((source, move, state, effects, moment))
+
+    def _enter(
+        self,
+        source: int,
+        move: Move,
+        state: EngineState,
+        effects: tuple[Effect, ...],
+        moment: Moment,
+        sure: bool,
+    ) -> None:
+        told = tuple([effect for effect in effects if type(effect) not in _QUIET])
+        fresh = len(self.found.nodes)
+        target = self._known.setdefault(key_of(state), fresh)
+        if target == source and not told:
+            return
+        if target == fresh:
+            if target >= self.most:
+                self.found.complete = False
+                return
+            self.found.nodes.append(Node(state, move.at_s, len(self.found.steps), sure))
+            (self._sure if sure else self._unsure).append(target)
+        self.found.steps.append(Step(source, target, move, told, moment, sure))
+
+
+def _due(wait: Wait, state: EngineState, now: float) -> Collection[Trigger]:
+    """Triggers that fire now if their condition is still true."""
+    mission = state.mission
+    return [
+        (mission.pc, number)
+        for number, (each, since) in enumerate(zip(wait.triggers, mission.since, strict=True))
+        if not isnan(since) and has_come(mission.clock(now), since + each.held_s)
+    ]

@@ -1,0 +1,126 @@
+"""Where a comparison of one signal with numbers changes: kinks and roots, piece by linear piece."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import lru_cache
+from itertools import combinations, pairwise
+from math import inf, isfinite
+
+from pirate_sm.checking.exploring.signal_ranges import Range
+from pirate_sm.expressions import tree
+
+_FAR = 1e9
+"""Stands for infinity where a range has no end; no signal of a robot comes near, in SI."""
+
+
+def signals(node: tree.Node) -> frozenset[str]:
+    """Names of the numeric signals in a node."""
+    return frozenset(
+        each.name
+        for each in tree.walk(node)
+        if isinstance(each, tree.Signal) and each.kind == "number"
+    )
+
+
+def is_linear(node: tree.Node) -> bool:
+    """Whether a number is made of its signals piece by linear piece."""
+    match node:
+        case tree.Arithmetic("*", left, right):
+            linear = not (signals(left) and signals(right))
+        case tree.Arithmetic("/", _, right):
+            linear = not signals(right)
+        case _:
+            linear = True
+    return linear and all(is_linear(child) for child in tree.children(node))
+
+
+def value(node: tree.Node, x: float) -> float:
+    """The number with its one signal at ``x``."""
+    match node:
+        case tree.Number(number):
+            return number
+        case tree.Signal():
+            return x
+        case tree.Negate(operand):
+            return -value(operand, x)
+        case tree.Arithmetic(operator, left, right):
+            return _arithmetic(operator, value(left, x), value(right, x))
+        case tree.Call(function, arguments):
+            numbers = [value(each, x) for each in arguments]
+            return abs(numbers[0]) if function == "abs" else _EXTREMES[function](numbers)
+        case _:
+            raise AssertionError(f"{node} is no number")
+
+
+_EXTREMES = {"min": min, "max": max}
+
+
+def _arithmetic(operator: tree.ArithmeticOperator, left: float, right: float) -> float:
+    match operator:
+        case "+":
+            return left + right
+        case "-":
+            return left - right
+        case "*":
+            return left * right
+        case "/":
+            return left / right if right else inf
+
+
+def _kinks(node: tree.Node, span: Range) -> set[float]:
+    """Where the slope of the number may change."""
+    found: set[float] = set()
+    for child in tree.children(node):
+        found |= _kinks(child, span)
+    if isinstance(node, tree.Call):
+        if node.function == "abs":
+            found |= _roots(node.arguments[0], found, span)
+        else:
+            for first, second in combinations(node.arguments, 2):
+                found |= _roots(tree.Arithmetic("-", first, second), found, span)
+    return found
+
+
+def _roots(node: tree.Node, kinks: Iterable[float], span: Range) -> set[float]:
+    """Where the number is 0, exactly, between the kinks that are known."""
+    points = sorted({max(span.low, -_FAR), min(span.high, _FAR), *kinks})
+    found = set()
+    for a, b in pairwise(points):
+        at_a, at_b = value(node, a), value(node, b)
+        if at_a == 0:
+            found.add(a)
+        if at_b == 0:
+            found.add(b)
+        if at_a * at_b < 0 and isfinite(at_a) and isfinite(at_b):
+            found.add(a - at_a * (b - a) / (at_b - at_a))
+    return found
+
+
+@lru_cache(maxsize=4096)
+def borders(compare: tree.Compare, span: Range) -> frozenset[float]:
+    """Values of the one signal at which the comparison may change."""
+    difference = tree.Arithmetic("-", compare.left, compare.right)
+    kinks = _kinks(difference, span)
+    found = kinks | _roots(difference, kinks, span)
+    for side, other in ((compare.left, compare.right), (compare.right, compare.left)):
+        if isinstance(side, tree.Signal) and not signals(other):
+            found.add(value(other, 0.0))  # without the rounding of an interpolation
+    return frozenset(found)
+
+
+def samples(marks: Iterable[float], span: Range) -> tuple[float, ...]:
+    """One value on each border, one on either side of it, inside the range."""
+    inside = sorted({mark for mark in marks if span.low <= mark <= span.high})
+    low, high = max(span.low, -_FAR), min(span.high, _FAR)
+    if not inside:
+        return ((low + high) / 2,) if low > -_FAR and high < _FAR else (min(max(0.0, low), high),)
+    found = [*inside]
+    found += [(a + b) / 2 for a, b in pairwise(inside)]
+    found += [max(low, inside[0] - _step(inside[0])), min(high, inside[-1] + _step(inside[-1]))]
+    return tuple(dict.fromkeys(found))
+
+
+def _step(near: float) -> float:
+    """A step beyond the outermost border that stays a sensible value."""
+    return max(abs(near), 0.1)

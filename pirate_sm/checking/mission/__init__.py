@@ -1,0 +1,1 @@
+"""Rules that find what is wrong with a mission, and how they are run."""

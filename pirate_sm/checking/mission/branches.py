@@ -1,0 +1,122 @@
+"""Steps behind an `if`, and arms of a `choose`, that are never or always taken."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+
+from pirate_sm.checking.exploring.conditions import Fact
+from pirate_sm.checking.exploring.exploration_index import Ledger
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.checking.mission.out_of_reach import within_reach
+from pirate_sm.engine.mission.program import Branch
+from pirate_sm.expressions import Expression
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.problems import Path, Place
+from pirate_sm.model.mission import ChooseStep, Mission, RepeatStep, Step
+
+
+def branch_findings(
+    seen: Sequence[Ledger], loaded: LoadedMission, places: Places
+) -> Iterator[Finding]:
+    """What is decided already wherever it is asked, in the mission's own file.
+
+    A called mission is judged by itself: it may be called from elsewhere too. What asks for
+    states that no command has changed yet guards against another beginning, and is no fault where
+    the mission may begin in others; nor is what asks again for what a trigger has just seen.
+
+    Args:
+        seen: What can happen.
+        loaded: The mission.
+        places: Of its parts.
+    """
+    told = set[Place]()
+    for finding in _arms(loaded, places):
+        told.add(finding.place)
+        yield finding
+    if all(book.found.complete for book in seen):
+        found = _decided(seen, loaded, places)
+        yield from (each for each in found if each.place not in told)
+
+
+def _decided(seen: Sequence[Ledger], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
+    """What has been asked and was the same each time."""
+    truths: dict[str, set[bool]] = defaultdict(set)
+    guards = set[str]()
+    for book in seen:
+        for where, asked in book.found.branches.items():
+            for each in asked:
+                truths[where].add(each.truth)
+                if not each.moved:
+                    guards.add(where)
+    known = set(loaded.mission.starts_in or ())
+    for where, condition in _conditions(loaded).items():
+        place, text = places.read(where), condition.text
+        if place.file != loaded.documents[0].name or len(truths[where]) != 1:
+            continue
+        if where in guards and not (condition.names and condition.names <= known):
+            continue
+        if True in truths[where]:
+            yield places.finding(
+                place, "branch.always", Severity.WARNING,
+                f"'{text}' is true whenever it is asked", mend="leave the condition out",
+            )  # fmt: skip
+        else:
+            yield places.finding(
+                place, "branch.never", Severity.WARNING,
+                f"'{text}' is never true when it is asked", mend="leave the steps out",
+            )  # fmt: skip
+
+
+def _conditions(loaded: LoadedMission) -> dict[str, Expression]:
+    """The conditions of steps and arms by their places."""
+    return {
+        each.place: each.condition
+        for each in loaded.program.instructions
+        if isinstance(each, Branch)
+    }
+
+
+def _arms(loaded: LoadedMission, places: Places) -> Iterator[Finding]:
+    """Arms of a `choose`, and an `else`, for which the arms before leave nothing."""
+    asked, conditions = _conditions(loaded), within_reach(loaded)
+    every = loaded.robot.table.configurations
+    for step, path in _chooses(loaded.mission):
+        others: list[Fact] = []
+        for number in range(len(step.choose)):
+            place = places.of((*path, "choose", number, "if"))
+            condition = asked.get(str(place))
+            if condition is None:
+                break
+            node = condition.tree
+            own: list[Fact] = [(node, True)]
+            shadowed = not conditions.anywhere([*others, *own], every)
+            if others and shadowed and conditions.anywhere(own, every):
+                message = f"an earlier arm is taken wherever '{condition.text}' is true"
+                mend = "put it first, or leave it out"
+                yield places.finding(place, "branch.never", Severity.WARNING, message, mend=mend)
+            others.append((node, False))
+        else:
+            if step.otherwise and len(others) > 1 and not conditions.anywhere(others, every):
+                message = "one of the arms is always taken: nothing is left for `else`"
+                place = places.of((*path, "else"))
+                yield places.finding(place, "branch.never", Severity.WARNING, message)
+
+
+def _chooses(mission: Mission) -> Iterator[tuple[ChooseStep, Path]]:
+    """Every `choose` of a mission, with where it stands."""
+    for name, phase in mission.phases.items():
+        yield from _among(phase.do, ("phases", name, "do"))
+
+
+def _among(steps: Sequence[Step], at: Path) -> Iterator[tuple[ChooseStep, Path]]:
+    for number, step in enumerate(steps):
+        path = (*at, number)
+        if isinstance(step, RepeatStep):
+            yield from _among(step.repeat.do, (*path, "repeat", "do"))
+        elif isinstance(step, ChooseStep):
+            yield step, path
+            for arm, choice in enumerate(step.choose):
+                yield from _among(choice.do, (*path, "choose", arm, "do"))
+            yield from _among(step.otherwise, (*path, "else"))

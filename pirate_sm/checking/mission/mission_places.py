@@ -1,0 +1,85 @@
+"""Places of a mission's parts in its files, and findings there."""
+
+from __future__ import annotations
+
+import re
+
+from pirate_sm.checking.exploring.explore import Exploration
+from pirate_sm.checking.exploring.story import story
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.problems import Path, Place
+
+_LONGEST_STEP = 10
+"""Lines of a step, of which one says the command."""
+
+
+class Places:
+    """Finds the places.
+
+    Args:
+        loaded: The mission; its own file is the first of its documents.
+    """
+
+    def __init__(self, loaded: LoadedMission) -> None:
+        self._own = loaded.documents[0]
+        self._aliases = loaded.loaded_robot.profile.aliases
+        self._documents = {document.name: document for document in loaded.documents}
+
+    def written(self, text: str, command: str) -> str:
+        """A command in the word that the step at ``file:line:col`` has for it."""
+        others = [alias for alias, name in self._aliases.items() if name == command]
+        place = self.read(text)
+        if not others or place.file not in self._documents:
+            return command
+        lines = self._documents[place.file].lines[place.line - 1 : place.line + _LONGEST_STEP]
+        names = "|".join([command, *others])
+        word = re.search(rf"\b(?:{names})\b", "\n".join(lines)[place.column - 1 :])
+        return command if word is None or word[0] == command else f"{word[0]} ({command})"
+
+    def read(self, text: str) -> Place:
+        """The place that ``file:line:col`` names."""
+        file, line, column = text.rsplit(":", 2)
+        return Place(file, int(line), int(column))
+
+    def of(self, path: Path, *, key: bool = False) -> Place:
+        """Where a part of the mission's own file stands."""
+        return self._own.place_of(path, key=key)
+
+    def mission(self) -> Place:
+        """Where the mission's name stands."""
+        return self.of(("mission",))
+
+    def finding(
+        self,
+        place: Place,
+        code: str,
+        severity: Severity,
+        message: str,
+        *,
+        mend: str = "",
+        related: tuple[tuple[Place, str], ...] = (),
+        happens: tuple[Exploration, int] | None = None,
+        playable: bool = True,
+    ) -> Finding:
+        """A finding with the line that stands at its place.
+
+        Args:
+            place: Where.
+            code: Its code.
+            severity: How surely.
+            message: What is wrong.
+            mend: How to mend it.
+            related: Further places.
+            happens: The step of an exploration in which it comes about; becomes its story.
+            playable: Whether the mission as it stands can be led there.
+        """
+        document = self._documents.get(place.file)
+        excerpt = document.excerpt(place.line) if document else ""
+        told = story(*happens, self.written) if happens else ()
+        found = happens is not None and happens[0].is_playable(happens[1])
+        sure = playable and found and severity is not Severity.POSSIBLE
+        return Finding(
+            code, severity, place, message, mend=mend, excerpt=excerpt, related=related,
+            story=told, course=(happens,) if happens and sure else (),
+        )  # fmt: skip

@@ -1,0 +1,287 @@
+"""Conditions that this robot, in this pipe, cannot come to: too fast, too far, the wrong way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import inf, nan
+
+from pirate_sm.checking.exploring.conditions import Conditions, Fact
+from pirate_sm.checking.exploring.exploration_index import Ledger
+from pirate_sm.checking.exploring.explore import Exploration
+from pirate_sm.checking.exploring.piecewise_linear import borders, samples, signals
+from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range, ranges
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.engine.mission.program import Branch, TriggerSpec, Wait
+from pirate_sm.expressions import BOOLEAN, EnumType, Expression, tree
+from pirate_sm.expressions.vocabulary import change_of
+from pirate_sm.loading.mission import LoadedMission
+
+BEGINNING_S = 5.0
+"""How long commands may have driven before a wait begins [decided]."""
+
+STILL_M = 0.01
+"""A robot that does not drive is pushed, or slips, by no more than this [decided]."""
+
+_JOINT = "Joint"
+
+
+def reach_findings(
+    seen: Sequence[Ledger], loaded: LoadedMission, places: Places
+) -> Iterator[Finding]:
+    """What conditions of the mission's own file wait or ask for in vain.
+
+    Args:
+        seen: What can happen.
+        loaded: The mission.
+        places: Of its parts.
+    """
+    check = _Reach(seen, loaded)
+    told: set[str] = set()
+    for wait in loaded.program.instructions:
+        if not isinstance(wait, Wait) or not check.states(wait):
+            continue
+        for trigger in wait.triggers:
+            place = places.read(trigger.place)
+            own = place.file == loaded.documents[0].name and trigger.place not in told
+            if trigger.condition is None or not own:
+                continue
+            found = check.judge(wait, trigger, trigger.condition)
+            if found is not None:
+                told.add(trigger.place)
+                code, severity, message = found
+                yield places.finding(place, code, severity, message)
+    for branch in loaded.program.instructions:
+        if not isinstance(branch, Branch) or branch.place in told:
+            continue
+        place, message = places.read(branch.place), check.asked(branch.condition)
+        if message and place.file == loaded.documents[0].name:
+            told.add(branch.place)
+            yield places.finding(place, "condition.beyond", Severity.WARNING, message)
+
+
+def within_reach(loaded: LoadedMission) -> Conditions:
+    """What decides whether conditions can be true on a robot no faster than its motors turn."""
+    robot, most = loaded.robot, _fastest(loaded)
+    spans = dict(ranges(loaded.loaded_robot.profile, robot))
+    if robot.speed >= 0:
+        spans[robot.vocabulary.numbers[robot.speed]] = Range(-most, most)
+    return Conditions(robot.vocabulary.with_changes, spans, len(robot.regions))
+
+
+_Said = tuple[str, Severity, str]
+
+
+class _Reach:
+    def __init__(self, seen: Sequence[Ledger], loaded: LoadedMission) -> None:
+        self._seen, self._loaded, self._robot = seen, loaded, loaded.robot
+        numbers = loaded.robot.vocabulary.numbers
+        self._odometry = numbers[loaded.robot.odometry] if loaded.robot.odometry >= 0 else ""
+        self._changed = self._odometry and change_of(self._odometry)
+        self._speed = numbers[loaded.robot.speed] if loaded.robot.speed >= 0 else ""
+        self._spans = dict(ranges(loaded.loaded_robot.profile, loaded.robot))
+        self._usual = self._with({})
+        self._fastest = _fastest(loaded)
+        self._driven = [_driven_before(book.found, loaded) for book in seen]
+
+    def _with(self, narrower: Mapping[str, Range]) -> Conditions:
+        spans = {**self._spans, **narrower}
+        return Conditions(self._robot.vocabulary.with_changes, spans, len(self._robot.regions))
+
+    def states(self, wait: Wait) -> set[int]:
+        """Configurations in which the wait is come to."""
+        return {each for book in self._seen for each in book.waits[wait.phase, wait.place].states}
+
+    def judge(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
+        """What is wrong with a trigger, nothing where it can fire or never could anywhere."""
+        node = condition.tree
+        if not self._possible(wait, [(node, True)], self._usual):
+            return None  # which is said there
+        return (
+            self._beyond(wait, condition)
+            or self._still(wait, condition)
+            or self._word(wait, condition)
+            or self._held(wait, trigger, node)
+        )
+
+    def asked(self, condition: Expression) -> str:
+        """Why the condition of a step asks for what is out of reach; empty: it does not."""
+        facts: list[Fact] = [(condition.tree, True)]
+        every = self._robot.table.configurations
+        for name, most, why in self._lasting():
+            if not self._is_about(condition, name, most):
+                continue
+            narrower = self._with({name: Range(-most, most)})
+            if self._usual.anywhere(facts, every) and not narrower.anywhere(facts, every):
+                return f"'{condition.text}' is out of reach: {why}"
+        return ""
+
+    def _is_about(self, condition: Expression, name: str, most: float) -> bool:
+        return bool(name) and most < inf and name in self._usual.free(condition.tree)
+
+    def _possible(self, wait: Wait, facts: Sequence[Fact], conditions: Conditions) -> bool:
+        table = self._robot.table
+        return conditions.anywhere(facts, [table.configurations[n] for n in self.states(wait)])
+
+    # --- too fast, too far ------------------------------------------------------------------
+
+    def _beyond(self, wait: Wait, condition: Expression) -> _Said | None:
+        fact: Fact = condition.tree, True
+        for name, most, why in self._limits(wait):
+            if self._is_about(condition, name, most):
+                narrower = self._with({name: Range(-most, most)})
+                if not self._possible(wait, [fact], narrower):
+                    message = f"'{condition.text}' is out of reach: {why}"
+                    return "condition.beyond", Severity.WARNING, message
+        return None
+
+    def _limits(self, wait: Wait) -> Iterator[tuple[str, float, str]]:
+        """Signals, how large they come to be in a wait at the most, and why."""
+        for name, most, why in self._lasting():
+            yield name, most, why
+            yield name and change_of(name), 2 * most if name == self._speed else most, why
+        ends_s = min([wait.within_s, *(t.after_s for t in wait.triggers if t.after_s)])
+        why = f"the wait ends after {ends_s:g} s, in which it drives less"
+        yield self._changed, self._fastest * ends_s, why
+        if not any(wait.phase in phases for phases in self._driven):
+            yield self._odometry, self._fastest * (ends_s + BEGINNING_S), why
+
+    def _lasting(self) -> Iterator[tuple[str, float, str]]:
+        """The same, of what is so wherever it is asked."""
+        fastest, pipe = self._fastest, self._loaded.pipe
+        yield self._speed, fastest, f"without a load the robot drives {fastest:.3g} m/s"
+        if pipe is not None:
+            length = pipe.route().length_m
+            yield self._odometry, length, f"the pipe is {length:.3g} m long"
+
+    # --- the wrong way ----------------------------------------------------------------------
+
+    def _still(self, wait: Wait, condition: Expression) -> _Said | None:
+        """A condition on odometry alone that what drives cannot make true."""
+        node = condition.tree
+        free = self._usual.free(node)
+        if not self._odometry or not {self._odometry, self._changed} & free:
+            return None
+        ways = {self._way(each) for each in self.states(wait)}
+        if self._changed in free:
+            return self._not_on(wait, condition, ways)
+        if free != {self._odometry}:
+            return None
+        if ways == {0}:
+            message = f"'{condition.text}' does not change: nothing drives in this wait"
+            return "wait.still", Severity.WARNING, message
+        grows = self._grows(node)
+        if len(ways) == 1 and grows and ways == {-grows}:
+            how = ("grow", "back") if grows > 0 else ("shrink", "forward")
+            message = f"'{condition.text}' waits for {self._odometry} to {how[0]}, and the robot "
+            return "wait.still", Severity.WARNING, f"{message}drives {how[1]}"
+        return None
+
+    def _not_on(self, wait: Wait, condition: Expression, ways: set[int]) -> _Said | None:
+        """A condition on the way since the wait began that what drives cannot make true."""
+        back, on = (-inf if -1 in ways else -STILL_M), (inf if 1 in ways else STILL_M)
+        narrower = self._with({self._changed: Range(back, on)})
+        if self._possible(wait, [(condition.tree, True)], narrower):
+            return None
+        drives = "the robot drives forward" if 1 in ways else "the robot drives back"
+        why = drives if {1, -1} & ways else "nothing drives in this wait"
+        message = f"'{condition.text}' does not come true: {why}"
+        return "wait.still", Severity.WARNING, message
+
+    def _way(self, configuration: int) -> int:
+        """1 where the configuration drives forward, -1 back, 0 where it drives no wheel."""
+        table, total = self._robot.table, 0.0
+        metres = {wheel.slot: wheel.metres_per_rad for wheel in self._robot.wheels}
+        for region, slots in self._robot.driven[configuration].items():
+            state = table.configurations[configuration][region]
+            for write in self._robot.actuation[region][state][-1]:
+                if write.slot in slots:
+                    total += write.value * metres.get(write.slot, 0.0)
+        return (total > 0) - (total < 0)
+
+    def _grows(self, node: tree.Node) -> int:
+        """1 where the condition becomes true as odometry grows, -1 as it shrinks, else 0."""
+        place = self._robot.odometry
+        span = self._spans.get(self._odometry, ANYTHING)
+        marks: set[float] = set()
+        for each in tree.walk(node):
+            if isinstance(each, tree.Compare) and signals(each):
+                marks |= borders(each, span)
+        values = [nan] * len(self._robot.vocabulary.with_changes.numbers)
+        truths = []
+        for value in sorted(samples(marks, span)):
+            values[place] = value
+            words = [None] * len(self._robot.vocabulary.words)
+            truths.append(Expression("", BOOLEAN, node).evaluate(values, words) is True)
+        if truths == sorted(truths) and len(set(truths)) > 1:
+            return 1
+        return -1 if truths == sorted(truths, reverse=True) and len(set(truths)) > 1 else 0
+
+    # --- words ------------------------------------------------------------------------------
+
+    def _word(self, wait: Wait, condition: Expression) -> _Said | None:
+        """A word that nothing in this pipe brings about."""
+        pipe = self._loaded.pipe
+        if pipe is None or pipe.route().crossings_m:
+            return None
+        vocabulary = self._robot.vocabulary
+        for name, values in (("detector", self._robot.detector_words), ("segment", (_JOINT,))):
+            kind = vocabulary.types.get(name)
+            if not isinstance(kind, EnumType) or name not in self._usual.free(condition.tree):
+                continue
+            signal = tree.Signal(name, "word", vocabulary.words.index(name))
+            said: Fact = tree.Matches(signal, tuple(values)), False
+            if not self._possible(wait, [(condition.tree, True), said], self._usual):
+                message = f"'{condition.text}' waits for a bend, and the pipe has none"
+                return "word.never", Severity.ERROR, message
+        return None
+
+    def _held(self, wait: Wait, trigger: TriggerSpec, node: tree.Node) -> _Said | None:
+        """A word that must hold for longer than one is valid."""
+        detector = self._loaded.loaded_robot.profile.detector
+        if trigger.held_s <= detector.valid_for:
+            return None
+        if "detector" not in self._usual.free(node):
+            return None
+        words = self._robot.vocabulary.words
+        known: Fact = tree.Known(tree.Signal("detector", "word", words.index("detector"))), False
+        if self._possible(wait, [(node, True), known], self._usual):
+            return None
+        message = f"it must be held for {trigger.held_s:g} s, and a word of the detector is valid "
+        return "word.held", Severity.WARNING, f"{message}for {detector.valid_for:g} s"
+
+
+def _fastest(loaded: LoadedMission) -> float:
+    """The speed of the fastest wheel without a load, m/s; infinite where it is not known."""
+    profile = loaded.loaded_robot.profile
+    rates = [
+        profile.motors[slot.motor].no_load_speed
+        for board in profile.boards
+        for slot in board.slots
+        if slot.wheel is not None
+    ]
+    known = [each for each in rates if each is not None]
+    return max(known) * profile.body.wheel_radius if known and len(known) == len(rates) else inf
+
+
+def _driven_before(found: Exploration, loaded: LoadedMission) -> frozenset[str]:
+    """Phases whose wait may begin after the robot has driven in an earlier wait."""
+    instructions, driven = found.program.instructions, loaded.robot.driven
+    after: dict[int, list[int]] = {}
+    begin = []
+    for step in found.steps:
+        if step.source < 0:
+            continue
+        after.setdefault(step.source, []).append(step.target)
+        before = found.nodes[step.source].state
+        waited = isinstance(instructions[before.mission.pc], Wait) and before.mission.begun
+        left = found.nodes[step.target].state.mission.pc != before.mission.pc
+        if waited and left and driven[before.robot.configuration]:
+            begin.append(step.target)
+    reached, waiting = set(begin), begin
+    while waiting:
+        for target in after.get(waiting.pop(), ()):
+            if target not in reached:
+                reached.add(target)
+                waiting.append(target)
+    return frozenset(found.program.phase_of[found.nodes[n].state.mission.pc] for n in reached)

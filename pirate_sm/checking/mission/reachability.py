@@ -1,0 +1,156 @@
+"""Where a mission can get to: phases and ends never reached, loops without a way out, rules."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from math import isfinite
+
+from pirate_sm.checking.exploring.exploration_index import Ledger
+from pirate_sm.checking.exploring.explore import MISHAPS, Exploration, Node
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.effects import PhaseChange
+
+
+def flow_findings(
+    books: Sequence[Ledger], seen: Sequence[Ledger], loaded: LoadedMission, places: Places
+) -> Iterator[Finding]:
+    """What is wrong with the ways through the mission.
+
+    Args:
+        books: What can happen.
+        seen: That, and what can happen once other faults are mended.
+        loaded: The mission.
+        places: Of its parts.
+    """
+    if not all(book.found.complete for book in seen):
+        yield from _round_and_round(books, loaded, places)
+        yield from _rules(books, places)
+        return
+    yield from _unreachable(seen, loaded, places)
+    endless = list(_endless(books, loaded, places))
+    yield from endless
+    yield from _round_and_round(books, loaded, places)
+    reached = {end for book in seen for end in book.ends}
+    succeeds = [name for name, end in loaded.mission.ends.items() if end.succeed is not None]
+    if not any(outcome == "succeeded" for outcome, _ in reached):
+        message = "no path leads to an end that succeeds"
+        if not succeeds:
+            message = "it has no end that succeeds"
+        yield places.finding(places.mission(), "mission.no_success", Severity.ERROR, message)
+    yield from _rules(books, places)
+
+
+def _unreachable(
+    seen: Sequence[Ledger], loaded: LoadedMission, places: Places
+) -> Iterator[Finding]:
+    entered = {phase for book in seen for phase in book.phases}
+    for name in loaded.mission.phases:
+        if name not in entered:
+            yield places.finding(
+                places.of(("phases", name), key=True), "phase.unreachable", Severity.WARNING,
+                f"nothing leads to the phase '{name}'",
+            )  # fmt: skip
+    ends = {end for book in seen for _, end in book.ends}
+    for name in loaded.mission.ends:
+        if name not in ends:
+            yield places.finding(
+                places.of(("ends", name), key=True), "end.unreachable", Severity.WARNING,
+                f"nothing leads to the end '{name}'",
+            )  # fmt: skip
+
+
+def _endless(books: Sequence[Ledger], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
+    """Phases from which no end can be reached, but by a failure, a fault or from outside."""
+    found = books[-1].found
+    if isfinite(loaded.program.time_limit_s):
+        return
+    lost = _cannot_end(found)
+    if not lost:
+        return
+    first = min(lost)
+    phase = found.program.phase_of[found.nodes[first].state.mission.pc]
+    own = phase.split("/", 1)[0]
+    sure = any(found.nodes[node].sure for node in lost)
+    others = sorted(
+        {
+            found.program.phase_of[found.nodes[node].state.mission.pc].split("/", 1)[0]
+            for node in lost
+        }
+        - {own, ""}
+    )
+    also = f" (nor from {', '.join(others)})" if others else ""
+    yield places.finding(
+        places.of(("phases", own), key=True), "loop.endless",
+        Severity.ERROR if sure else Severity.POSSIBLE,
+        f"from the phase '{own}' no end can be reached{also} unless something fails",
+        happens=(found, found.nodes[first].step), playable=len(books) == 1,
+    )  # fmt: skip
+
+
+def _cannot_end(found: Exploration) -> set[int]:
+    """Nodes from which only a failure or a fault leads to an end, and not to one that succeeds."""
+    usual: dict[int, list[int]] = defaultdict(list)
+    every: dict[int, list[int]] = defaultdict(list)
+    for step in found.steps:
+        every[step.target].append(step.source)
+        if step.move.kind not in MISHAPS:
+            usual[step.target].append(step.source)
+    over = {index for index, node in enumerate(found.nodes) if node.over}
+    good = {index for index in over if _succeeds(found.nodes[index])}
+    return set(range(len(found.nodes))) - _leading_to(over, usual) - _leading_to(good, every)
+
+
+def _succeeds(node: Node) -> bool:
+    ending = node.state.mission.ending
+    return ending is not None and ending.outcome == "succeeded"
+
+
+def _leading_to(targets: set[int], before: Mapping[int, Sequence[int]]) -> set[int]:
+    """The nodes from which one of these is reached, and these."""
+    can, pending = set(targets), list(targets)
+    while pending:
+        for source in before.get(pending.pop(), ()):
+            if source >= 0 and source not in can:
+                can.add(source)
+                pending.append(source)
+    return can
+
+
+def _round_and_round(
+    books: Sequence[Ledger], loaded: LoadedMission, places: Places
+) -> Iterator[Finding]:
+    for book in books:
+        if not book.round_and_round:
+            continue
+        step = book.found.steps[book.round_and_round[0]]
+        entered = [each.phase for each in step.effects if isinstance(each, PhaseChange)]
+        circle = list(dict.fromkeys(entered[entered.index(entered[-1]) :]))
+        first = next((each for each in entered if each in circle), "")
+        phase = first.split("/", 1)[0]
+        path = ("phases", phase) if phase in loaded.mission.phases else ("phases",)
+        way = " → ".join([*circle[circle.index(first) :], *circle[: circle.index(first)], first])
+        yield places.finding(
+            places.of(path, key=True), "loop.instant",
+            Severity.ERROR if step.sure else Severity.POSSIBLE,
+            f"{way}: this goes round without ever waiting",
+        )  # fmt: skip
+        return
+
+
+def _rules(books: Sequence[Ledger], places: Places) -> Iterator[Finding]:
+    told: set[str] = set()
+    for book in books:
+        for message, number in book.broken.items():
+            if message in told:
+                continue
+            told.add(message)
+            state = book.found.nodes[book.found.steps[number].target].state.mission
+            at = getattr(book.found.program.instructions[state.pc], "place", "")
+            yield places.finding(
+                places.read(at) if at else places.mission(), "rule.violated",
+                Severity.ERROR if book.sure(number) else Severity.POSSIBLE, message,
+                happens=(book.found, number), playable=book is books[0],
+            )  # fmt: skip

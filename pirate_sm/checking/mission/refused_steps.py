@@ -1,0 +1,191 @@
+"""Steps that cannot run, on every path or on some, and calls whose terms are not met."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+
+from pirate_sm.checking.exploring.exploration_index import Ledger, Visits
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.checking.mission.shortest_commands import way
+from pirate_sm.engine.mission.program import STOP, Do, Program, Require
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.effects import CommandStatus
+
+
+def refusal_findings(
+    books: Sequence[Ledger], seen: Sequence[Ledger], loaded: LoadedMission, places: Places
+) -> Iterator[Finding]:
+    """One finding for each step that is refused on some path, from where it is first seen.
+
+    Args:
+        books: What can happen.
+        seen: That, and what can happen once other faults are mended.
+        loaded: The mission.
+        places: Of its parts.
+    """
+    steps = {
+        each.place: each
+        for each in loaded.program.instructions
+        if isinstance(each, Do | Require) and each.place
+    }
+    handlers = handler_phases(loaded.program)
+    phases = _phases(loaded.program)
+    done: set[str] = set()
+    for number, book in enumerate(books):
+        assumed = number > 0
+        for place, visits in book.visits.items():
+            if place in done or place not in steps:
+                continue
+            done.add(place)
+            step = steps[place]
+            if _needed(place, seen) and not visits.refused:
+                continue
+            name = places.written(place, visits.name)
+            handling = bool(phases[place] & handlers)
+            found = _judge(book, visits, name, step, loaded, handling=handling)
+            if found is None:
+                continue
+            code, severity, message, step_number, mend = found
+            if assumed:
+                message += " (once the step before that cannot run has been mended)"
+            yield places.finding(
+                places.read(place), code, severity, message, mend=mend,
+                happens=(book.found, step_number) if step_number >= 0 else None,
+                playable=not assumed,
+            )  # fmt: skip
+
+
+def handler_phases(program: Program) -> frozenset[str]:
+    """Phases that failures and faults lead to."""
+    targets = {
+        each.failed
+        for each in program.instructions
+        if isinstance(each, Do | Require) and each.failed not in {STOP, each.next}
+    }
+    targets |= {
+        handler.go for each in program.handlers for handler in each if handler.go is not None
+    }
+    return frozenset(program.phase_of[target] for target in targets) - {""}
+
+
+def _phases(program: Program) -> dict[str, set[str]]:
+    """The phases in which the step at each place stands; a called one stands in several."""
+    found: dict[str, set[str]] = defaultdict(set)
+    for each, phase in zip(program.instructions, program.phase_of, strict=True):
+        if isinstance(each, Do | Require):
+            found[each.place].add(phase)
+    return found
+
+
+def _needed(place: str, seen: Sequence[Ledger]) -> bool:
+    """Whether the step is given anywhere."""
+    return any(place in book.visits and book.visits[place].given for book in seen)
+
+
+def _judge(
+    book: Ledger,
+    visits: Visits,
+    name: str,
+    step: Do | Require,
+    loaded: LoadedMission,
+    *,
+    handling: bool,
+) -> tuple[str, Severity, str, int, str] | None:
+    """Code, severity, message, step to be told, and how to mend it; None where all is well."""
+    complete = book.found.complete
+    if isinstance(step, Do) and not visits.given and not visits.refused and complete:
+        message = f"{name} is never needed: it is so already whenever its turn comes"
+        return "step.never_needed", Severity.WARNING, message, -1, "leave the step out"
+    if not visits.refused:
+        return None
+    always = visits.never_fine and complete
+    refused = visits.refused if always else _unexpected(visits, step)
+    if not refused:
+        return None
+    first = _first(book, refused)
+    severity = _severity(book, refused, first, handling=handling)
+    reason = visits.reasons[first]
+    code = _code(visits, step, first, "" if always else "maybe_", handling=handling)
+    word = "is refused" if always else "can be refused"
+    message = f"{name} {word} as {reason}"
+    if always and len({visits.reasons[each] for each in visits.refused}) > 1:
+        message += ", or for another reason, on every path"
+    if isinstance(step, Require):
+        return code, severity, message, first, _way_to(step, book, first, loaded, always=always)
+    return code, severity, message, first, _mend(visits, first, always=always)
+
+
+def _unexpected(visits: Visits, step: Do | Require) -> list[int]:
+    """Refusals that nobody has thought of, of a step that is not always refused.
+
+    Where a step itself says where its failures lead, its refusals are thought of. Its phase does
+    so for what is impossible; an unneeded step would keep the next ones from being done.
+    """
+    if step.expected:
+        return []
+    return visits.unneeded if step.handled else visits.refused
+
+
+def _first(book: Ledger, refused: Sequence[int]) -> int:
+    """The refusal to be told: a sure one if there is, and of these the first."""
+    sure = [each for each in refused if book.sure(each)]
+    return min(sure or refused)
+
+
+def _severity(book: Ledger, refused: Sequence[int], first: int, *, handling: bool) -> Severity:
+    """A handler that fails only once a second thing has gone wrong is not certainly wrong."""
+    if not book.sure(first):
+        return Severity.POSSIBLE
+    again = handling and min(book.found.mishaps(each) for each in refused) > 1
+    return Severity.WARNING if again else Severity.ERROR
+
+
+def _code(visits: Visits, step: Do | Require, first: int, maybe: str, *, handling: bool) -> str:
+    if isinstance(step, Require):
+        return f"call.{maybe}starts_in"
+    if handling:
+        return "handler.impossible"
+    kind = "unneeded" if first in visits.unneeded else "impossible"
+    return f"step.{maybe}{kind}"
+
+
+def _way_to(step: Require, book: Ledger, first: int, loaded: LoadedMission, *, always: bool) -> str:
+    """How the terms of a call can be met where they are not."""
+    source = book.found.steps[first].source
+    body = book.found.nodes[max(source, 0)].state.robot
+    commands = way(loaded.robot, body, step.states)
+    if commands is None:
+        return "no commands lead there from where the robot is: let another phase come before it"
+    if not commands:
+        return "put a command before it that confirms these states"
+    given = ", ".join(commands)
+    before = f"put {given} before the call"
+    if always:
+        return before
+    failed = [each for each in commands if each in _failed(book, first)]
+    if failed:
+        stand, its = ("stands", "its") if len(failed) == 1 else ("stand", "their")
+        message = f"{', '.join(failed)} {stand} before the call and can fail: let {its} failure"
+        return f"{message} lead elsewhere, or say `on_failure` at the call"
+    each = "each " if len(commands) > 1 else ""
+    return f"{before}, {each}with `unneeded: skip`, or say `on_failure` at the call"
+
+
+def _failed(book: Ledger, step: int) -> set[str]:
+    """Names of the commands that come to no good end on the way to a step."""
+    return {
+        effect.name
+        for each in book.found.path(step)
+        for effect in each.effects
+        if isinstance(effect, CommandStatus) and effect.status in ("refused", "failed")
+    }
+
+
+def _mend(visits: Visits, first: int, *, always: bool) -> str:
+    if first in visits.unneeded:
+        if always:
+            return "leave the step out, or say `unneeded: skip`"
+        return "say `unneeded: skip`: then it is passed over where it is not needed"
+    return "put the commands before it that make it possible, or say `on_failure` at the step"

@@ -1,0 +1,110 @@
+"""What came of running missions in the simulator; whoever checks says how that is done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeAlias
+
+from pirate_sm.checking.allowances import settle
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.mission.check_mission import MissionCheck
+from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.loading.folders import shown
+from pirate_sm.loading.mission import LoadedMission
+
+
+@dataclass(frozen=True)
+class RehearsedRun:
+    """One run.
+
+    Attributes:
+        outcome: As the engine says: ``succeeded``, ``failed``, ``fault`` or ``interrupted``.
+        message: Why.
+        time_s: How long it took, in mission time.
+    """
+
+    seed: int
+    outcome: str
+    message: str
+    time_s: float
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether the mission came to an end that succeeds."""
+        return self.outcome == "succeeded"
+
+
+@dataclass(frozen=True)
+class Nearly:
+    """Something that nearly happened in a run.
+
+    Attributes:
+        text: What, with numbers.
+        share: How near it came; 1 is where it happens.
+        at_s: When, in mission time.
+    """
+
+    text: str
+    share: float
+    at_s: float
+    seed: int
+
+
+@dataclass(frozen=True)
+class Rehearsal:
+    """The runs of one mission.
+
+    Attributes:
+        file: As messages name it.
+        nearly: The closest calls of all runs, the closest first.
+        skipped: Why there are no runs; empty where there are.
+        at_once: Places of triggers whose condition was true as their wait began, with the text.
+    """
+
+    file: str
+    runs: tuple[RehearsedRun, ...] = ()
+    nearly: tuple[Nearly, ...] = ()
+    skipped: str = ""
+    at_once: tuple[tuple[str, str], ...] = ()
+
+
+Rehearse: TypeAlias = Callable[[LoadedMission, Path], Rehearsal]
+"""Runs the mission that was read from this file."""
+
+
+def rehearsed(
+    check: MissionCheck, path: Path, rehearse: Rehearse
+) -> tuple[Rehearsal, tuple[Finding, ...]]:
+    """The mission has been run, unless something is certainly wrong with it; and what that shows.
+
+    Args:
+        check: What is known of the mission.
+        path: Its file.
+        rehearse: Runs it.
+    """
+    texts = {document.name: document.text for document in check.documents}
+    settled = settle(check.findings, texts)
+    wrong = any(each.severity is Severity.ERROR and not each.allowed for each in settled)
+    if check.loaded is None or wrong:
+        return Rehearsal(shown(path), skipped="something is certainly wrong with it"), ()
+    done = rehearse(check.loaded, path)
+    places = Places(check.loaded)
+    found = [
+        places.finding(
+            places.read(place), "rehearsal.at_once", Severity.WARNING,
+            f"in the simulator '{text}' was true already as its wait began",
+        )
+        for place, text in done.at_once
+    ]  # fmt: skip
+    failed = [run for run in done.runs if not run.succeeded]
+    if not failed:
+        return done, tuple(found)
+    first = failed[0]
+    message = f"in the simulator it does not succeed: {first.message} (after {first.time_s:.1f} s)"
+    if len(done.runs) > 1:
+        seeds = ", ".join(str(run.seed) for run in failed)
+        message += f"; {len(failed)} of {len(done.runs)} runs, with the seeds {seeds}"
+    found.append(places.finding(places.mission(), "rehearsal.failed", Severity.ERROR, message))
+    return done, tuple(found)

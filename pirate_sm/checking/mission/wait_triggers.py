@@ -1,0 +1,243 @@
+"""Triggers that nothing can make true, that come too late, or that are true already."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from pirate_sm.checking.exploring.at_wait_start import at_beginning
+from pirate_sm.checking.exploring.conditions import Conditions, Fact
+from pirate_sm.checking.exploring.exploration_index import Ledger
+from pirate_sm.checking.exploring.signal_ranges import ranges
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.engine.mission.program import Branch, Program, TriggerSpec, Wait
+from pirate_sm.expressions import Expression, Vocabulary, tree
+from pirate_sm.expressions.vocabulary import change_of
+from pirate_sm.loading.mission import LoadedMission
+
+
+def wait_findings(
+    books: Sequence[Ledger], seen: Sequence[Ledger], loaded: LoadedMission, places: Places
+) -> Iterator[Finding]:
+    """What is wrong with triggers and with conditions of steps.
+
+    Args:
+        books: What can happen.
+        seen: That, and what can happen once other faults are mended.
+        loaded: The mission.
+        places: Of its parts.
+    """
+    spans = ranges(loaded.loaded_robot.profile, loaded.robot)
+    robot = loaded.robot
+    conditions = Conditions(robot.vocabulary.with_changes, spans, len(robot.regions))
+    judge = _Judge(books, seen, loaded, conditions)
+    told: set[str] = set()
+    if all(book.found.complete for book in seen):
+        for place, (code, severity, message, mend) in judge.triggers().items():
+            told.add(place)
+            yield places.finding(places.read(place), code, severity, message, mend=mend)
+    for place, condition, if_false in _conditions(loaded.program):
+        said = judge.constant(condition)
+        if said and place not in told:
+            yield places.finding(
+                places.read(place), "condition.constant", Severity.WARNING,
+                f"'{condition.text}' is always {said}",
+                mend="leave the condition out" if said.startswith("true") else if_false,
+            )  # fmt: skip
+
+
+def _conditions(program: Program) -> Iterator[tuple[str, Expression, str]]:
+    """Place and condition of what is asked, and how to mend one that is never true."""
+    for each in program.instructions:
+        if isinstance(each, Branch):
+            yield each.place, each.condition, "leave the step out"
+        elif isinstance(each, Wait):
+            for trigger in each.triggers:
+                if trigger.condition is not None:
+                    yield trigger.place, trigger.condition, "leave the trigger out"
+
+
+_Said = tuple[str, Severity, str, str]
+
+
+class _Judge:
+    def __init__(
+        self,
+        books: Sequence[Ledger],
+        seen: Sequence[Ledger],
+        loaded: LoadedMission,
+        conditions: Conditions,
+    ) -> None:
+        self._books = books
+        self._seen = seen
+        self._table = loaded.robot.table
+        self._program = loaded.program
+        self._conditions = conditions
+        self._changes = {change_of(name): name for name in loaded.robot.vocabulary.numbers}
+        self._constant: dict[tree.Node, str] = {}
+
+    def triggers(self) -> dict[str, _Said]:
+        """What is to be said of a trigger, by its place; nothing where it is ever of use."""
+        fine: set[str] = set()
+        found: dict[str, _Said] = {}
+        for wait in self._program.instructions:
+            if not isinstance(wait, Wait):
+                continue
+            for number, trigger in enumerate(wait.triggers):
+                said = self._trigger(wait, number, trigger)
+                if said is None:
+                    fine.add(trigger.place)
+                else:
+                    found.setdefault(trigger.place, said)
+        idle = {
+            trigger.place
+            for wait in self._program.instructions
+            if isinstance(wait, Wait)
+            and any(found.get(each.place, ("",))[0] == "trigger.at_once" for each in wait.triggers)
+            for trigger in wait.triggers
+            if found.get(trigger.place, ("",))[0] == "trigger.shadowed"
+        }
+        return {place: said for place, said in found.items() if place not in fine | idle}
+
+    def _trigger(self, wait: Wait, number: int, trigger: TriggerSpec) -> _Said | None:
+        key = wait.phase, wait.place
+        if not any(book.waits[key].armed for book in self._books):
+            return None  # that its phase is never reached is said there
+        armed = sum(len(book.waits[key].armed) for book in self._seen)
+        fired = sum(len(book.waits[key].fired[trigger.name]) for book in self._seen)
+        if fired:
+            at_once = sum(book.waits[key].at_once[trigger.name] for book in self._seen)
+            if trigger.condition is None:
+                return None
+            blind = self._blind(wait, trigger, trigger.condition)
+            if blind or not at_once:
+                return blind
+            if at_once == armed or not self._can_be(wait, [(trigger.condition.tree, False)]):
+                message = f"'{trigger.text}' is true already whenever the wait begins"
+                return "trigger.at_once", Severity.WARNING, message, "go there without a wait"
+            return self._unchanged(wait, trigger, trigger.condition)
+        late = self._late(wait, trigger)
+        if late:
+            return "trigger.never", Severity.ERROR, f"{late}: it can never fire", ""
+        if trigger.condition is not None and not self._can_be(
+            wait, [(trigger.condition.tree, True)]
+        ):
+            message = f"nothing can make '{trigger.condition.text}' true here"
+            return "trigger.never", Severity.ERROR, message, ""
+        message = f"'{trigger.text}' can never fire: {self._ahead(wait, number)} always does"
+        return "trigger.shadowed", Severity.WARNING, message, "list it first, or leave it out"
+
+    def _unchanged(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
+        """What is to be said of a condition that is true as long as nothing has changed."""
+        at_first = at_beginning(condition.tree, self._changes.keys())
+        if at_first == condition.tree or self._can_be(wait, [(at_first, False)]):
+            return None
+        names = self._changed(condition)
+        if not all(self._known_at_first(wait, names)):
+            return None
+        are = "is" if len(names) == 1 else "are"
+        message = (
+            f"'{trigger.text}' is true already whenever the wait begins and {' and '.join(names)} "
+            f"{are} known: {' and '.join(map(change_of, names))} {are} 0 then"
+        )
+        mend = "ask for a change that the wait brings about: one backwards is negative"
+        return "trigger.at_once", Severity.WARNING, message, mend
+
+    def _blind(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
+        """Return what to say of changes of signals that are unknown whenever the wait begins."""
+        unknown = [
+            name for name in self._changed(condition) if not any(self._known_at_first(wait, [name]))
+        ]
+        vocabulary = self._conditions.vocabulary
+        facts = [(tree.Known(_signal(vocabulary, change_of(name))), False) for name in unknown]
+        if not unknown or self._can_be(wait, [(condition.tree, True), *facts]):
+            return None
+        names = " and ".join(unknown)
+        are = "is" if len(unknown) == 1 else "are"
+        message = f"'{trigger.text}' can never fire: {names} {are} unknown when the wait begins"
+        return "trigger.never", Severity.ERROR, message, ""
+
+    def _changed(self, condition: Expression) -> list[str]:
+        """Return the names of the signals about whose change the condition is, each once."""
+        signals = (each for each in tree.walk(condition.tree) if isinstance(each, tree.Signal))
+        names = dict.fromkeys(each.name for each in signals)
+        return [self._changes[name] for name in names if name in self._changes]
+
+    def _known_at_first(self, wait: Wait, names: Sequence[str]) -> Iterator[bool]:
+        """Yield for each time the wait begins whether these signals can be known then."""
+        facts = [(tree.Known(_signal(self._conditions.vocabulary, name)), True) for name in names]
+        for book in self._seen:
+            for number in book.waits[wait.phase, wait.place].armed:
+                step = book.found.steps[number]
+                configuration = book.found.nodes[step.target].state.robot.configuration
+                states = self._table.configurations[configuration]
+                yield self._conditions.ask((*step.moment.facts, *facts), states).possible
+
+    def _ahead(self, wait: Wait, number: int) -> str:
+        """What fires wherever this trigger would."""
+        own = wait.triggers[number].condition
+        for trigger in wait.triggers[:number]:
+            if own is None or trigger.condition is None:
+                continue
+            if not self._can_be(wait, [(own.tree, True), (trigger.condition.tree, False)]):
+                return f"'{trigger.text}', listed before it,"
+        return "another one"
+
+    @staticmethod
+    def _late(wait: Wait, trigger: TriggerSpec) -> str:
+        """Why the trigger would come only after the wait is over; empty: it need not."""
+        limits = [(wait.within_s, "`within`")]
+        limits += [
+            (each.after_s, f"'{each.text}'")
+            for each in wait.triggers
+            if each.after_s is not None and each is not trigger
+        ]
+        least_s, what = min(limits)
+        own_s = trigger.held_s if trigger.after_s is None else trigger.after_s
+        if own_s <= least_s:
+            return ""
+        took = "must be held for" if trigger.after_s is None else "comes after"
+        return f"it {took} {own_s:g} s, and {what} ends the wait after {least_s:g} s"
+
+    def _can_be(self, wait: Wait, facts: Sequence[Fact]) -> bool:
+        """Whether all of this can be so in a configuration of the wait."""
+        reached = {
+            self._table.configurations[configuration]
+            for book in self._seen
+            for configuration in book.waits[wait.phase, wait.place].states
+        }
+        return self._conditions.anywhere(facts, reached)
+
+    def constant(self, condition: Expression) -> str:
+        """``true`` or ``false`` where the condition is that in every configuration.
+
+        What is true of every value of its signals counts as true: asking whether they are known
+        is :class:`~pirate_sm.expressions.tree.Known`'s.
+        """
+        if condition.tree not in self._constant:
+            every = self._table.configurations
+            self._constant[condition.tree] = ""
+            known: list[Fact] = [(tree.Known(each), True) for each in _numbers(condition.tree)]
+            questions: list[tuple[str, list[Fact]]] = [
+                ("true", [(condition.tree, False)]),
+                ("false", [(condition.tree, True)]),
+                ("true where its signals are known", [(condition.tree, False), *known]),
+            ]
+            for said, facts in questions:
+                if not self._conditions.anywhere(facts, every):
+                    self._constant[condition.tree] = said
+                    break
+        return self._constant[condition.tree]
+
+
+def _signal(vocabulary: Vocabulary, name: str) -> tree.Signal:
+    slot = vocabulary.slot(name)
+    return tree.Signal(name, slot.kind, slot.index)
+
+
+def _numbers(node: tree.Node) -> list[tree.Signal]:
+    """The numeric signals of a condition that is about their values."""
+    parts = dict.fromkeys(tree.walk(node))
+    if any(isinstance(each, tree.Known) for each in parts):
+        return []
+    return [each for each in parts if isinstance(each, tree.Signal) and each.kind == "number"]

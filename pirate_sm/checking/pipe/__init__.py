@@ -1,0 +1,1 @@
+"""Rules that find where a mission does not fit its pipe."""

@@ -1,0 +1,1 @@
+"""Commands that lead a robot into states, or back into a phase of a mission."""

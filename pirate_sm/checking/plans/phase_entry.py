@@ -1,0 +1,51 @@
+"""Whether a mission can be handed back at one of its phases, as the robot is now."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from pirate_sm.checking.exploring.exploration_index import Ledger, ledger
+from pirate_sm.checking.exploring.explore import explore
+from pirate_sm.checking.mission.check_mission import conditions_of
+from pirate_sm.engine.mission.program import Do, Require
+from pirate_sm.engine.robot.robot_state import RobotState
+from pirate_sm.loading.mission import LoadedMission
+
+
+def why_not_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
+    """What would go wrong if the mission went on with the phase; empty: nothing.
+
+    Args:
+        loaded: The mission.
+        phase: One of its phases.
+        body: What the robot has been commanded to, with nothing in flight.
+    """
+    begin = loaded.program.beginning(phase)
+    if begin is None:
+        return "the mission has no such phase"
+    body = body._replace(flight=None, motion=None, loops=())
+    program = replace(loaded.program, start=begin)
+    book = ledger(explore(loaded.robot, program, conditions_of(loaded), body=body))
+    if book.broken:
+        return next(iter(book.broken))
+    refused = _refused(book, program.instructions)
+    if refused:
+        return refused
+    if not any(outcome == "succeeded" for outcome, _ in book.ends):
+        return "from there no path leads to an end that succeeds"
+    return ""
+
+
+def _refused(book: Ledger, instructions: tuple[object, ...]) -> str:
+    """The first refusal that its step does not expect."""
+    expected = {each.place for each in instructions if isinstance(each, Do) and each.expected}
+    places = {each.place for each in instructions if isinstance(each, Do | Require)}
+    found = [
+        (min(visits.refused), visits.name, place, visits.reasons[min(visits.refused)])
+        for place, visits in book.visits.items()
+        if visits.refused and place in places - expected
+    ]
+    if not found:
+        return ""
+    _, name, place, reason = min(found)
+    return f"{name} ({place}) would be refused as {reason}"

@@ -1,0 +1,69 @@
+"""Which commands restore the configuration in which a phase of a mission can begin."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+from pirate_sm.checking.exploring.explore import explore
+from pirate_sm.checking.mission.check_mission import conditions_of
+from pirate_sm.checking.plans.phase_entry import why_not_from
+from pirate_sm.engine.robot.planning import Plan, RulePlaces, plans
+from pirate_sm.engine.robot.robot_state import RobotState, at_rest_in
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.effects import PhaseChange
+
+Beginnings = Mapping[str, frozenset[int]]
+"""Per phase the configurations in which the mission, run from its start, enters it."""
+
+
+def beginnings(loaded: LoadedMission) -> Beginnings:
+    """Explore the mission and return the configurations in which each phase begins."""
+    found: dict[str, set[int]] = {}
+    exploration = explore(loaded.robot, loaded.program, conditions_of(loaded))
+    for step in exploration.steps:
+        for effect in step.effects:
+            if isinstance(effect, PhaseChange):
+                body = exploration.nodes[step.target].state.robot
+                found.setdefault(effect.phase, set()).add(body.configuration)
+    return {phase: frozenset(configurations) for phase, configurations in found.items()}
+
+
+def restoring(
+    loaded: LoadedMission,
+    phases: Collection[str],
+    body: RobotState,
+    begun_in: Beginnings,
+    places: RulePlaces | None = None,
+) -> dict[str, Plan]:
+    """Return for each phase the best plan after which the mission can go on with it.
+
+    A plan ends in a configuration in which the mission enters the phase by itself, and from there
+    the phase has been tried as :func:`why_not_from` does. Phases to which no commands lead are
+    left out. A plan with a hindrance is for saying so, not for following.
+
+    Args:
+        loaded: The mission.
+        phases: Those to be looked at.
+        body: What the robot has been commanded to, with nothing in flight.
+        begun_in: What :func:`beginnings` has found.
+        places: Where the mission's safety rules are; None: they have not seen the robot yet.
+    """
+    body = body._replace(flight=None, motion=None, loops=())
+    missing = {phase: begun_in[phase] for phase in phases if begun_in.get(phase)}
+    hopeless = {phase for phase in missing if _never(loaded, phase, missing[phase])}
+    found: dict[str, Plan] = {}
+    for plan in plans(loaded.robot, loaded.program, body, places):
+        for phase in missing.keys() - found.keys() - hopeless:
+            fits = plan.body.configuration in missing[phase]
+            if fits and not why_not_from(loaded, phase, plan.body):
+                found[phase] = plan
+        if len(found) + len(hopeless) == len(missing):
+            break
+    return found
+
+
+def _never(loaded: LoadedMission, phase: str, configurations: Collection[int]) -> bool:
+    """Whether the phase cannot go well even in the configurations in which it begins."""
+    return all(
+        why_not_from(loaded, phase, at_rest_in(loaded.robot, each)) for each in configurations
+    )

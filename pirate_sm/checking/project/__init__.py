@@ -1,0 +1,1 @@
+"""Find the files of a project and check each of them."""

@@ -1,0 +1,351 @@
+"""Everything that can be known of the files of a project, in one report."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from pirate_sm.checking.allowances import settle
+from pirate_sm.checking.file_kinds import Kind
+from pirate_sm.checking.findings import Finding, Severity, finding_of
+from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
+from pirate_sm.checking.mission.mission_parameters import check_settings
+from pirate_sm.checking.mission.rehearsal import Rehearsal, Rehearse, rehearsed
+from pirate_sm.checking.project.find_files import Target, find_targets
+from pirate_sm.checking.reports.example_files import Examples
+from pirate_sm.checking.robot.check_robot import check_robot
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import library, references
+from pirate_sm.loading.calibration import load_calibration
+from pirate_sm.loading.chart_outline import outline_chart
+from pirate_sm.loading.folders import PROFILE_FILE, shown
+from pirate_sm.loading.pipe_file import check_pipe, load_pipe
+from pirate_sm.loading.problems import LoadError, Place, Problems
+from pirate_sm.loading.robot import load_robot
+from pirate_sm.loading.script import read_script
+from pirate_sm.loading.source import LARGEST_FILE, Document, read_document
+from pirate_sm.loading.validate import validate
+from pirate_sm.model.calibration import Calibration
+
+_LONGEST_MESSAGE = 300
+
+
+@dataclass(frozen=True)
+class CheckedFile:
+    """A file that was looked at, as messages name it."""
+
+    name: str
+    kind: Kind
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a check has found.
+
+    Attributes:
+        findings: By place, each once; allowed ones too.
+        files: What was looked at.
+        where: The files and folders that were searched.
+        nothing: Whether there was no file at all to look at.
+        rehearsals: What came of running missions, where that was wanted.
+    """
+
+    findings: tuple[Finding, ...]
+    files: tuple[CheckedFile, ...]
+    rehearsals: tuple[Rehearsal, ...] = ()
+    where: tuple[str, ...] = ()
+    nothing: bool = False
+
+    @property
+    def open(self) -> tuple[Finding, ...]:
+        """The findings that nobody has allowed."""
+        return tuple(each for each in self.findings if not each.allowed)
+
+    @property
+    def allowed(self) -> tuple[Finding, ...]:
+        """The findings that may stay."""
+        return tuple(each for each in self.findings if each.allowed)
+
+    def fails(self, at: Severity) -> bool:
+        """Whether anything was found that is as bad as this, or worse."""
+        return any(each.severity >= at for each in self.open)
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What missions are checked with in place of what they say themselves.
+
+    Attributes:
+        robot: Name or path of a robot.
+        pipe: Name or path of a pipe.
+        settings: Values of parameters, for every mission that has them.
+        keep_going: Whether a fault of this program becomes a finding.
+        counterexamples: The folder that counterexamples are written to; None: they are not.
+        rehearse: Runs a mission in the simulator; None: none is run.
+        outside: Whether references may leave the project.
+    """
+
+    robot: str | None = None
+    pipe: str | None = None
+    settings: Mapping[str, str] = field(default_factory=dict)
+    keep_going: bool = True
+    counterexamples: Path | None = None
+    rehearse: Rehearse | None = None
+    outside: bool = False
+
+
+Progress = Callable[[int, int, str], None]
+"""Called before each file: how many are done, how many there are, and the next one's name."""
+
+
+def check_paths(
+    paths: Iterable[str] = (), wishes: Wishes | None = None, progress: Progress | None = None
+) -> Report:
+    """What is wrong with these files, folders and what lies in them.
+
+    Args:
+        paths: Files, folders or names of what is shipped; none means the working directory.
+        wishes: What missions are checked with.
+        progress: Is told about each file before it is looked at.
+
+    Raises:
+        UsageError: A path leads nowhere, or a wish does not fit.
+    """
+    wishes = wishes or Wishes()
+    check = _Check(wishes)
+    found = find_targets(paths)
+    check.findings += found.findings
+    with references.kept_inside(wanted=not wishes.outside):
+        for number, target in enumerate(found.targets):
+            if progress is not None:
+                progress(number, len(found.targets), shown(target.path))
+            check.take(target)
+    report = check.report()
+    return replace(report, where=found.where, nothing=not found.targets)
+
+
+class _Check:
+    """A check under way; holds what is found and the files that it was found in."""
+
+    def __init__(self, wishes: Wishes) -> None:
+        if wishes.robot is not None:
+            library.find_robot(wishes.robot)
+        if wishes.pipe is not None:
+            library.find_pipe(wishes.pipe, Path.cwd())
+        self.findings: list[Finding] = []
+        self._wishes = wishes
+        self._files: list[CheckedFile] = []
+        self._texts: dict[str, str] = {}
+        self._set: set[str] = set()  # settings that some mission has taken
+        self._unset: dict[str, tuple[Finding, ...]] = {}  # parameters of missions, by their files
+        self._called: set[str] | None = set()  # files that others use; None: not all are known
+        self._rehearsals: list[Rehearsal] = []
+        self._examples = wishes.counterexamples and Examples(wishes.counterexamples)
+
+    def take(self, target: Target) -> None:
+        """What is wrong with a file has been added."""
+        name = shown(target.path)
+        if target.kind is Kind.CHART and name in self._texts:
+            return  # it was judged with its robot
+        if target.kind not in {Kind.OTHER, Kind.UNREADABLE}:
+            self._files.append(CheckedFile(name, target.kind))
+        try:
+            _CHECKS[target.kind](self, target)
+        except LoadError as error:
+            self.findings += map(finding_of, error.problems)
+        except UsageError:
+            raise
+        except Exception as error:
+            if not self._wishes.keep_going:
+                raise
+            message = f"the check has failed on this file: {type(error).__name__}: {error}"
+            self._add("check.failed", name, message)
+
+    def report(self) -> Report:
+        """Everything that was found, each once, and held against what is allowed."""
+        unused = self._wishes.settings.keys() - self._set
+        if unused:
+            raise UsageError(f"no mission here has a parameter '{min(unused)}'")
+        for name in {each.place.file for each in self.findings} | {f.name for f in self._files}:
+            self._read(name)
+        for name, found in self._unset.items():
+            if self._called is not None and name not in self._called:
+                self.findings += found
+        settled = settle(_each_once(self.findings), self._texts)
+        ordered = sorted(settled, key=lambda each: each.order)
+        if self._examples:
+            ordered = self._examples.write(ordered)
+        return Report(tuple(ordered), tuple(self._files), tuple(self._rehearsals))
+
+    def robot(self, target: Target) -> None:
+        """A robot: its profile and its chart."""
+        if target.path.name != PROFILE_FILE:
+            message = f"the profile of a robot is named {PROFILE_FILE} and has a folder of its own"
+            self._add("check.kind", shown(target.path), message)
+            return
+        checked = check_robot(_folder(target.path))
+        self._keep(checked.documents)
+        self._files += [CheckedFile(each.name, Kind.CHART) for each in checked.documents[1:]]
+        self.findings += checked.findings
+
+    def chart(self, target: Target) -> None:
+        """A chart that no robot here uses: its form."""
+        document = self._document(target)
+        problems = Problems(document)
+        outline_chart(document, problems)
+        self.findings += map(finding_of, problems.all)
+
+    def pipe(self, target: Target) -> None:
+        """A pipe by itself; whether a robot fits it is said of the missions that use it."""
+        pipe, document = load_pipe(target.path)
+        self._keep([document])
+        problems = Problems(document)
+        check_pipe(pipe, document, problems)
+        self.findings += map(finding_of, problems.all)
+
+    def mission(self, target: Target) -> None:
+        """A mission, with its robot, its pipe and what it calls."""
+        settings = self._settings(target)
+        checked = check_mission(
+            target.path, robot=self._wishes.robot, pipe=self._wishes.pipe, settings=settings
+        )
+        self._keep(checked.documents)
+        self.findings += checked.findings
+        self._remember(checked, shown(target.path), settings)
+        if self._examples:
+            self._examples.remember(checked, target.path, _options(self._wishes, settings))
+        if self._wishes.rehearse is not None:
+            rehearsal, found = rehearsed(checked, target.path, self._wishes.rehearse)
+            self._rehearsals.append(rehearsal)
+            self.findings += found
+
+    def _remember(self, checked: MissionCheck, name: str, settings: Mapping[str, str]) -> None:
+        """What nothing sets is known, and what this mission calls."""
+        if checked.loaded is None:
+            self._called = None
+            return
+        own = checked.loaded.documents[0]
+        self._unset[name] = check_settings(checked.loaded.mission, own, settings)
+        if self._called is not None:
+            self._called |= {each.name for each in checked.documents} - {name}
+
+    def calibration(self, target: Target) -> None:
+        """A calibration, held against its robot where that is known."""
+        document = self._document(target)
+        calibration = validate(document, Calibration)
+        folder = _folder(target.path)
+        if not (folder / PROFILE_FILE).is_file():
+            try:
+                folder = library.find_robot(calibration.robot)
+            except UsageError as error:
+                problems = Problems(document)
+                problems.add("calibration.robot", ("robot",), str(error))
+                problems.raise_errors()
+        try:
+            robot = load_robot(folder)
+        except LoadError:
+            return  # which is said of the robot
+        load_calibration(target.path, robot)
+
+    def script(self, target: Target) -> None:
+        """A trace script: its form; what its names mean is the mission's that it is for."""
+        read_script(self._document(target))
+
+    def other(self, target: Target) -> None:
+        """None of our files: wrong only if somebody meant it to be one."""
+        if target.kind is Kind.UNREADABLE or target.path.suffix in library.SUFFIXES:
+            self._document(target)
+        message = "this is no robot, mission, pipe, calibration or trace script"
+        self._add("check.kind", shown(target.path), message)
+
+    def _settings(self, target: Target) -> dict[str, str]:
+        """The settings that are about parameters of this mission."""
+        wanted = self._wishes.settings
+        if not wanted:
+            return {}
+        data = read_document(target.path, shown(target.path)).data
+        own = data.get("parameters") if isinstance(data, dict) else None
+        taken = {n: v for n, v in wanted.items() if isinstance(own, dict) and n in own}
+        self._set |= taken.keys()
+        return taken
+
+    def _document(self, target: Target) -> Document:
+        document = read_document(target.path, shown(target.path))
+        self._keep([document])
+        return document
+
+    def _keep(self, documents: Iterable[Document]) -> None:
+        for document in documents:
+            self._texts[document.name] = document.text
+
+    def _read(self, name: str) -> None:
+        """The text of a file that could not be used is known, for what is allowed in it."""
+        if name in self._texts:
+            return
+        with suppress(OSError, ValueError):
+            path = Path(name)
+            if path.is_file() and path.stat().st_size <= LARGEST_FILE:
+                self._texts[name] = path.read_text("utf-8-sig", errors="replace")
+
+    def _add(self, code: str, name: str, message: str) -> None:
+        self.findings.append(Finding(code, Severity.ERROR, Place(name), message))
+
+
+_CHECKS: Mapping[Kind, Callable[[_Check, Target], None]] = {
+    Kind.ROBOT: _Check.robot,
+    Kind.CHART: _Check.chart,
+    Kind.PIPE: _Check.pipe,
+    Kind.MISSION: _Check.mission,
+    Kind.CALIBRATION: _Check.calibration,
+    Kind.SCRIPT: _Check.script,
+    Kind.UNREADABLE: _Check.other,
+    Kind.OTHER: _Check.other,
+}
+
+
+def _options(wishes: Wishes, settings: Mapping[str, str]) -> str:
+    """The options of a run that is as a mission was checked."""
+    named = (("--robot", wishes.robot), ("--pipe", wishes.pipe))
+    options = [part for option, value in named if value is not None for part in (option, value)]
+    options += [part for name, value in settings.items() for part in ("--set", f"{name}={value}")]
+    return shlex.join(options)
+
+
+def _folder(path: Path) -> Path:
+    """The folder of a file as the library names it, so that a robot is loaded once."""
+    return path.resolve().parent
+
+
+def _each_once(findings: Iterable[Finding]) -> list[Finding]:
+    """The findings without those that say the same of the same place; the worst and shortest."""
+    kept: dict[tuple[str, Place, str], Finding] = {}
+    for finding in map(_short, findings):
+        key = finding.code, finding.place, finding.message
+        before = kept.get(key)
+        if before is None or _weight(finding) > _weight(before):
+            kept[key] = finding
+    return list(kept.values())
+
+
+def _short(finding: Finding) -> Finding:
+    """The finding with a message that can be shown: names in a hostile file can be a megabyte."""
+    if max(map(len, (finding.message, finding.mend, finding.suggestion))) <= _LONGEST_MESSAGE:
+        return finding
+    return replace(
+        finding,
+        message=_cut(finding.message),
+        mend=_cut(finding.mend),
+        suggestion=_cut(finding.suggestion),
+    )
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= _LONGEST_MESSAGE else f"{text[: _LONGEST_MESSAGE - 1]}…"
+
+
+def _weight(finding: Finding) -> tuple[int, bool, int]:
+    """Sureness first, then that there is a story, then that it is short."""
+    return finding.severity, bool(finding.story), -len(finding.story)

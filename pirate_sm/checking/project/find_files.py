@@ -1,0 +1,184 @@
+"""Which files a check is about: those named, those in folders named, or all of the project."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from pirate_sm.checking.file_kinds import Kind, kind_of
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import library
+from pirate_sm.loading.folders import PROFILE_FILE, shown
+from pirate_sm.loading.problems import Place
+from pirate_sm.spelling import nearest
+
+ROBOTS, MISSIONS = "hardware_profiles", "sequences"
+"""Where a project keeps its robots and missions."""
+
+MOST_FILES = 10_000
+DEEPEST_FOLDER = 32
+_LONGEST_NAME = 200
+
+
+@dataclass(frozen=True)
+class Target:
+    """A file to check.
+
+    Attributes:
+        path: The file; of a robot its profile.
+        named: Whether somebody named it; else it was found in a folder.
+    """
+
+    kind: Kind
+    path: Path
+    named: bool
+
+
+@dataclass(frozen=True)
+class Found:
+    """The files of a check, and what is wrong with the folders that were searched.
+
+    Attributes:
+        where: The files and folders that were searched, as messages name them.
+    """
+
+    targets: tuple[Target, ...]
+    findings: tuple[Finding, ...]
+    where: tuple[str, ...] = ()
+
+
+def find_targets(paths: Iterable[str]) -> Found:
+    """The files to check, each once, robots first because missions build on them.
+
+    Args:
+        paths: Files, folders, or names of what is shipped; none means the working directory.
+
+    Raises:
+        UsageError: A path leads nowhere.
+    """
+    given = list(paths)
+    found: dict[Path, Target] = {}
+    findings: list[Finding] = []
+    searched = [_existing(each) for each in given] if given else _project(findings)
+    for path in searched:
+        for target in _targets(path, findings, named=bool(given)):
+            found.setdefault(_real(target.path), target)
+    if not (given or found or findings):
+        findings.append(_nothing(Path()))
+    order = list(Kind)
+    targets = sorted(found.values(), key=lambda each: (order.index(each.kind), each.path))
+    return Found(tuple(targets), tuple(findings), tuple(map(shown, searched)))
+
+
+def _project(findings: list[Finding]) -> list[Path]:
+    """What of the working directory is the project.
+
+    Where it has a folder for missions: that, the one for robots, and what lies beside them. Else
+    all of it, since missions may be anywhere.
+    """
+    if not Path(MISSIONS).is_dir():
+        return [Path()]
+    own = [Path(folder) for folder in (ROBOTS, MISSIONS) if Path(folder).is_dir()]
+    beside, _ = _listing(Path(), findings)
+    return [*own, *(file for file in beside if kind_of(file) is not Kind.OTHER)]
+
+
+def _existing(name: str) -> Path:
+    """The file or folder of this path, or what is shipped under this name.
+
+    Raises:
+        UsageError: There is neither.
+    """
+    try:
+        if os.path.lexists(name):
+            return Path(name)
+    except ValueError:
+        pass  # no file can have this name
+    known = {path.stem: path for path in (*library.robots(), *library.pipes())}
+    known |= {path.stem: path for path in library.missions()}
+    if name in known:
+        return known[name]
+    close = nearest(name, known)
+    hint = f"; did you mean '{close}'?" if close else ""
+    visible = name.replace("\0", "\\0")[:_LONGEST_NAME]
+    raise UsageError(f"there is no file or folder '{visible}'{hint}")
+
+
+def _targets(path: Path, findings: list[Finding], *, named: bool) -> Iterator[Target]:
+    if not _is_folder(path):
+        kind = kind_of(path)
+        beside = path.parent / PROFILE_FILE
+        if kind is Kind.CHART and kind_of(beside) is Kind.ROBOT:
+            yield Target(Kind.ROBOT, beside, named)  # a chart is judged with its robot
+        yield Target(kind, path, named)
+        return
+    before, empty = len(findings), True
+    for file in _files(path, findings):
+        kind = kind_of(file)
+        if kind is not Kind.OTHER:
+            yield Target(kind, file, named=False)
+            empty = False
+    if empty and named and len(findings) == before:
+        findings.append(_nothing(path))
+
+
+def _files(folder: Path, findings: list[Finding]) -> Iterator[Path]:
+    """Every YAML file below a folder; what is hidden, and links to folders, are left alone."""
+    waiting, count = [(folder, 0)], 0
+    while waiting:
+        current, depth = waiting.pop()
+        if depth > DEEPEST_FOLDER:
+            message = f"folders are nested more than {DEEPEST_FOLDER} levels"
+            findings.append(_finding("check.folder", current, message))
+            continue
+        files, inner = _listing(current, findings)
+        waiting += [(each, depth + 1) for each in reversed(inner)]
+        for file in files:
+            count += 1
+            if count > MOST_FILES:
+                message = f"there are more than {MOST_FILES} YAML files in here"
+                mend = "check its folders one by one"
+                findings.append(replace(_finding("check.folder", folder, message), mend=mend))
+                return
+            yield file
+
+
+def _listing(folder: Path, findings: list[Finding]) -> tuple[list[Path], list[Path]]:
+    """The YAML files and the folders in a folder, by name."""
+    try:
+        with os.scandir(folder) as entries:
+            seen = sorted((e for e in entries if not e.name.startswith(".")), key=lambda e: e.name)
+        inner = [Path(e.path) for e in seen if e.is_dir(follow_symlinks=False)]
+        files = [
+            Path(e.path) for e in seen if e.name.endswith(library.SUFFIXES) and not _is_folder(e)
+        ]
+    except OSError as error:
+        message = f"cannot be searched: {error.strerror}"
+        findings.append(_finding("check.folder", folder, message))
+        return [], []
+    return files, inner
+
+
+def _is_folder(path: Path | os.DirEntry[str]) -> bool:
+    try:
+        return path.is_dir()
+    except OSError:  # a link that leads round in a circle, or a folder that may not be entered
+        return False
+
+
+def _real(path: Path) -> Path:
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError):
+        return path.absolute()
+
+
+def _nothing(folder: Path) -> Finding:
+    return _finding("check.nothing", folder, "there is no robot, mission or pipe in this folder")
+
+
+def _finding(code: str, path: Path, message: str) -> Finding:
+    return Finding(code, Severity.ERROR, Place(shown(path)), message)

@@ -1,0 +1,149 @@
+"""A counterexample as files: the mission, and a script that makes a trace run into the finding.
+
+pirate-run DIR/NAME.yaml --backend trace --no-check --script DIR/NAME.script.yaml
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from math import isnan
+from pathlib import Path
+from shlex import quote
+from typing import Any
+
+import yaml
+
+from pirate_sm.checking.exploring.explore import Exploration, Step
+from pirate_sm.checking.exploring.possible_events import UNSAID
+from pirate_sm.checking.exploring.story import sentence
+from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.mission.check_mission import MissionCheck
+from pirate_sm.expressions import NumberType, Vocabulary
+from pirate_sm.loading import library
+from pirate_sm.loading.mission import TOLERABLE, LoadedMission
+from pirate_sm.loading.problems import Path as At
+from pirate_sm.loading.source import Document
+from pirate_sm.model.course import UNKNOWN
+from pirate_sm.model.events import FaultReport
+from pirate_sm.units import DIMENSIONLESS, format_quantity
+
+SCRIPT_SUFFIX = ".script.yaml"
+
+_NO_NAME = re.compile(r"[^A-Za-z0-9_.-]+")
+_HAPPENS = {"failed": "not_done"}
+
+
+def write_counterexample(
+    finding: Finding, check: MissionCheck, folder: Path, name: str, path: Path, options: str = ""
+) -> Finding:
+    """The finding's course of events stands in files; it names the script as its example.
+
+    One that no course of events leads to, or whose mission does not load, is as it was.
+
+    Args:
+        finding: One of the check's.
+        check: What was found.
+        folder: Where to; made if need be.
+        name: Of the mission's file, and of the script's.
+        path: The mission that was checked.
+        options: Further options that it was checked with, for the command that runs it.
+
+    Raises:
+        OSError: The folder cannot be written.
+    """
+    refused = any(each.code in TOLERABLE for each in check.findings)
+    if check.loaded is None or refused or not finding.course:
+        return finding
+    folder.mkdir(parents=True, exist_ok=True)
+    mission, script = folder / f"{name}.yaml", folder / f"{name}{SCRIPT_SUFFIX}"
+    mission.write_text(_moved(check.loaded, path, folder), encoding="utf-8")
+    command = (
+        f"pirate-run {quote(str(mission))} --backend trace --no-check --script {quote(str(script))}"
+    )
+    head = [f"{finding.place}: {finding.code}", finding.message, "", f"{command} {options}".strip()]
+    head += ["", *(f"{number}. {each}" for number, each in enumerate(finding.story, 1))]
+    lines = (line for part in head for line in part.splitlines() or [""])
+    comment = "".join(f"# {line}".rstrip() + "\n" for line in lines)
+    found, number = finding.course[0]
+    course = [_happening(found, step) for step in found.path(number)]
+    text = yaml.safe_dump(
+        {"format": 1, "course": course}, allow_unicode=True, sort_keys=False, width=100
+    )
+    script.write_text(comment + text, encoding="utf-8")
+    return replace(finding, example=str(script))
+
+
+def usual_name(finding: Finding) -> str:
+    """What the counterexample of a finding is called, unless another one is called so already."""
+    place = f"{Path(finding.place.file).stem}-{finding.place.line}-{finding.place.column}"
+    return _NO_NAME.sub("_", f"{place}-{finding.code}")
+
+
+def _happening(found: Exploration, step: Step) -> dict[str, Any]:
+    move = step.move
+    entry: dict[str, Any] = {"happens": _HAPPENS.get(move.kind, move.kind)}
+    if move.kind in {"answer", "fault"}:
+        entry[move.kind] = move.word
+    if isinstance(move.event, FaultReport) and move.event.message != UNSAID:
+        entry["message"] = move.event.message
+    answer = step.moment.answer
+    signals = _signals(found.robot.vocabulary.with_changes, answer.numbers, answer.words)
+    if signals:
+        entry["signals"] = signals
+    entry["what"] = sentence(found, step)
+    return entry
+
+
+def _signals(
+    vocabulary: Vocabulary, numbers: Mapping[str, float], words: Mapping[str, str | None]
+) -> dict[str, str]:
+    found = {name: word or UNKNOWN for name, word in words.items()}
+    for name, value in numbers.items():
+        kind = vocabulary.types[name]
+        dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
+        found[name] = UNKNOWN if isnan(value) else format_quantity(value, dimension)
+    return found
+
+
+def _moved(loaded: LoadedMission, path: Path, folder: Path) -> str:
+    """The mission's text with every file that it names by a path found from the new folder."""
+    document = loaded.documents[0]
+    beside = path.resolve().parent
+    lines = document.text.splitlines(keepends=True)
+    for at, name, target in _named(document, loaded, beside):
+        if target.resolve().is_relative_to(library.shipped()):
+            continue
+        place = document.place_of(at)
+        line = lines[place.line - 1]
+        before, after = line[: place.column - 1], line[place.column - 1 :]
+        new = os.path.relpath(target.resolve(), folder.resolve())
+        new = new if "/" in new else f"./{new}"
+        lines[place.line - 1] = before + after.replace(name, new, 1)
+    return "".join(lines)
+
+
+def _named(
+    document: Document, loaded: LoadedMission, beside: Path
+) -> Iterator[tuple[At, str, Path]]:
+    """Where the mission names another file, by which name, and that file."""
+    data = document.data
+    yield ("robot",), data["robot"], loaded.loaded_robot.folder
+    if isinstance(data.get("pipe"), str):
+        yield ("pipe",), data["pipe"], library.find_pipe(data["pipe"], beside)
+    for at, name in _calls(data, ()):
+        yield at, name, library.find_mission(name, beside)
+
+
+def _calls(data: Any, at: At) -> Iterator[tuple[At, str]]:
+    if isinstance(data, dict):
+        for key, value in data.items():
+            if key == "call" and isinstance(value, str):
+                yield (*at, key), value
+            else:
+                yield from _calls(value, (*at, key))
+    elif isinstance(data, list):
+        for number, value in enumerate(data):
+            yield from _calls(value, (*at, number))

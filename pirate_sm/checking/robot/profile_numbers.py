@@ -1,0 +1,205 @@
+"""Numbers of a profile that contradict each other: what can never be reached, heard or said."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import degrees, inf
+
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.robot.robot_view import RobotView
+from pirate_sm.engine.robot.criteria import (
+    AcceptedSpec,
+    AlignedSpec,
+    BelowSpec,
+    CriterionSpec,
+    ReachedSpec,
+    StalledSpec,
+    StoppedSpec,
+    TurningSpec,
+)
+from pirate_sm.loading.problems import Path
+from pirate_sm.model.actuation import Target
+
+
+def check_limits(view: RobotView) -> Iterator[Finding]:
+    """Numbers that do not go together."""
+    yield from _done(view)
+    yield from _nominal(view)
+    yield from _link(view)
+    yield from _loops(view)
+    yield from _end_stops(view)
+    yield from _words(view)
+
+
+def _done(view: RobotView) -> Iterator[Finding]:
+    """Commands whose criterion can never be true."""
+    for number, name in enumerate(view.loaded.table.commands):
+        spec = view.loaded.normal.commands[number]
+        at: Path = ("commands", name, "done")
+        for key, why in (
+            ("for", _too_long(spec.done, spec.timeout_s)),
+            ("kind", _unheard(view, spec.done)),
+            ("torque", _too_strong(view, number, spec.done)),
+            ("above", _too_fast(view, number, spec.done)),
+        ):
+            if why:
+                message = f"{name} can never be done: {why}"
+                yield view.at((*at, key), "robot.never_done", Severity.ERROR, message)
+                break
+
+
+def _too_long(done: CriterionSpec, timeout_s: float) -> str:
+    for_s = getattr(done, "for_s", 0.0)
+    if for_s < timeout_s:
+        return ""
+    return f"for {for_s:g} s is not shorter than its timeout of {timeout_s:g} s"
+
+
+def _unheard(view: RobotView, done: CriterionSpec) -> str:
+    """Why the signals that it needs are never heard; empty when they are."""
+    robot = view.loaded.normal
+    heard = view.heard
+    match done:
+        case StalledSpec(rates, torques):
+            needed, every = (*rates, *torques), True
+        case BelowSpec(signals):
+            needed, every = signals, True
+        case AlignedSpec(slots):
+            needed, every = tuple(angle for _, angle in slots), True
+        case TurningSpec(wheels):
+            needed, every = tuple(speed for _, speed in wheels), False
+        case StoppedSpec(parts):  # the first part that cannot be heard at all, if there is one
+            unheard = (speeds for speeds in parts if not heard & set(speeds))
+            needed, every = next(unheard, ()), False
+        case AcceptedSpec() | ReachedSpec():
+            return ""
+    missing = [robot.vocabulary.numbers[index] for index in needed if index not in heard]
+    if not missing or (not every and len(missing) < len(needed)):
+        return ""
+    return f"no fitted board tells {missing[0]}"
+
+
+def _too_strong(view: RobotView, command: int, done: CriterionSpec) -> str:
+    """Why a joint cannot bear the torque that is asked for; empty when it can."""
+    if not isinstance(done, StalledSpec):
+        return ""
+    robot = view.loaded.normal
+    for torque in done.torques:
+        slot = next((n for n, each in enumerate(robot.slots) if each.torque == torque), None)
+        stall = view.motor(slot).stall_torque if slot is not None else None
+        if slot is None or stall is None:
+            continue
+        duties = [view.duty(after, slot) for _, after in view.moves(command)]
+        most = max(duties, default=inf) * stall
+        if most <= done.torque:
+            return (
+                f"its motor gives '{view.profile.slots[slot].joint}' at most {most:.3g} Nm there,"
+                f" and more than {done.torque:.3g} Nm are asked for"
+            )
+    return ""
+
+
+def _too_fast(view: RobotView, command: int, done: CriterionSpec) -> str:
+    """Why no wheel can turn so fast; empty when one can."""
+    if not isinstance(done, TurningSpec):
+        return ""
+    speeds = [
+        duty * (view.motor(slot).no_load_speed or inf) if (duty := view.duty(after, slot)) else 0.0
+        for _, after in view.moves(command)
+        for slot, _ in done.wheels
+    ]
+    most = max(speeds, default=inf)
+    if most > done.above:
+        return ""
+    if most == 0:
+        return "no wheel is driven in the states that it leads to"
+    return f"wheels turn with at most {most:.3g} rad/s there, {done.above:.3g} rad/s are asked for"
+
+
+def _nominal(view: RobotView) -> Iterator[Finding]:
+    for name, command in view.profile.commands.items():
+        if command.nominal > command.timeout and not isinstance(command.done, AcceptedSpec):
+            yield view.at(
+                ("commands", name, "nominal"), "robot.nominal", Severity.WARNING,
+                f"on paper {name} takes {command.nominal:g} s, and on the robot it has failed after"
+                f" {command.timeout:g} s",
+            )  # fmt: skip
+
+
+def _link(view: RobotView) -> Iterator[Finding]:
+    """Signals that are old, or boards that count as silent, before they can be heard again."""
+    link = view.profile.link
+    messages = view.profile.messages_per_round
+    round_s = messages * link.cycle
+    for key, limit_s, what in (
+        ("stale_after", link.stale_after, "every signal is unknown"),
+        ("silent_after", link.silent_after, "every board counts as silent"),
+    ):
+        if limit_s < round_s:
+            yield view.at(
+                ("link", key), "robot.link_times", Severity.ERROR,
+                f"{what} {limit_s:g} s after its last message, and the next one comes"
+                f" {round_s:.3g} s after it: {messages} messages of {link.cycle:g} s",
+            )  # fmt: skip
+
+
+def _loops(view: RobotView) -> Iterator[Finding]:
+    for name, motor in view.profile.motors.items():
+        loop = motor.position_loop
+        if loop is not None and loop.least_duty > loop.limit:
+            yield view.at(
+                ("motors", name, "position_loop", "least_duty"), "robot.position_loop",
+                Severity.WARNING,
+                f"the least duty cycle of {loop.least_duty * 100:g} % is more than the limit of"
+                f" {loop.limit * 100:g} %",
+            )  # fmt: skip
+
+
+def _end_stops(view: RobotView) -> Iterator[Finding]:
+    """Angles that a joint cannot come to."""
+    stops = {joint.name: joint.end_stop for joint in view.profile.body.joints}
+    for joint, angle_rad, path in _sought(view):
+        stop = stops.get(joint, inf)
+        if abs(angle_rad) > stop:
+            yield view.at(
+                path, "robot.setpoint", Severity.ERROR,
+                f"{degrees(angle_rad):.4g} deg is beyond the end stop of '{joint}',"
+                f" {degrees(stop):.4g} deg",
+            )  # fmt: skip
+
+
+def _sought(view: RobotView) -> Iterator[tuple[str, float, Path]]:
+    """Yield each angle that a state or a posture brings a joint to: joint, angle in rad, place."""
+    for each in view.written:
+        if each.write.how == "seek":
+            yield view.profile.slots[each.write.slot].joint or "", each.write.value, each.path
+    joints = {slot.name: slot.joint or "" for slot in view.profile.slots}
+    for name, cases in view.profile.postures.items():
+        for number, case in enumerate(cases):
+            for slot, setpoint in (case.set_ or {}).items():
+                if isinstance(setpoint, Target):
+                    path: Path = ("postures", name, number, "set", slot)
+                    yield joints[slot], setpoint.angle_rad, path
+
+
+def _words(view: RobotView) -> Iterator[Finding]:
+    """Words of the detector that are never said, because a later one always holds as well.
+
+    The last of the words that hold is said; forward the first wheel is the farthest along the
+    pipe, backward the last one.
+    """
+    wheels = [wheel.name for wheel in view.profile.body.wheels]
+    words = list(view.profile.detector.words.items())
+    for number, (name, own) in enumerate(words):
+        for way, sign in (("forward", 1), ("backward", -1)):
+            point = getattr(own, way)
+            for other, definition in words[number + 1 :]:
+                rival = getattr(definition, way)
+                ahead = sign * (wheels.index(rival.wheel) - wheels.index(point.wheel)) <= 0
+                if ahead and rival.passed <= point.passed:
+                    yield view.at(
+                        ("detector", "words", name, way), "robot.word_hidden", Severity.WARNING,
+                        f"'{name}' is never said on the way {way}: wherever it holds,"
+                        f" '{other}' holds too",
+                    )  # fmt: skip
+                    break

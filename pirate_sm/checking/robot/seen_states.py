@@ -1,0 +1,119 @@
+"""States and parts of which the profile does not say how they show themselves, or says in vain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.robot.robot_view import RobotView
+from pirate_sm.engine.robot.confirmation_spec import (
+    AnglesSpec,
+    DrivenSpec,
+    HeldSpec,
+    ImpliedSpec,
+    SeenSpec,
+    StandingSpec,
+)
+from pirate_sm.engine.robot.criteria import AcceptedSpec
+from pirate_sm.loading.problems import Path
+
+
+def check_sight(view: RobotView) -> Iterator[Finding]:
+    """Find states and parts that are left open at a start, without a reason or in every case."""
+    yield from _unseen(view)
+    yield from _never(view)
+
+
+def _unseen(view: RobotView) -> Iterator[Finding]:
+    """States and parts of which nothing is said."""
+    profile, table = view.profile, view.loaded.table
+    seen = profile.seen
+    if "seen" not in profile.model_fields_set:
+        message = "the profile does not say how states show themselves: add `seen`"
+        yield view.at(("robot",), "robot.unseen", Severity.WARNING, message, key=True)
+        return
+    for region, states in zip(table.regions, table.states, strict=True):
+        missing = [state for state in states if state not in seen.states.get(region, {})]
+        if missing:
+            path: Path = ("seen", "states", region) if region in seen.states else ("seen",)
+            message = f"`seen` says nothing of {region}: {', '.join(missing)}"
+            yield view.at(path, "robot.unseen", Severity.WARNING, message, key=True)
+    parts = [name for name in profile.body.parts if name not in seen.parts]
+    if parts:
+        message = f"`seen` does not say how a held part shows itself: {', '.join(parts)}"
+        path = ("seen", "parts") if seen.parts else ("seen",)
+        yield view.at(path, "robot.unseen", Severity.WARNING, message, key=True)
+
+
+def _never(view: RobotView) -> Iterator[Finding]:
+    """Lines whose numbers the sensors can never show, or never for long enough."""
+    robot = view.loaded.normal
+    for number, held in enumerate(robot.sight.parts):
+        if held is not None:
+            path: Path = ("seen", "parts", robot.parts[number])
+            yield from _said(view, path, robot.parts[number], _part(view, number, held))
+    for number, states in enumerate(robot.sight.states):
+        region = robot.regions[number]
+        for name, spec in states.items():
+            about = f"{region} {name}"
+            yield from _said(view, ("seen", "states", region, name), about, _state(view, spec))
+
+
+def _said(
+    view: RobotView, path: Path, about: str, reasons: Iterable[tuple[str, str]]
+) -> Iterator[Finding]:
+    """The first of the reasons, each with the key that it is about."""
+    for key, why in reasons:
+        if why:
+            message = f"this can never confirm '{about}': {why}"
+            yield view.at((*path, key), "robot.seen_never", Severity.ERROR, message)
+            return
+
+
+def _part(view: RobotView, part: int, spec: HeldSpec) -> Iterator[tuple[str, str]]:
+    yield "for", _too_long(view, spec.for_s)
+    needed = [index for joint in spec.joints for index in (joint.torque, joint.rate)]
+    yield "loaded", _unheard(view, [*needed, spec.diameter, spec.apex])
+    yield "torque", _too_strong(view, part, spec)
+    if spec.open_rad <= 0:
+        yield "end_stop", "its apex is never farther than this from its end stop"
+
+
+def _state(view: RobotView, spec: SeenSpec) -> Iterator[tuple[str, str]]:
+    match spec:
+        case AnglesSpec(targets, _, _, for_s):
+            yield "for", _too_long(view, for_s)
+            yield "kind", _unheard(view, [angle for angle, _ in targets])
+        case StandingSpec(speeds, _, for_s):
+            yield "for", _too_long(view, for_s)
+            yield "kind", "" if view.heard & set(speeds) else _unheard(view, speeds)
+        case DrivenSpec() | ImpliedSpec() | AcceptedSpec():
+            pass
+
+
+def _too_long(view: RobotView, for_s: float) -> str:
+    within_s = view.loaded.normal.sight.within_s
+    if for_s < within_s:
+        return ""
+    return f"it must last {for_s:g} s, and sensors are looked at for {within_s:g} s"
+
+
+def _unheard(view: RobotView, needed: Sequence[int]) -> str:
+    missing = [index for index in needed if index >= 0 and index not in view.heard]
+    names = view.loaded.normal.vocabulary.numbers
+    return f"no fitted board tells {names[missing[0]]}" if missing else ""
+
+
+def _too_strong(view: RobotView, part: int, spec: HeldSpec) -> str:
+    """Why a joint cannot bear the torque in any state that holds the part; empty when it can."""
+    robot = view.loaded.normal
+    holding = [number for number, held in enumerate(robot.held) if part in held]
+    for joint in spec.joints:
+        stall = view.motor(joint.slot).stall_torque
+        most = max((view.duty(each, joint.slot) for each in holding), default=0.0)
+        if stall is not None and most * stall <= spec.torque:
+            return (
+                f"its motor gives '{view.profile.slots[joint.slot].joint}' at most"
+                f" {most * stall:.3g} Nm there, and {spec.torque:.3g} Nm are asked for"
+            )
+    return ""

@@ -1,0 +1,170 @@
+"""Whether wheels and joints of a robot work together: to one side, in one direction, as clamps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import copysign
+
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.robot.robot_view import RobotView, Written
+from pirate_sm.engine.robot.criteria import AcceptedSpec, StalledSpec
+
+
+def check_parts(view: RobotView) -> Iterator[Finding]:
+    """Wheels and joints that work against each other, and clamps that nothing keeps or shows."""
+    crossed = list(_directions(view))
+    yield from crossed
+    yield from _mirrors(view)
+    if not crossed:  # a wrong direction shows in all of these
+        yield from _sides(view)
+        yield from _fights(view)
+    yield from _safe_clamps(view)
+    yield from _blind_clamps(view)
+
+
+def _apexes(view: RobotView) -> Iterator[tuple[int, int, int]]:
+    """Per part its index, its apex's slot and the index of its apex's wheel."""
+    body = view.profile.body
+    wheels = [wheel.name for wheel in body.wheels]
+    for number, name in enumerate(view.loaded.normal.parts):
+        apex = body.parts[name].apex
+        joint = next(each for each in body.joints if each.name == apex)
+        for slot, each in enumerate(view.profile.slots):
+            if each.joint == apex:
+                yield number, slot, wheels.index(joint.wheel)
+
+
+def _directions(view: RobotView) -> Iterator[Finding]:
+    """Neighbours in a V touch opposite walls."""
+    wheels = view.profile.body.wheels
+    said: set[int] = set()
+    for _, _, apex in _apexes(view):
+        for other in (apex - 1, apex + 1):
+            if wheels[other].part != wheels[apex].part or other in said:
+                continue
+            if wheels[other].direction == wheels[apex].direction:
+                said.add(other)
+                yield view.at(
+                    ("body", "wheels", other, "direction"), "robot.direction", Severity.ERROR,
+                    f"'{wheels[other].name}' and '{wheels[apex].name}', the apex beside it, touch"
+                    " opposite walls: their directions cannot be equal",
+                )  # fmt: skip
+
+
+def _mirrors(view: RobotView) -> Iterator[Finding]:
+    """In mirrored polarity all joints and wheels change their sign, or none does."""
+    moving = [(slot, path) for slot, path in view.slots if slot.joint or slot.wheel]
+    mirrored = [slot for slot, _ in moving if slot.mirrors]
+    for slot, path in moving:
+        if mirrored and not slot.mirrors:
+            yield view.at(
+                (*path, "mirrors" if "mirrors" in slot.model_fields_set else "name"),
+                "robot.mirrors", Severity.ERROR,
+                f"'{slot.name}' keeps its sign in mirrored polarity, '{mirrored[0].name}' changes"
+                " it: they work against each other there",
+            )  # fmt: skip
+
+
+def _holding(view: RobotView, part: int, each: Written) -> bool:
+    """Whether the part is held wherever the state that writes this is active."""
+    robot = view.loaded.normal
+    seen = [
+        part in held
+        for held, states in zip(robot.held, robot.table.configurations, strict=True)
+        if states[each.region] == each.state
+    ]
+    return bool(seen) and all(seen)
+
+
+def _sides(view: RobotView) -> Iterator[Finding]:
+    """A clamp pushes its apex to the wall that the direction of its wheel says.
+
+    A negative angle turns the body on both sides of a joint towards side A, so a negative duty
+    cycle pushes the apex to side B, where wheels have the direction -1.
+    """
+    for part, slot, apex in _apexes(view):
+        direction = view.profile.body.wheels[apex].direction
+        name = view.profile.body.wheels[apex].name
+        for each in view.written:
+            value = each.write.value
+            if each.write.slot != slot or each.write.how != "set" or value == 0:
+                continue
+            if copysign(1, value) != direction and _holding(view, part, each):
+                side = "A" if value > 0 else "B"
+                yield view.at(
+                    each.path, "robot.clamp_side", Severity.ERROR,
+                    f"this presses '{name}' to side {side}, and its direction of {direction}"
+                    " stands for the other side",
+                )  # fmt: skip
+
+
+def _fights(view: RobotView) -> Iterator[Finding]:
+    """No state drives wheels against each other."""
+    wheels = {wheel.name: wheel for wheel in view.profile.body.wheels}
+    driven: dict[tuple[int, str, int], list[tuple[int, Written]]] = {}
+    for each in view.written:
+        wheel = wheels.get(view.profile.slots[each.write.slot].wheel or "")
+        if wheel is not None and each.write.how == "set" and each.write.value != 0:
+            forward = 1 if each.write.value * wheel.direction > 0 else -1
+            stage = (each.region, each.state, each.stage)
+            driven.setdefault(stage, []).append((forward, each))
+    for (_, state, _), writes in driven.items():
+        most = 1 if sum(forward for forward, _ in writes) >= 0 else -1
+        for forward, each in writes:
+            if forward != most:
+                name = view.profile.slots[each.write.slot].name
+                way = "backward" if most > 0 else "forward"
+                yield view.at(
+                    each.path, "robot.wheels_fight", Severity.ERROR,
+                    f"'{name}' drives {way} in {state}, the other wheels the other way",
+                )  # fmt: skip
+
+
+def _safe_clamps(view: RobotView) -> Iterator[Finding]:
+    """The safe state lets go of nothing that presses a held part to the wall."""
+    joints = {joint.name: joint.part for joint in view.profile.body.joints}
+    parts = view.loaded.normal.parts
+    for number, name in enumerate(view.profile.safe_state.zero):
+        slot = next(n for n, (each, _) in enumerate(view.slots) if each.name == name)
+        part = joints.get(view.profile.slots[slot].joint or "")
+        if part is None:
+            continue
+        pressing = [
+            each
+            for each in view.written
+            if each.write.slot == slot
+            and each.write.how == "set"
+            and each.write.value != 0
+            and _holding(view, parts.index(part), each)
+        ]
+        if pressing:
+            state = f"{view.loaded.normal.regions[pressing[0].region]}.{pressing[0].state}"
+            yield view.at(
+                ("safe_state", "zero", number), "robot.safe_clamp", Severity.ERROR,
+                f"'{name}' holds the part '{part}' in {state}: at zero it lets go of the wall",
+            )  # fmt: skip
+
+
+def _blind_clamps(view: RobotView) -> Iterator[Finding]:
+    """What makes a part hold is done when something of that part shows it."""
+    robot = view.loaded.normal
+    own = {joint.torque: joint.part for joint in view.profile.body.joints}
+    for number, command in enumerate(robot.commands):
+        clamped = {
+            robot.parts[part]
+            for before, after in view.moves(number)
+            for part in robot.held[after] - robot.held[before]
+        }
+        if isinstance(command.done, AcceptedSpec):
+            unseen, key = clamped, "kind"
+        elif isinstance(command.done, StalledSpec):
+            names = robot.vocabulary.numbers
+            unseen = clamped - {own.get(names[torque]) for torque in command.done.torques}
+            key = "loaded"
+        else:
+            continue
+        if unseen:
+            yield view.at(
+                ("commands", command.name, "done", key), "robot.clamp_blind", Severity.WARNING,
+                f"{command.name} makes '{min(unseen)}' hold, and is done without any sign of it",
+            )  # fmt: skip

@@ -1,0 +1,72 @@
+"""Which commands bring the robot to where a phase of a mission can begin."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.checking.plans.phase_entry import why_not_from
+from pirate_sm.checking.plans.restoring_commands import beginnings, restoring
+from pirate_sm.engine.robot.robot_state import STOPPED, Mark, at_rest_in
+from pirate_sm.loading.mission import load_mission
+
+ROOT = Path(__file__).resolve().parents[4]
+
+
+@pytest.fixture(scope="module")
+def bend():
+    return load_mission(ROOT / "sequences" / "mitre_bend.yaml")
+
+
+@pytest.fixture(scope="module")
+def begun_in(bend):
+    return beginnings(bend)
+
+
+def standing(loaded, *states):
+    return at_rest_in(loaded.robot, loaded.robot.table.index_of(states))
+
+
+def given(loaded, plan):
+    return [loaded.robot.commands[step.command].name for step in plan.steps]
+
+
+def test_a_phase_begins_where_the_mission_itself_enters_it(bend, begun_in):
+    entered = {bend.robot.table.configurations[each] for each in begun_in["pass"]}
+
+    assert entered == {("Free", "DrivingForward", "RearClampedFrontBending", "Unaligned", "On")}
+
+
+def test_a_robot_that_was_braked_by_hand_drives_again(bend, begun_in):
+    body = standing(bend, "Fixed", "Fixed", "DoubleClamped", "Unaligned", "On")
+
+    assert given(bend, restoring(bend, ["prepare"], body, begun_in)["prepare"]) == ["DriveForward"]
+
+
+def test_a_state_that_a_stop_has_doubted_is_confirmed_again(bend, begun_in):
+    body = standing(bend, "DrivingForward", "DrivingForward", "DoubleClamped", "Unaligned", "On")
+    stopped = body._replace(
+        marks=frozenset({Mark("region", 0, STOPPED), Mark("region", 1, STOPPED)})
+    )
+
+    assert why_not_from(bend, "prepare", stopped)
+    plan = restoring(bend, ["prepare"], stopped, begun_in)["prepare"]
+    assert given(bend, plan) == ["DriveForward"]
+    assert why_not_from(bend, "prepare", plan.body) == ""
+
+
+def test_each_phase_that_can_succeed_is_restored_from_both_clamps(bend, begun_in):
+    body = standing(bend, "Fixed", "Fixed", "DoubleClamped", "Unaligned", "On")
+    found = restoring(bend, bend.program.phases, body, begun_in)
+
+    assert given(bend, found["pass"]) == ["RelaxFront", "BendInto", "DriveForward"]
+    assert not any(found[phase].hindered for phase in ("pass", "prepare", "halt"))
+    assert "regrip" not in found  # from there no path leads to a good end
+
+
+def test_a_phase_that_begins_unclamped_is_not_restored_by_letting_go(bend, begun_in):
+    body = standing(bend, "Fixed", "Fixed", "DoubleClamped", "Unaligned", "On")
+
+    hindered = restoring(bend, ["enter"], body, begun_in)["enter"].hindered
+    assert "lets go of front and rear" in hindered.hindrance
