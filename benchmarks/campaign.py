@@ -12,7 +12,7 @@ from os import cpu_count
 from time import perf_counter
 from typing import TYPE_CHECKING, TypeAlias
 
-from pirate_sm.detectors.words import words_of
+from pirate_sm.detectors.word_timing import words_of
 from pirate_sm.model.effects import Detected, Effect, Fault, Setpoints, StateChange
 
 # Clamps that have just been taken settle for this long; then the robot is watched for this long.

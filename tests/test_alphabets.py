@@ -64,7 +64,7 @@ ALPHABETS = {
         (
             "checking/abilities.py",
             "checking/course.py",
-            "console/leaping.py",
+            "console/waits_before.py",
             "engine/mission/interpreter.py",
         ),
     ),

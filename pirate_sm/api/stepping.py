@@ -8,9 +8,9 @@ from os import PathLike
 from types import TracebackType
 from typing import Self, Unpack
 
-from pirate_sm.api.asked import Mission, Options, prepared
-from pirate_sm.api.noting import Notes, noted
+from pirate_sm.api.arguments import Mission, Options, prepared
 from pirate_sm.api.result import Run
+from pirate_sm.api.run_log import Notes, noted
 from pirate_sm.engine.mission.operator import why_not_command
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import BackendError, UsageError
@@ -267,7 +267,7 @@ def session(
         record: A file for a recording, which must not exist yet.
         check: Whether a mission with something certainly wrong is refused.
         yes: Whether you agree that a real robot moves.
-        options: :class:`pirate_sm.api.asked.Options`, such as ``pipe``, ``defects``, ``set``.
+        options: :class:`pirate_sm.api.arguments.Options`, such as ``pipe``, ``defects``, ``set``.
 
     Raises:
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.

@@ -20,7 +20,7 @@ from pirate_sm.model.profile import Profile
 from pirate_sm.simulation.defects import Incident
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.sensors import BoardChannels
-from pirate_sm.simulation.simulated_robot import FullTruth, Robot
+from pirate_sm.simulation.simulated_robot import FullTruth, SimulatedRobot
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter
 from pirate_sm.simulation.xpbd.world import World
 
@@ -92,7 +92,7 @@ class SimulatorBackend:
         self._cycle_s = link.cycle
         self._echo_s = link.echo_delay
         self._unknown_s = link.resend_after
-        self._robot = Robot(
+        self._robot = SimulatedRobot(
             profile,
             pipe,
             physics,

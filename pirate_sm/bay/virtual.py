@@ -16,7 +16,7 @@ from pirate_sm.model.profile import Profile
 from pirate_sm.rosserial.messages import Array, serial_of
 from pirate_sm.simulation.defects import Incident
 from pirate_sm.simulation.physics import MakePhysics
-from pirate_sm.simulation.simulated_robot import FullTruth, Robot
+from pirate_sm.simulation.simulated_robot import FullTruth, SimulatedRobot
 from pirate_sm.simulation.xpbd.world import World
 
 _SHORTEST_BOOT = 0.75
@@ -44,7 +44,7 @@ class VirtualBay:
         last_applied: The array in force; where the dead man's switch has tripped, what it left.
 
     Raises:
-        UsageError: Robot, pipe, texts and switches do not fit together.
+        UsageError: SimulatedRobot, pipe, texts and switches do not fit together.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class VirtualBay:
         serial = serial_of(profile)
         chances = np.random.default_rng((seed, 1)).spawn(5)
         self._wire = Wire(profile, texts, switches.wrong_md5)
-        self._robot = Robot(
+        self._robot = SimulatedRobot(
             profile,
             pipe,
             physics,

@@ -9,18 +9,18 @@ from threading import Thread
 from typing import Protocol
 
 from pirate_sm.companion import Companion
-from pirate_sm.console.feed import Feed
-from pirate_sm.console.giving import RUN_OVER, Giver
+from pirate_sm.console.command_series import RUN_OVER, Giver
+from pirate_sm.console.run_bridge import RunBridge
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event, GoTo
 from pirate_sm.runtime.clock import Clock
 from pirate_sm.runtime.companions import FirstChoice, LoopWatch
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.observing import Tap
+from pirate_sm.runtime.observers import Tap
 from pirate_sm.runtime.outcome import BUG, Result
 from pirate_sm.runtime.pump import UNCONFIRMED
-from pirate_sm.runtime.stopping import Stop, StopRequests
+from pirate_sm.runtime.stop_requests import Stop, StopRequests
 from pirate_sm.showing.looking import scene_of
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Prepared, again
@@ -115,7 +115,7 @@ class Quitting(StopRequests):
         self.run.insist()
 
 
-class Session:
+class OperatorSession:
     """Everything that the console can ask for. Nothing here waits, but :meth:`join`.
 
     Args:
@@ -148,12 +148,12 @@ class Session:
         self._next: LoadedMission | None = None
         self._short = 0
         self._thread = Thread(target=self._work, name="run", daemon=True)
-        self._feed = Feed(scene_of(prepared), prepared)
+        self._bridge = RunBridge(scene_of(prepared), prepared)
 
     @property
     def latest(self) -> Snapshot:
         """The newest snapshot."""
-        return self._feed.latest
+        return self._bridge.latest
 
     def start(self) -> None:
         """Open the backend and begin the mission, paused."""
@@ -168,7 +168,7 @@ class Session:
     def tell(self, event: Event) -> None:
         """Give the engine the event soon; a series of commands ends with it."""
         self.giver.stop()
-        self._feed.tell(event)
+        self._bridge.tell(event)
 
     def give(self, commands: Sequence[str], then: GoTo) -> None:
         """Give the commands one after the other, each awaited; then the mission goes on.
@@ -211,7 +211,7 @@ class Session:
         finally:
             self.prepared.backend.close()
             self._note_unconfirmed()
-            self._feed.end(self.latest.now_s)
+            self._bridge.end(self.latest.now_s)
 
     def _run_all(self) -> None:
         run: MissionRun | None = None
@@ -220,7 +220,7 @@ class Session:
                 run = self._run(kept, run)
                 series = self.giver.series
                 self.result = run.execute()
-                asked = self._feed.asked or self.giver.series is not series
+                asked = self._bridge.asked or self.giver.series is not series
                 if not asked and self.result.ended.outcome == "interrupted":
                     kept.forget()
             stopped = self.quitting.stop is not None or not run.open
@@ -238,9 +238,9 @@ class Session:
         run = MissionRun(
             prepared.engine,
             prepared.backend,
-            observers=[self._feed],
-            watchers=[self._feed],
-            companions=[*companions, *kept.companions, *attended, self._feed, self.giver],
+            observers=[self._bridge],
+            watchers=[self._bridge],
+            companions=[*companions, *kept.companions, *attended, self._bridge, self.giver],
             tap=kept.tap,
             requests=self.quitting.begin(),
             clock=self._clock,
@@ -250,14 +250,14 @@ class Session:
             keep_open=True,
         )
         self._began_s = run.now_s
-        self._feed.begin(scene_of(prepared), prepared, run)
+        self._bridge.begin(scene_of(prepared), prepared, run)
         kept.follow(run)
         return run
 
     def _hopeless(self, result: Result, run: MissionRun) -> bool:
         """Return whether run after run ends by a fault before anybody asks for anything."""
         short_s = _SHORT_S + self.prepared.loaded.robot.sight.within_s  # a start may be refused
-        at_once = result.now_s < self._began_s + short_s and not self._feed.asked
+        at_once = result.now_s < self._began_s + short_s and not self._bridge.asked
         self._short = self._short + 1 if at_once and result.ended.outcome == "fault" else 0
         return self._short >= _MOST_SHORT
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from pirate_sm.companion import Companion, Counting, Onlooker
-from pirate_sm.detectors.choice import Asked, Detecting, MakeDetector
+from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import DetectorWord, EnvironmentReport, Event

@@ -42,7 +42,7 @@ LOOKING = "the sensors are still being compared with the states that were declar
 _NEVER_SHOWN = (AcceptedSpec, type(None))
 
 
-class Verdict(NamedTuple):
+class SensorVerdict(NamedTuple):
     """What the sensors say of a mark at one moment.
 
     Attributes:
@@ -86,7 +86,7 @@ class Look(NamedTuple):
         return min((self.until_s, *lasting))
 
 
-class Seen(NamedTuple):
+class LookResult(NamedTuple):
     """What has come of a look: where it stands, what is confirmed, and why the start is refused.
 
     Attributes:
@@ -160,7 +160,7 @@ def look(
     numbers: Numbers,
     diameter_m: float | None,
     now: float,
-) -> Seen:
+) -> LookResult:
     """Compare what is declared with the sensors at this moment.
 
     Args:
@@ -184,14 +184,14 @@ def look(
         else:
             open_.append(Watched(each.mark, agrees_s, against_s, verdict.against, verdict.for_s))
     if open_ and not has_come(now, before.until_s):
-        return Seen(before._replace(marks=tuple(open_)), frozenset(confirmed))
+        return LookResult(before._replace(marks=tuple(open_)), frozenset(confirmed))
     wrong = [each for each in open_ if has_come(now, each.against_s + each.for_s)]
     turning = any(
         isinstance(_spec(robot, states_of(robot, body), each.mark), StandingSpec | DrivenSpec)
         for each in wrong
     )
     told = tuple(f"{_declared(robot, body, each.mark)}, but {each.told}" for each in wrong)
-    return Seen(None, frozenset(confirmed), told, turning)
+    return LookResult(None, frozenset(confirmed), told, turning)
 
 
 def parts_left_open(robot: RobotSpec, body: RobotState) -> tuple[str, ...]:
@@ -233,7 +233,7 @@ def _verdict(
     mark: Mark,
     numbers: Numbers,
     diameter_m: float | None,
-) -> Verdict:
+) -> SensorVerdict:
     gripping = _gripping(robot, body, mark, numbers, diameter_m)
     if gripping is not None:
         return gripping
@@ -248,14 +248,14 @@ def _verdict(
         case DrivenSpec():
             return _driven(robot, spec, numbers)
         case ImpliedSpec():
-            return Verdict(True, "")
+            return SensorVerdict(True, "")
         case AcceptedSpec() | None:
-            return Verdict(False, "")
+            return SensorVerdict(False, "")
 
 
 def _gripping(
     robot: RobotSpec, body: RobotState, mark: Mark, numbers: Numbers, diameter_m: float | None
-) -> Verdict | None:
+) -> SensorVerdict | None:
     """Return what contradicts that no part holds, where one shows that it does; else None.
 
     A part that was only relaxed may show the same, since a self-locked worm keeps its spring wound.
@@ -276,11 +276,11 @@ def _gripping(
                 f"the {robot.parts[part]} part bears {shown} mNm like one that holds, "
                 f"limit {spec.torque * 1000:.0f} mNm"
             )
-            return Verdict(False, told, spec.for_s)
+            return SensorVerdict(False, told, spec.for_s)
     return None
 
 
-def _angles(robot: RobotSpec, spec: AnglesSpec, numbers: Numbers) -> Verdict:
+def _angles(robot: RobotSpec, spec: AnglesSpec, numbers: Numbers) -> SensorVerdict:
     names = robot.vocabulary.numbers
     agrees = all(abs(numbers[angle] - target) <= spec.within for angle, target in spec.targets)
     against = [
@@ -289,10 +289,10 @@ def _angles(robot: RobotSpec, spec: AnglesSpec, numbers: Numbers) -> Verdict:
         for angle, target in spec.targets
         if abs(numbers[angle] - target) > spec.beyond
     ]
-    return Verdict(agrees, "; ".join(against), spec.for_s)
+    return SensorVerdict(agrees, "; ".join(against), spec.for_s)
 
 
-def _standing(robot: RobotSpec, spec: StandingSpec, numbers: Numbers) -> Verdict:
+def _standing(robot: RobotSpec, spec: StandingSpec, numbers: Numbers) -> SensorVerdict:
     against = [
         f"{robot.vocabulary.numbers[speed]} shows {numbers[speed]:.2f} rad/s, "
         f"limit {spec.below:g} rad/s"
@@ -300,16 +300,16 @@ def _standing(robot: RobotSpec, spec: StandingSpec, numbers: Numbers) -> Verdict
         if abs(numbers[speed]) >= spec.below
     ]
     agrees = still(spec.speeds, numbers, spec.below)
-    return Verdict(agrees, "; ".join(against), spec.for_s)
+    return SensorVerdict(agrees, "; ".join(against), spec.for_s)
 
 
-def _driven(robot: RobotSpec, spec: DrivenSpec, numbers: Numbers) -> Verdict:
+def _driven(robot: RobotSpec, spec: DrivenSpec, numbers: Numbers) -> SensorVerdict:
     against = [
         f"{robot.vocabulary.numbers[speed]} shows {numbers[speed]:.2f} rad/s, the other way"
         for speed, way in spec.wheels
         if numbers[speed] * way < -spec.above
     ]
-    return Verdict(False, "; ".join(against), spec.for_s)
+    return SensorVerdict(False, "; ".join(against), spec.for_s)
 
 
 def _held(
@@ -319,7 +319,7 @@ def _held(
     spec: HeldSpec,
     numbers: Numbers,
     diameter_m: float | None,
-) -> Verdict:
+) -> SensorVerdict:
     borne = [_borne(setpoints[j.slot], numbers[j.torque]) for j in spec.joints]
     loaded = all(torque >= spec.torque for torque in borne)
     standing = all(abs(numbers[joint.rate]) < spec.still for joint in spec.joints)
@@ -329,7 +329,7 @@ def _held(
         names = ", ".join(robot.vocabulary.numbers[joint.torque] for joint in spec.joints)
         shown = ", ".join(str(round(torque * 1000)) for torque in borne)
         against.append(f"{names} show {shown} mNm, less than {spec.slack * 1000:.0f} mNm")
-    return Verdict(loaded and standing and off <= spec.span, "; ".join(against), spec.for_s)
+    return SensorVerdict(loaded and standing and off <= spec.span, "; ".join(against), spec.for_s)
 
 
 def _borne(setpoint: float, torque: float) -> float:

@@ -16,7 +16,7 @@ from pirate_sm.model.events import FaultReport, SensorFrame
 Numbers = tuple[float, ...]
 
 
-class Asked(NamedTuple):
+class MotorRequest(NamedTuple):
     """What the motors have been asked.
 
     Attributes:
@@ -57,7 +57,7 @@ class Sensing(NamedTuple):
     shares: tuple[float, ...] = ()
     angles: tuple[float, ...] = ()
     records: tuple[Record, ...] = ()
-    asked: Asked = Asked()
+    asked: MotorRequest = MotorRequest()
     loss: float = 0.0
     told: Numbers = ()
 
@@ -179,14 +179,14 @@ def convert(board: BoardSpec, raw: Numbers, numbers: Sequence[float]) -> list[fl
     return converted
 
 
-def _ask(robot: RobotSpec, asked: Asked, setpoints: Numbers, now: float) -> Asked:
+def _ask(robot: RobotSpec, asked: MotorRequest, setpoints: Numbers, now: float) -> MotorRequest:
     """Return what the motors have been asked since when."""
     if setpoints is asked.setpoints:
         return asked
     if setpoints == asked.setpoints:
         return asked._replace(setpoints=setpoints)  # so that they are the same next time
     driving = any(setpoints[wheel.slot] for wheel in robot.wheels) if setpoints else False
-    return Asked(setpoints, now, driving)
+    return MotorRequest(setpoints, now, driving)
 
 
 def _vector(vector: Vector, numbers: list[float]) -> float:

@@ -11,7 +11,7 @@ from pirate_sm.backends.serial.guardian.virtual_port import VirtualPort
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.detectors.choice import Asked, detecting
+from pirate_sm.detectors.registry import Asked, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.recording.file import DiskFile, RecordingFile

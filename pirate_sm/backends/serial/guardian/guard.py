@@ -47,7 +47,7 @@ class Reopen(NamedTuple):
     """An order to open the port again."""
 
 
-class Finish(NamedTuple):
+class EndGuardian(NamedTuple):
     """An order to end the guardian.
 
     Attributes:
@@ -57,7 +57,7 @@ class Finish(NamedTuple):
     stopped: bool = True
 
 
-Action: TypeAlias = ToPort | ToRunner | Reopen | Finish
+Action: TypeAlias = ToPort | ToRunner | Reopen | EndGuardian
 
 
 class Guard:
@@ -119,7 +119,7 @@ class Guard:
         self._patience.hear(now)
         match note.kind:
             case Kind.LEAVE if not self.acting or self.confirmed:
-                return [Finish()]
+                return [EndGuardian()]
             case Kind.LEAVE:
                 return self.bereave(now)
             case Kind.HEED:
@@ -138,7 +138,7 @@ class Guard:
     def bereave(self, now: float) -> list[Action]:
         """Return what is to be done now that the runner is gone, or this process is told to end."""
         if not self.payload or (self.acting and self.confirmed):
-            return [*self._farewell(), Finish()]
+            return [*self._farewell(), EndGuardian()]
         if not self.alone:
             self.alone = True
             self._give_up_s = now + self._instructions.stay_s
@@ -186,7 +186,7 @@ class Guard:
         if any(self._is_echo(frame, now) for frame in frames):
             self.confirmed = True
             if self.alone:
-                return [*actions, *self._farewell(), Finish()]
+                return [*actions, *self._farewell(), EndGuardian()]
             actions.append(ToRunner(Note(Kind.STOPPED)))
         return actions
 
@@ -209,7 +209,7 @@ class Guard:
             actions.append(Reopen())
         if self.acting and not self.confirmed:
             if now >= self._give_up_s:
-                return [*self._farewell(), Finish(stopped=False)]
+                return [*self._farewell(), EndGuardian(stopped=False)]
             actions += self._insist(now)
         return actions
 
