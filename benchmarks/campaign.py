@@ -111,7 +111,7 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
         order: What to run.
         motors: What the simulated motors do in place of what the profile says.
     """
-    from pirate_sm.runtime.companions import FirstChoice
+    from pirate_sm.runtime.first_choice import FirstChoice
     from pirate_sm.runtime.loop import MissionRun
     from pirate_sm.wiring import prepare
 

@@ -102,7 +102,7 @@ ALPHABETS = {
         "engine/robot/confirmation_spec.py",
         "| ImpliedSpec | AcceptedSpec",
         "NewSeenSpec(NamedTuple)",
-        ("checking/robot_sight.py", "engine/robot/confirmation.py"),
+        ("checking/robot_sight.py", "engine/robot/sensor_verdict.py"),
     ),
     "derived signal": Alphabet(
         "model/derived.py",

@@ -10,7 +10,7 @@ from pirate_sm.api.arguments import Mission, Options, prepared
 from pirate_sm.api.result import Run
 from pirate_sm.api.run_log import noted
 from pirate_sm.errors import BackendError
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
 

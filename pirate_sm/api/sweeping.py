@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Unpack
 
 from pirate_sm.api.arguments import Mission, Options, loaded_once, prepared
 from pirate_sm.api.result import Columns
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
 

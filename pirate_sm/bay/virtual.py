@@ -14,9 +14,10 @@ from pirate_sm.bay.wire import Wire
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.rosserial.messages import Array, serial_of
-from pirate_sm.simulation.defects import Incident
+from pirate_sm.simulation.acting_defect import Incident
+from pirate_sm.simulation.full_truth import FullTruth
 from pirate_sm.simulation.physics import MakePhysics
-from pirate_sm.simulation.simulated_robot import FullTruth, SimulatedRobot
+from pirate_sm.simulation.simulated_robot import SimulatedRobot
 from pirate_sm.simulation.xpbd.world import World
 
 _SHORTEST_BOOT = 0.75

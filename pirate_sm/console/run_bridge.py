@@ -9,7 +9,7 @@ from math import inf, isnan
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Answer, Event
-from pirate_sm.runtime.companions import Answered
+from pirate_sm.runtime.first_choice import Answered
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.showing.looking import Trends, snapshot_of
 from pirate_sm.showing.memory import Memory

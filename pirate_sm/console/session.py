@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, ExitStack, nullcontext
-from dataclasses import dataclass
+from contextlib import AbstractContextManager, ExitStack
 from threading import Thread
-from typing import Protocol
 
-from pirate_sm.companion import Companion
 from pirate_sm.console.command_series import RUN_OVER, Giver
+from pirate_sm.console.quitting import Quitting
+from pirate_sm.console.recording_hooks import RunKeeper, unkept
 from pirate_sm.console.run_bridge import RunBridge
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event, GoTo
 from pirate_sm.runtime.clock import Clock
-from pirate_sm.runtime.companions import FirstChoice, LoopWatch
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.observers import Tap
 from pirate_sm.runtime.outcome import BUG, Result
 from pirate_sm.runtime.pump import UNCONFIRMED
-from pirate_sm.runtime.stop_requests import Stop, StopRequests
+from pirate_sm.runtime.stop_requests import Stop
+from pirate_sm.runtime.trace_repeats import LoopWatch
 from pirate_sm.showing.looking import scene_of
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Prepared, again
@@ -34,85 +33,7 @@ _MOST_SHORT = 3
 """So many runs in a row that end by a fault at once: there is nothing left to be run."""
 
 
-class Keeping(Protocol):
-    """How one run is recorded, or not.
-
-    Attributes:
-        prepared: The run, with what is to be said of its recording.
-        tap: Who keeps it; None where nobody does.
-        companions: Who stands beside the mission for it.
-    """
-
-    @property
-    def prepared(self) -> Prepared:
-        """The run."""
-        ...
-
-    @property
-    def tap(self) -> Tap | None:
-        """Who keeps it."""
-        ...
-
-    @property
-    def companions(self) -> tuple[Companion, ...]:
-        """Who stands beside the mission for it."""
-        ...
-
-    def follow(self, run: MissionRun) -> None:
-        """Show viewers this run."""
-        ...
-
-    def forget(self) -> None:
-        """Leave no recording of it, for nothing was asked for in it."""
-        ...
-
-
-@dataclass(frozen=True)
-class Unkept:
-    """A run that nobody records."""
-
-    prepared: Prepared
-    tap: Tap | None = None
-    companions: tuple[Companion, ...] = ()
-
-    def follow(self, run: MissionRun) -> None:
-        """Do nothing: nobody looks."""
-
-    def forget(self) -> None:
-        """Do nothing: there is no recording."""
-
-
-Keep = Callable[[Prepared], AbstractContextManager[Keeping]]
-
-
-def unkept(prepared: Prepared) -> AbstractContextManager[Keeping]:
-    """Return the run without a recording."""
-    return nullcontext(Unkept(prepared))
-
-
-class Quitting(StopRequests):
-    """Requests that end the session and with it whatever run there is; signals write them too."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.run = StopRequests()
-
-    def begin(self) -> StopRequests:
-        """Return the requests of the next run, which is asked to stop if the session was."""
-        self.run = StopRequests()
-        if self.stop is not None:
-            self.run.ask(self.stop)
-        return self.run
-
-    def ask(self, stop: Stop) -> None:
-        """End the present run through the engine's safe stop; none follows."""
-        super().ask(stop)
-        self.run.ask(stop)
-
-    def insist(self) -> None:
-        """End it at once, with the safe array sent past the engine."""
-        super().insist()
-        self.run.insist()
+Keep = Callable[[Prepared], AbstractContextManager[RunKeeper]]
 
 
 class OperatorSession:
@@ -229,7 +150,7 @@ class OperatorSession:
             loaded, self._next = self._next or self.prepared.loaded, None
             self.prepared = again(self.prepared, loaded)
 
-    def _run(self, kept: Keeping, before: MissionRun | None) -> MissionRun:
+    def _run(self, kept: RunKeeper, before: MissionRun | None) -> MissionRun:
         self.giver.stop(RUN_OVER)
         prepared = kept.prepared
         attended = [FirstChoice()] if prepared.attended else []

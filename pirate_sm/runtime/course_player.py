@@ -28,7 +28,9 @@ from pirate_sm.model.events import (
     SubmitStatus,
     Tick,
 )
-from pirate_sm.runtime.companions import FirstChoice, LoopWatch, TriggerScript
+from pirate_sm.runtime.first_choice import FirstChoice
+from pirate_sm.runtime.trace_repeats import LoopWatch
+from pirate_sm.runtime.trigger_script import TriggerScript
 
 _EARLIER_S = 1e-10
 """A deadline comes so much earlier, before the loop tells it; to the engine that is in time."""

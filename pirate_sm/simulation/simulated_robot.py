@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -18,10 +17,11 @@ from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.model.truth import Truth
+from pirate_sm.simulation.acting_defect import Incident
 from pirate_sm.simulation.actuators import SlotRoute, routes_of
-from pirate_sm.simulation.defects import AtWork, Incident, named, put_to_work
+from pirate_sm.simulation.defects import AtWork, named, put_to_work
 from pirate_sm.simulation.electronics import Electronics
+from pirate_sm.simulation.full_truth import FullTruth
 from pirate_sm.simulation.mechanics import ChainBody, chain_of
 from pirate_sm.simulation.obstacles import Obstacles
 from pirate_sm.simulation.physics import MakePhysics, QuantityLayout
@@ -33,23 +33,6 @@ _TOUCHING_N = 0.05
 _GONE_EVERY = 16
 # Beyond this distance from the pipe's open end, a robot that has left it lies somewhere.
 _GONE_M = 0.4
-
-
-@dataclass(frozen=True, kw_only=True)
-class FullTruth(Truth):
-    """What only a simulation knows, beside what a view shows.
-
-    Attributes:
-        arcs_m: Place of each wheel along the pipe.
-        bends_rad: Angle at each wheel between the links that meet there.
-        torques_nm: What the bend joint at each wheel bears; 0 where there is none.
-        gone: Whether the robot has left the pipe for good.
-    """
-
-    arcs_m: tuple[float, ...]
-    bends_rad: tuple[float, ...]
-    torques_nm: tuple[float, ...]
-    gone: bool
 
 
 class Turn(NamedTuple):

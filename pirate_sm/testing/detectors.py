@@ -14,7 +14,7 @@ from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import DetectorWord, EnvironmentReport, Event
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, Prepared, prepare
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from pirate_sm.model.course import Happening
-from pirate_sm.runtime.companions import Firing
+from pirate_sm.runtime.trigger_script import Firing
 
 
 @dataclass(frozen=True)

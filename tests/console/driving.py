@@ -16,7 +16,8 @@ from textual.widgets import OptionList
 
 from pirate_sm.console.app import Console
 from pirate_sm.console.mission_list import without_mission
-from pirate_sm.console.session import Keep, OperatorSession, unkept
+from pirate_sm.console.recording_hooks import unkept
+from pirate_sm.console.session import Keep, OperatorSession
 from pirate_sm.engine.robot.robot_state import states_of
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Order, Prepared, load, prepare

@@ -12,7 +12,7 @@ import pytest
 from pirate_sm.cli.new_recording import RUNS_VARIABLE
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.console.recorded_snapshots import recorded_snapshots
-from pirate_sm.console.session import Keeping
+from pirate_sm.console.recording_hooks import RunKeeper
 from pirate_sm.model.events import GoTo, OperatorCommand
 from pirate_sm.recording.compare import course_of
 from pirate_sm.recording.file import NS_PER_S, RecordingFile
@@ -33,7 +33,7 @@ def runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def keep(prepared: Prepared) -> AbstractContextManager[Keeping]:
+def keep(prepared: Prepared) -> AbstractContextManager[RunKeeper]:
     return recorded(prepared, RecordingOptions(), 1.0)
 
 

@@ -22,7 +22,7 @@ from pirate_sm.geometry.route import Piece
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect, Ended, Environment
 from pirate_sm.model.pipe import Pipe
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, load, prepare
 

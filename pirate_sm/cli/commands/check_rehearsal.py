@@ -16,9 +16,10 @@ from pirate_sm.loading.folders import shown
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect, TriggerFired, WaitArmed
 from pirate_sm.model.events import Event
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.near_misses import NearMiss, NearMisses
+from pirate_sm.runtime.near_miss_kinds import NearMiss
+from pirate_sm.runtime.near_misses import NearMisses
 from pirate_sm.runtime.stop_requests import Stop, StopRequests
 from pirate_sm.wiring import Order, prepare
 

@@ -25,7 +25,8 @@ from pirate_sm.wiring import Order, Prepared, load, prepare
 
 if TYPE_CHECKING:
     from pirate_sm.console.app import Console
-    from pirate_sm.console.session import Keeping, OperatorSession
+    from pirate_sm.console.recording_hooks import RunKeeper
+    from pirate_sm.console.session import OperatorSession
     from pirate_sm.showing.snapshot import Snapshot
 
 _LOOK_EVERY_S = 0.1
@@ -85,9 +86,10 @@ def _check_terminal() -> None:
 
 def _session(order: Order, factor: float, recording: RecordingOptions) -> OperatorSession:
     """Return a session of the console, whose missions are recorded."""
-    from pirate_sm.console.session import OperatorSession, unkept
+    from pirate_sm.console.recording_hooks import unkept
+    from pirate_sm.console.session import OperatorSession
 
-    def keep(prepared: Prepared) -> AbstractContextManager[Keeping]:
+    def keep(prepared: Prepared) -> AbstractContextManager[RunKeeper]:
         if prepared.loaded.mission.mission == BY_HAND:
             return unkept(prepared)
         return recorded(prepared, recording, factor)

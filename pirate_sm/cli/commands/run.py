@@ -22,11 +22,13 @@ from pirate_sm.cli.output.terminal import agree, is_terminal
 from pirate_sm.cli.run_recording import Kept, RecordingOptions, recorded
 from pirate_sm.companion import Companion
 from pirate_sm.errors import UsageError
-from pirate_sm.runtime.companions import Firing, FirstChoice, LoopWatch, TriggerScript
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.observers import Observer, Watcher
 from pirate_sm.runtime.outcome import BUG, Result
 from pirate_sm.runtime.stop_requests import OUTPUT_LOST, CaughtSignals, StopRequests
+from pirate_sm.runtime.trace_repeats import LoopWatch
+from pirate_sm.runtime.trigger_script import Firing, TriggerScript
 from pirate_sm.visible import visible
 from pirate_sm.wiring import Prepared, answers, prepare
 

@@ -12,7 +12,7 @@ from pirate_sm.detectors.odometry_detector import Odometry
 from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.errors import UsageError
 from pirate_sm.model.events import DetectorWord
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
 

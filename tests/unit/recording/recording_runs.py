@@ -18,7 +18,7 @@ from pirate_sm.recording.file import DiskFile, RecordingFile
 from pirate_sm.recording.header import header_of
 from pirate_sm.recording.reader import Recording, read_recording
 from pirate_sm.recording.recorder import Recorder
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
 from pirate_sm.wiring.sim import start_values

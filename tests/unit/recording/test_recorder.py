@@ -19,7 +19,7 @@ from pirate_sm.recording.reader import Recording, Step, read_recording
 from pirate_sm.recording.recorder import Recorder
 from pirate_sm.recording.side_channel import SideChannel
 from pirate_sm.recording.viewing import Viewer
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
 

@@ -15,7 +15,8 @@ from pirate_sm.engine.state import Ending
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import SensorFrame, Tick
-from pirate_sm.runtime.near_misses import NearMiss, NearMisses
+from pirate_sm.runtime.near_miss_kinds import NearMiss
+from pirate_sm.runtime.near_misses import NearMisses
 
 MISSION = """\
 format: 1

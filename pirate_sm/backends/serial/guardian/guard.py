@@ -7,8 +7,14 @@ out. The process around it is :mod:`pirate_sm.backends.serial.guardian.process`.
 from __future__ import annotations
 
 from math import inf
-from typing import NamedTuple, TypeAlias
 
+from pirate_sm.backends.serial.guardian.guard_actions import (
+    Action,
+    EndGuardian,
+    Reopen,
+    ToPort,
+    ToRunner,
+)
 from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note
 from pirate_sm.backends.serial.link.conversation import Conversation
 from pirate_sm.backends.serial.link.silence_timer import SilenceTimer
@@ -29,35 +35,6 @@ _ASK_AFTER_S = 0.5
 
 _LATE_ECHO_S = 0.3
 """An echo may come so late: about four times what it takes on a healthy link (76 ms)."""
-
-
-class ToPort(NamedTuple):
-    """Bytes to be written in one call."""
-
-    data: bytes
-
-
-class ToRunner(NamedTuple):
-    """A note to be passed on to the runner."""
-
-    note: Note
-
-
-class Reopen(NamedTuple):
-    """An order to open the port again."""
-
-
-class EndGuardian(NamedTuple):
-    """An order to end the guardian.
-
-    Attributes:
-        stopped: Whether the robot is known to be stopped, or was never set in motion.
-    """
-
-    stopped: bool = True
-
-
-Action: TypeAlias = ToPort | ToRunner | Reopen | EndGuardian
 
 
 class Guard:

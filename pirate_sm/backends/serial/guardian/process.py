@@ -19,10 +19,10 @@ from contextlib import suppress
 from math import inf
 from types import FrameType
 
-from pirate_sm.backends.serial.guardian.guard import (
+from pirate_sm.backends.serial.guardian.guard import Guard
+from pirate_sm.backends.serial.guardian.guard_actions import (
     Action,
     EndGuardian,
-    Guard,
     Reopen,
     ToPort,
     ToRunner,

@@ -6,11 +6,10 @@ from math import inf
 
 import pytest
 
-from pirate_sm.backends.serial.guardian.guard import (
-    REOPEN_EVERY_S,
+from pirate_sm.backends.serial.guardian.guard import REOPEN_EVERY_S, Guard
+from pirate_sm.backends.serial.guardian.guard_actions import (
     Action,
     EndGuardian,
-    Guard,
     Reopen,
     ToPort,
     ToRunner,

@@ -8,10 +8,10 @@ from typing import NamedTuple
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pirate_sm.backends.serial.guardian.guard import (
+from pirate_sm.backends.serial.guardian.guard import Guard
+from pirate_sm.backends.serial.guardian.guard_actions import (
     Action,
     EndGuardian,
-    Guard,
     Reopen,
     ToPort,
     ToRunner,
