@@ -12,7 +12,7 @@ from os import cpu_count
 from time import perf_counter
 from typing import TYPE_CHECKING, TypeAlias
 
-from pirate_sm.detectors.words import words_of
+from pirate_sm.detectors.word_timing import words_of
 from pirate_sm.model.effects import Detected, Effect, Fault, Setpoints, StateChange
 
 # Clamps that have just been taken settle for this long; then the robot is watched for this long.
@@ -111,7 +111,7 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
         order: What to run.
         motors: What the simulated motors do in place of what the profile says.
     """
-    from pirate_sm.runtime.companions import FirstChoice
+    from pirate_sm.runtime.first_choice import FirstChoice
     from pirate_sm.runtime.loop import MissionRun
     from pirate_sm.wiring import prepare
 

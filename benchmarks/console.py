@@ -25,8 +25,8 @@ from typing import Any
 from textual.events import Key
 
 from pirate_sm.console.app import Console
-from pirate_sm.console.driver import StopDriver
-from pirate_sm.console.session import Session
+from pirate_sm.console.session import OperatorSession
+from pirate_sm.console.terminal_driver import StopDriver
 from pirate_sm.console.widgets import Picture
 from pirate_sm.model.events import OperatorCommand
 from pirate_sm.wiring import Order, load, prepare
@@ -74,11 +74,11 @@ class Timed:
         self._backend.submit(setpoint_id, values)
 
 
-def _session() -> tuple[Session, Timed]:
+def _session() -> tuple[OperatorSession, Timed]:
     order = Order("mitre_bend")
     prepared = prepare(order, load(order))
     timed = Timed(prepared.backend)
-    return Session(replace(prepared, backend=timed)), timed
+    return OperatorSession(replace(prepared, backend=timed)), timed
 
 
 async def _frames() -> float:
@@ -125,7 +125,7 @@ async def _stops(*, loaded: bool) -> list[float]:
     return found
 
 
-async def _drive(session: Session) -> None:
+async def _drive(session: OperatorSession) -> None:
     """The wheels turn."""
     for command in ("ClampFront", "ClampRear", "DriveForward"):
         session.tell(OperatorCommand(command))

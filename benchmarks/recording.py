@@ -28,9 +28,9 @@ from statistics import median
 from time import perf_counter, process_time
 
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.stopping import Stop, StopRequests
+from pirate_sm.runtime.stop_requests import Stop, StopRequests
 from pirate_sm.wiring import Order, prepare
 
 MISSION = Path(__file__).with_name("ten_minutes.yaml")

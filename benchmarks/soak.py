@@ -39,9 +39,10 @@ from pirate_sm.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.bay.firmware import Record
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.detectors.choice import Asked, detecting
+from pirate_sm.detectors.registry import Asked, detecting
 from pirate_sm.engine.engine import Engine
-from pirate_sm.runtime.companions import FirstChoice, Holder
+from pirate_sm.runtime.backend_links import Holder
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import Result
 

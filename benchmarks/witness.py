@@ -59,7 +59,7 @@ def driven_now(link: Path) -> bool:
 def main() -> int:
     """The bay has run in real time until it was told to end."""
     from pirate_sm.bay.switches import Switches
-    from pirate_sm.bay.terminal import Terminal, Told, serve
+    from pirate_sm.bay.terminal import StopSignals, Terminal, serve
     from pirate_sm.bay.texts import message_texts
     from pirate_sm.bay.virtual import VirtualBay
     from pirate_sm.loading import library
@@ -96,7 +96,7 @@ def main() -> int:
 
     signal.signal(signal.SIGUSR1, pull)
     signal.signal(signal.SIGUSR2, pull)
-    with Told() as told, _truth(link).open("w", buffering=1) as out:
+    with StopSignals() as told, _truth(link).open("w", buffering=1) as out:
         while not told.stop:
             with Terminal(link, profile.serial.baud) as terminal:
                 print(terminal.name, flush=True)

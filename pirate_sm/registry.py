@@ -32,7 +32,7 @@ class Plugin(Generic[F]):
     make: F
 
 
-class Listed(NamedTuple):
+class ListedPart(NamedTuple):
     """One name of a registry.
 
     Attributes:
@@ -89,7 +89,7 @@ class Registry(Generic[F]):
         """Every name that can be chosen, in alphabetical order."""
         return sorted({*self._ours, *self._others})
 
-    def listed(self) -> Iterator[Listed]:
+    def listed(self) -> Iterator[ListedPart]:
         """Yield every name with what its package says of it, and whatever cannot be used.
 
         A package that fails while it is imported is reported and does not disturb the others.
@@ -97,11 +97,11 @@ class Registry(Generic[F]):
         for name in self.names:
             point = self._ours.get(name) or self._others[name]
             try:
-                yield Listed(name, self.package_of(name), self._load(point).about)
+                yield ListedPart(name, self.package_of(name), self._load(point).about)
             except UsageError as error:
-                yield Listed(name, self.package_of(name), fault=str(error))
+                yield ListedPart(name, self.package_of(name), fault=str(error))
         for point in self._taken:
-            yield Listed(point.name, _package(point), fault="the name is taken")
+            yield ListedPart(point.name, _package(point), fault="the name is taken")
 
     def forget(self) -> None:
         """Look anew for what is installed, when it is asked for the next time."""

@@ -64,7 +64,7 @@ ALPHABETS = {
         (
             "checking/diff/mission_behaviour.py",
             "checking/pipe/usual_course.py",
-            "console/leaping.py",
+            "console/waits_before.py",
             "engine/mission/interpreter.py",
         ),
     ),
@@ -102,7 +102,7 @@ ALPHABETS = {
         "engine/robot/confirmation_spec.py",
         "| ImpliedSpec | AcceptedSpec",
         "NewSeenSpec(NamedTuple)",
-        ("checking/robot/seen_states.py", "engine/robot/confirmation.py"),
+        ("checking/robot/seen_states.py", "engine/robot/sensor_verdict.py"),
     ),
     "derived signal": Alphabet(
         "model/derived.py",

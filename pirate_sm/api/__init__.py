@@ -5,7 +5,7 @@ Everything here does what the command line does, with the package's own exceptio
 
 from __future__ import annotations
 
-from pirate_sm.api.asked import Mission, check, load
+from pirate_sm.api.arguments import Mission, check, load
 from pirate_sm.api.result import Columns, Page, Run, read
 from pirate_sm.api.running import run
 from pirate_sm.api.stepping import Session, session

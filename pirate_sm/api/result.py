@@ -16,10 +16,10 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
 from pirate_sm.recording.header import RunHeader
 from pirate_sm.recording.reader import read_recording
-from pirate_sm.recording.steps import Step
 from pirate_sm.recording.reloading import recorded_mission
 from pirate_sm.recording.replay import rerun_steps
 from pirate_sm.recording.rows import SIGNALS, Row, rows_of
+from pirate_sm.recording.steps import Step
 from pirate_sm.report.poses import Poses
 
 Columns: TypeAlias = dict[str, list[Any]]

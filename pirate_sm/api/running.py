@@ -6,11 +6,11 @@ from contextlib import AbstractContextManager, ExitStack
 from os import PathLike
 from typing import Unpack
 
-from pirate_sm.api.asked import Mission, Options, prepared
-from pirate_sm.api.noting import noted
+from pirate_sm.api.arguments import Mission, Options, prepared
 from pirate_sm.api.result import Run
+from pirate_sm.api.run_log import noted
 from pirate_sm.errors import BackendError
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
 
@@ -37,7 +37,7 @@ def run(
         record: A file for a recording, which must not exist yet.
         check: Whether a mission with something certainly wrong is refused.
         yes: Whether you agree that a real robot moves.
-        options: :class:`pirate_sm.api.asked.Options`, such as ``pipe``, ``defects``, ``set``.
+        options: :class:`pirate_sm.api.arguments.Options`, such as ``pipe``, ``defects``, ``set``.
 
     Raises:
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.

@@ -8,16 +8,17 @@ from os import PathLike
 from types import TracebackType
 from typing import Self, Unpack
 
-from pirate_sm.api.asked import Mission, Options, prepared
-from pirate_sm.api.noting import Notes, noted
+from pirate_sm.api.arguments import Mission, Options, prepared
+from pirate_sm.api.guarded_pump import AbandonOnError
 from pirate_sm.api.result import Run
+from pirate_sm.api.run_log import Notes, noted
 from pirate_sm.engine.mission.operator import why_not_command
 from pirate_sm.engine.state import EngineState
-from pirate_sm.errors import BackendError, UsageError
+from pirate_sm.errors import UsageError
 from pirate_sm.expressions import Expression, compile_condition
 from pirate_sm.model.effects import CommandStatus, Effect, Ended
 from pirate_sm.model.events import Answer, Event, OperatorCommand, Pause, Resume
-from pirate_sm.runtime.pump import BackendRaisedError, Pump, described
+from pirate_sm.runtime.pump import Pump
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.wiring import Prepared
 
@@ -66,7 +67,7 @@ class Session:
                 tap=self._notes,
             )
             stack.callback(pump.close)
-            with _Guarded(pump, ready.backend.name):
+            with AbandonOnError(pump, ready.backend.name):
                 pump.start(paused=True)
             self._stack = stack.pop_all()
         return self
@@ -81,7 +82,7 @@ class Session:
         with self._stack:
             pump = self._opened
             if pump.ended is None:
-                with _Guarded(pump, self._ready.backend.name):
+                with AbandonOnError(pump, self._ready.backend.name):
                     pump.abort(CLOSED)
                     while pump.ended is None:
                         pump.take(*pump.wait())
@@ -169,7 +170,7 @@ class Session:
         limit_s = pump.now_s + within_s if isinstance(until, str | None) else float(until)
         robot = self._ready.engine.robot
         condition = compile_condition(until, robot.vocabulary) if isinstance(until, str) else None
-        with _Guarded(pump, self._ready.backend.name):
+        with AbandonOnError(pump, self._ready.backend.name):
             while pump.ended is None:
                 if isinstance(until, str | None) and self._holds(condition):
                     return True
@@ -186,7 +187,7 @@ class Session:
         return not busy and state.robot.flight is None and state.look is None
 
     def _give(self, event: Event) -> None:
-        with _Guarded(self._opened, self._ready.backend.name):
+        with AbandonOnError(self._opened, self._ready.backend.name):
             self._opened.give(event)
 
     def _tell(self, effects: Sequence[Effect], now_s: float) -> None:
@@ -218,36 +219,6 @@ class Session:
         return state
 
 
-class _Guarded:
-    """Sends the safe array past the engine when a step breaks, and says so by our own errors."""
-
-    def __init__(self, pump: Pump, backend: str) -> None:
-        self._pump = pump
-        self._backend = backend
-
-    def __enter__(self) -> None:
-        """Begin."""
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        """Abandon the run if anything was raised.
-
-        Raises:
-            BackendError: It was the backend that raised.
-        """
-        if error is None or self._pump.ended is not None:
-            return
-        if isinstance(error, BackendRaisedError):
-            message = f"the {self._backend} backend failed: {described(error.__cause__)}"
-            self._pump.abandon(Ended("fault", message))
-            raise BackendError(message) from error.__cause__
-        self._pump.abandon(Ended("interrupted", described(error)))
-
-
 def session(
     mission: Mission,
     backend: str = "sim",
@@ -267,7 +238,7 @@ def session(
         record: A file for a recording, which must not exist yet.
         check: Whether a mission with something certainly wrong is refused.
         yes: Whether you agree that a real robot moves.
-        options: :class:`pirate_sm.api.asked.Options`, such as ``pipe``, ``defects``, ``set``.
+        options: :class:`pirate_sm.api.arguments.Options`, such as ``pipe``, ``defects``, ``set``.
 
     Raises:
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.

@@ -11,9 +11,9 @@ from os import cpu_count
 from types import MappingProxyType
 from typing import Any, NamedTuple, Unpack
 
-from pirate_sm.api.asked import Mission, Options, loaded_once, prepared
+from pirate_sm.api.arguments import Mission, Options, loaded_once, prepared
 from pirate_sm.api.result import Columns
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
 
@@ -30,7 +30,7 @@ def _reduced(it: MappingProxyType[Any, Any]) -> tuple[Any, ...]:
 ForkingPickler.register(MappingProxyType, _reduced)
 
 
-class _Ended(NamedTuple):
+class _Row(NamedTuple):
     """How one run ended: a row of the table."""
 
     seed: int
@@ -62,7 +62,7 @@ def sweep(
         workers: How many processes share the work; 1: this one does all. One for each processor
             by default.
         check: Whether a mission with something certainly wrong is refused.
-        options: :class:`pirate_sm.api.asked.Options`, such as ``pipe``, ``defects``, ``set``.
+        options: :class:`pirate_sm.api.arguments.Options`, such as ``pipe``, ``defects``, ``set``.
 
     Raises:
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.
@@ -80,10 +80,10 @@ def sweep(
     else:
         with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
             ended = list(pool.map(one, wanted, chunksize=-(-len(wanted) // (4 * count))))
-    return {name: [row[n] for row in ended] for n, name in enumerate(_Ended._fields)}
+    return {name: [row[n] for row in ended] for n, name in enumerate(_Row._fields)}
 
 
-def _run(mission: Mission, backend: str, options: Options, seed: int) -> _Ended:
+def _run(mission: Mission, backend: str, options: Options, seed: int) -> _Row:
     """Return how the mission ends with one seed."""
     ready = prepared(mission, backend, seed, check=False, yes=False, **options)
     companions = ready.companions if ready.attended else (*ready.companions, FirstChoice())
@@ -93,4 +93,4 @@ def _run(mission: Mission, backend: str, options: Options, seed: int) -> _Ended:
     if result.exit_code == INTERRUPTED:
         raise KeyboardInterrupt(result.ended.message)
     ended = result.ended
-    return _Ended(seed, ended.outcome, ended.end, ended.message, result.now_s)
+    return _Row(seed, ended.outcome, ended.end, ended.message, result.now_s)

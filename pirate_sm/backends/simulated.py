@@ -17,10 +17,11 @@ from pirate_sm.model.events import Event, FaultReport, SensorFrame, SubmitResult
 from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.simulation.defects import Incident
+from pirate_sm.simulation.acting_defect import Incident
+from pirate_sm.simulation.full_truth import FullTruth
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.sensors import BoardChannels
-from pirate_sm.simulation.simulated_robot import FullTruth, Robot
+from pirate_sm.simulation.simulated_robot import SimulatedRobot
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter
 from pirate_sm.simulation.xpbd.world import World
 
@@ -92,7 +93,7 @@ class SimulatorBackend:
         self._cycle_s = link.cycle
         self._echo_s = link.echo_delay
         self._unknown_s = link.resend_after
-        self._robot = Robot(
+        self._robot = SimulatedRobot(
             profile,
             pipe,
             physics,

@@ -19,7 +19,7 @@ from pirate_sm.bay.wire import Wire
 from pirate_sm.rosserial.frames import Frame
 from pirate_sm.rosserial.messages import Array
 from pirate_sm.rosserial.topics import LOG, LogLine, log_payload
-from pirate_sm.simulation.simulated_robot import Robot
+from pirate_sm.simulation.simulated_robot import SimulatedRobot
 
 _READY = Frame(LOG, log_payload(LogLine(1, "bay ready")))
 _CASES = 4
@@ -70,7 +70,7 @@ class Firmware:
         self,
         wire: Wire,
         line: Line,
-        robot: Robot,
+        robot: SimulatedRobot,
         switches: Switches,
         *,
         cycle_s: float,

@@ -120,7 +120,7 @@ class Terminal:
             self._set_speed()
 
 
-class Told:
+class StopSignals:
     """SIGINT, SIGTERM and SIGHUP end the bay instead of the process; a context manager.
 
     A signal that this process was started to ignore (``nohup``) stays ignored.

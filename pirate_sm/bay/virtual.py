@@ -14,9 +14,10 @@ from pirate_sm.bay.wire import Wire
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.rosserial.messages import Array, serial_of
-from pirate_sm.simulation.defects import Incident
+from pirate_sm.simulation.acting_defect import Incident
+from pirate_sm.simulation.full_truth import FullTruth
 from pirate_sm.simulation.physics import MakePhysics
-from pirate_sm.simulation.simulated_robot import FullTruth, Robot
+from pirate_sm.simulation.simulated_robot import SimulatedRobot
 from pirate_sm.simulation.xpbd.world import World
 
 _SHORTEST_BOOT = 0.75
@@ -44,7 +45,7 @@ class VirtualBay:
         last_applied: The array in force; where the dead man's switch has tripped, what it left.
 
     Raises:
-        UsageError: Robot, pipe, texts and switches do not fit together.
+        UsageError: SimulatedRobot, pipe, texts and switches do not fit together.
     """
 
     def __init__(
@@ -61,7 +62,7 @@ class VirtualBay:
         serial = serial_of(profile)
         chances = np.random.default_rng((seed, 1)).spawn(5)
         self._wire = Wire(profile, texts, switches.wrong_md5)
-        self._robot = Robot(
+        self._robot = SimulatedRobot(
             profile,
             pipe,
             physics,

@@ -10,7 +10,8 @@ from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
 from pirate_sm.rosserial.frames import LONGEST_PAYLOAD, Frame
 from pirate_sm.rosserial.message_types import Malformed, MessageType
-from pirate_sm.rosserial.messages import Array, StateReading, link_messages, serial_of
+from pirate_sm.rosserial.messages import Array, link_messages, serial_of
+from pirate_sm.rosserial.state_messages import StateReading
 from pirate_sm.rosserial.topics import FIRST_OF_THE_DEVICE, Direction, TopicInfo
 
 

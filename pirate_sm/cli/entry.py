@@ -120,7 +120,7 @@ def _enter(app: typer.Typer) -> None:
     """Run the app, which ends this process; say in one line when its output cannot be written."""
     if sys.stdout is None:
         from pirate_sm.cli.errors import say
-        from pirate_sm.runtime.stopping import OUTPUT_LOST
+        from pirate_sm.runtime.stop_requests import OUTPUT_LOST
 
         say("the output cannot be written: standard output is closed")
         raise SystemExit(OUTPUT_LOST)

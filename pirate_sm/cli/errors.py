@@ -10,7 +10,7 @@ from contextlib import suppress
 
 from pirate_sm.errors import PirateError
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
-from pirate_sm.runtime.stopping import OUTPUT_LOST
+from pirate_sm.runtime.stop_requests import OUTPUT_LOST
 from pirate_sm.visible import visible
 
 _LOST = {errno.EPIPE, errno.ENOSPC, errno.EBADF}

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self
 
 from pirate_sm.model.effects import Ask, Effect, Ended, Log, TriggerFired, WaitArmed
 from pirate_sm.model.events import Answer, Event
-from pirate_sm.runtime.companions import Answered
+from pirate_sm.runtime.first_choice import Answered
 
 if TYPE_CHECKING:
     from pirate_sm.engine.state import EngineState

@@ -13,7 +13,7 @@ from pirate_sm.errors import UsageError
 from pirate_sm.loading import script as loading
 from pirate_sm.loading.source import read_document
 from pirate_sm.model.course import Happening
-from pirate_sm.runtime.companions import Firing
+from pirate_sm.runtime.trigger_script import Firing
 from pirate_sm.wiring import Order
 
 

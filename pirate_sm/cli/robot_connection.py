@@ -11,7 +11,7 @@ from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import LoadedRobot, load_robot
-from pirate_sm.runtime.stopping import Stop, StopRequests
+from pirate_sm.runtime.stop_requests import Stop, StopRequests
 
 
 class StoppedError(Exception):

@@ -15,12 +15,10 @@ from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Footer
 
-from pirate_sm.console import reasons, restoring
-from pirate_sm.console.asking import Asking
+from pirate_sm.console import availability, hand_back_plan
 from pirate_sm.console.dialogs import Help
-from pirate_sm.console.driver import STOP_KEY
-from pirate_sm.console.helping import help_lines
-from pirate_sm.console.keys import (
+from pirate_sm.console.help_page import help_lines
+from pirate_sm.console.key_bindings import (
     CONTROLS,
     LEAVE,
     MISSIONS,
@@ -28,8 +26,10 @@ from pirate_sm.console.keys import (
     both_cases,
     letters_for,
 )
-from pirate_sm.console.obstacles import Asked, obstacles
-from pirate_sm.console.session import Session
+from pirate_sm.console.operator_actions import OperatorActions
+from pirate_sm.console.reason_lines import Request, obstacles
+from pirate_sm.console.session import OperatorSession
+from pirate_sm.console.terminal_driver import STOP_KEY
 from pirate_sm.console.widgets import (
     EventLog,
     Lines,
@@ -39,7 +39,7 @@ from pirate_sm.console.widgets import (
     panel,
     show_robot,
 )
-from pirate_sm.runtime.stopping import Stop
+from pirate_sm.runtime.stop_requests import Stop
 from pirate_sm.showing import panels
 from pirate_sm.showing.body import travelled
 from pirate_sm.showing.snapshot import Snapshot
@@ -71,7 +71,7 @@ _SHOWN = frozenset(
 CRASHED = Stop("a fault in the console", 4)
 
 
-class Console(Asking, App[None]):
+class Console(OperatorActions, App[None]):
     """The operator's console.
 
     Args:
@@ -94,8 +94,8 @@ class Console(Asking, App[None]):
         Binding(both_cases(LEAVE), "leave", "Quit", key_display=LEAVE),
         Binding("ctrl+q", "leave", "Quit", show=False),
         Binding("ctrl+c", "leave", "Quit", show=False, priority=True),
-        Binding("tab", "page(1)", "Page", show=False, priority=True),
-        Binding("shift+tab", "page(-1)", "Page back", show=False, priority=True),
+        Binding("tab", "page(1)", "HelpDialog", show=False, priority=True),
+        Binding("shift+tab", "page(-1)", "HelpDialog back", show=False, priority=True),
         Binding("pageup", "look_back(1)", "Earlier lines", show=False),
         Binding("pagedown", "look_back(-1)", "Later lines", show=False),
         Binding("escape", "seen", "Seen", show=False),
@@ -103,7 +103,7 @@ class Console(Asking, App[None]):
         *(Binding(str(digit), f"answer({digit})", "Answer", show=False) for digit in range(1, 10)),
     ]
 
-    def __init__(self, session: Session, **options: object) -> None:
+    def __init__(self, session: OperatorSession, **options: object) -> None:
         super().__init__(**options)  # type: ignore[arg-type]
         self.session = session
         self.failure: Exception | None = None
@@ -114,7 +114,8 @@ class Console(Asking, App[None]):
         self.letters = letters_for([*names, *scene.robot.detector_words])
         self._rows = {name: Row(name, self.letters.get(name, "")) for name in names}
         self._controls = {
-            each.name: Row(each.name, each.key) for each in reasons.controls(session.latest, None)
+            each.name: Row(each.name, each.key)
+            for each in availability.controls(session.latest, None)
         }
 
     # --- what there is ------------------------------------------------------------------------
@@ -196,7 +197,7 @@ class Console(Asking, App[None]):
         alarm = panels.alarm(snapshot, self.seen)
         self._show_bar("alarm", [alarm] if alarm is not None else [])
         self.on_base(Lines, "alarm").set_class(panels.shows_success(snapshot, self.seen), "good")
-        series = restoring.bar(self.session.giver.series)
+        series = hand_back_plan.bar(self.session.giver.series)
         self._show_bar("question", series or panels.question(snapshot, self.size.width))
         self.on_base(Lines, "pages").show([_tabs(self._page)])
         self._show_rows(snapshot)
@@ -216,13 +217,13 @@ class Console(Asking, App[None]):
         doing = snapshot.scene.robot.commands[motion.command].name if motion else ""
         commands, controls = [], []
         for name, row in self._rows.items():
-            reason = reasons.command_reason(snapshot, name)
+            reason = availability.command_reason(snapshot, name)
             row.show(name, reason, under_way=name == doing)
             if name != doing:
-                commands.append(Asked(row.key, reason))
-        for control in reasons.controls(snapshot, self.entries(snapshot)):
+                commands.append(Request(row.key, reason))
+        for control in availability.controls(snapshot, self.entries(snapshot)):
             self._controls[control.name].show(control.label, control.reason)
-            controls.append(Asked(control.key, control.reason))
+            controls.append(Request(control.key, control.reason))
         asked = {"commands": commands, "mission control": controls}
         shown = {name: each for name, each in asked.items() if self.is_visible(_PANELS[name])}
         why = self.on_base(Lines, "why")

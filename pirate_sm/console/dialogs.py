@@ -14,9 +14,9 @@ from textual.screen import ModalScreen
 from textual.widgets import Button, Footer, OptionList, Static
 from textual.widgets.option_list import Option
 
-from pirate_sm.console.driver import STOP_KEY
-from pirate_sm.console.keys import LEAVE, both_cases
-from pirate_sm.console.themed import line
+from pirate_sm.console.key_bindings import LEAVE, both_cases
+from pirate_sm.console.terminal_driver import STOP_KEY
+from pirate_sm.console.themed_lines import line
 from pirate_sm.showing.styled import MUTED
 
 _WIDEST = 100
@@ -141,7 +141,7 @@ class Pick(ModalScreen[str | None]):
             self.dismiss(choice.name)
 
 
-class Page(ModalScreen[None]):
+class HelpDialog(ModalScreen[None]):
     """Every key, and what the signs mean."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -161,7 +161,7 @@ class Page(ModalScreen[None]):
         yield last_line()
 
 
-class Help(Page):
+class Help(HelpDialog):
     """The same where there is a robot to be stopped."""
 
     BINDINGS: ClassVar[list[BindingType]] = [_STOP]

@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, ExitStack, nullcontext
-from dataclasses import dataclass
+from contextlib import AbstractContextManager, ExitStack
 from threading import Thread
-from typing import Protocol
 
-from pirate_sm.companion import Companion
-from pirate_sm.console.feed import Feed
-from pirate_sm.console.giving import RUN_OVER, Giver
+from pirate_sm.console.command_series import RUN_OVER, Giver
+from pirate_sm.console.quitting import Quitting
+from pirate_sm.console.recording_hooks import RunKeeper, unkept
+from pirate_sm.console.run_bridge import RunBridge
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event, GoTo
 from pirate_sm.runtime.clock import Clock
-from pirate_sm.runtime.companions import FirstChoice, LoopWatch
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.observing import Tap
 from pirate_sm.runtime.outcome import BUG, Result
 from pirate_sm.runtime.pump import UNCONFIRMED
-from pirate_sm.runtime.stopping import Stop, StopRequests
+from pirate_sm.runtime.stop_requests import Stop
+from pirate_sm.runtime.trace_repeats import LoopWatch
 from pirate_sm.showing.looking import scene_of
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Prepared, again
@@ -34,88 +33,10 @@ _MOST_SHORT = 3
 """So many runs in a row that end by a fault at once: there is nothing left to be run."""
 
 
-class Keeping(Protocol):
-    """How one run is recorded, or not.
-
-    Attributes:
-        prepared: The run, with what is to be said of its recording.
-        tap: Who keeps it; None where nobody does.
-        companions: Who stands beside the mission for it.
-    """
-
-    @property
-    def prepared(self) -> Prepared:
-        """The run."""
-        ...
-
-    @property
-    def tap(self) -> Tap | None:
-        """Who keeps it."""
-        ...
-
-    @property
-    def companions(self) -> tuple[Companion, ...]:
-        """Who stands beside the mission for it."""
-        ...
-
-    def follow(self, run: MissionRun) -> None:
-        """Show viewers this run."""
-        ...
-
-    def forget(self) -> None:
-        """Leave no recording of it, for nothing was asked for in it."""
-        ...
+Keep = Callable[[Prepared], AbstractContextManager[RunKeeper]]
 
 
-@dataclass(frozen=True)
-class Unkept:
-    """A run that nobody records."""
-
-    prepared: Prepared
-    tap: Tap | None = None
-    companions: tuple[Companion, ...] = ()
-
-    def follow(self, run: MissionRun) -> None:
-        """Do nothing: nobody looks."""
-
-    def forget(self) -> None:
-        """Do nothing: there is no recording."""
-
-
-Keep = Callable[[Prepared], AbstractContextManager[Keeping]]
-
-
-def unkept(prepared: Prepared) -> AbstractContextManager[Keeping]:
-    """Return the run without a recording."""
-    return nullcontext(Unkept(prepared))
-
-
-class Quitting(StopRequests):
-    """Requests that end the session and with it whatever run there is; signals write them too."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.run = StopRequests()
-
-    def begin(self) -> StopRequests:
-        """Return the requests of the next run, which is asked to stop if the session was."""
-        self.run = StopRequests()
-        if self.stop is not None:
-            self.run.ask(self.stop)
-        return self.run
-
-    def ask(self, stop: Stop) -> None:
-        """End the present run through the engine's safe stop; none follows."""
-        super().ask(stop)
-        self.run.ask(stop)
-
-    def insist(self) -> None:
-        """End it at once, with the safe array sent past the engine."""
-        super().insist()
-        self.run.insist()
-
-
-class Session:
+class OperatorSession:
     """Everything that the console can ask for. Nothing here waits, but :meth:`join`.
 
     Args:
@@ -148,12 +69,12 @@ class Session:
         self._next: LoadedMission | None = None
         self._short = 0
         self._thread = Thread(target=self._work, name="run", daemon=True)
-        self._feed = Feed(scene_of(prepared), prepared)
+        self._bridge = RunBridge(scene_of(prepared), prepared)
 
     @property
     def latest(self) -> Snapshot:
         """The newest snapshot."""
-        return self._feed.latest
+        return self._bridge.latest
 
     def start(self) -> None:
         """Open the backend and begin the mission, paused."""
@@ -168,7 +89,7 @@ class Session:
     def tell(self, event: Event) -> None:
         """Give the engine the event soon; a series of commands ends with it."""
         self.giver.stop()
-        self._feed.tell(event)
+        self._bridge.tell(event)
 
     def give(self, commands: Sequence[str], then: GoTo) -> None:
         """Give the commands one after the other, each awaited; then the mission goes on.
@@ -211,7 +132,7 @@ class Session:
         finally:
             self.prepared.backend.close()
             self._note_unconfirmed()
-            self._feed.end(self.latest.now_s)
+            self._bridge.end(self.latest.now_s)
 
     def _run_all(self) -> None:
         run: MissionRun | None = None
@@ -220,7 +141,7 @@ class Session:
                 run = self._run(kept, run)
                 series = self.giver.series
                 self.result = run.execute()
-                asked = self._feed.asked or self.giver.series is not series
+                asked = self._bridge.asked or self.giver.series is not series
                 if not asked and self.result.ended.outcome == "interrupted":
                     kept.forget()
             stopped = self.quitting.stop is not None or not run.open
@@ -229,7 +150,7 @@ class Session:
             loaded, self._next = self._next or self.prepared.loaded, None
             self.prepared = again(self.prepared, loaded)
 
-    def _run(self, kept: Keeping, before: MissionRun | None) -> MissionRun:
+    def _run(self, kept: RunKeeper, before: MissionRun | None) -> MissionRun:
         self.giver.stop(RUN_OVER)
         prepared = kept.prepared
         attended = [FirstChoice()] if prepared.attended else []
@@ -238,9 +159,9 @@ class Session:
         run = MissionRun(
             prepared.engine,
             prepared.backend,
-            observers=[self._feed],
-            watchers=[self._feed],
-            companions=[*companions, *kept.companions, *attended, self._feed, self.giver],
+            observers=[self._bridge],
+            watchers=[self._bridge],
+            companions=[*companions, *kept.companions, *attended, self._bridge, self.giver],
             tap=kept.tap,
             requests=self.quitting.begin(),
             clock=self._clock,
@@ -250,14 +171,14 @@ class Session:
             keep_open=True,
         )
         self._began_s = run.now_s
-        self._feed.begin(scene_of(prepared), prepared, run)
+        self._bridge.begin(scene_of(prepared), prepared, run)
         kept.follow(run)
         return run
 
     def _hopeless(self, result: Result, run: MissionRun) -> bool:
         """Return whether run after run ends by a fault before anybody asks for anything."""
         short_s = _SHORT_S + self.prepared.loaded.robot.sight.within_s  # a start may be refused
-        at_once = result.now_s < self._began_s + short_s and not self._feed.asked
+        at_once = result.now_s < self._began_s + short_s and not self._bridge.asked
         self._short = self._short + 1 if at_once and result.ended.outcome == "fault" else 0
         return self._short >= _MOST_SHORT
 

@@ -15,8 +15,8 @@ from textual.strip import Strip
 from textual.widget import Widget
 from textual.widgets import Static
 
-from pirate_sm.console.obstacles import sign_of
-from pirate_sm.console.themed import themed
+from pirate_sm.console.reason_lines import sign_of
+from pirate_sm.console.themed_lines import themed
 from pirate_sm.showing import body as body_panel
 from pirate_sm.showing import panels, picture
 from pirate_sm.showing.snapshot import Snapshot

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from math import inf, isnan, nan
 from statistics import median
 
-from pirate_sm.detectors.rolling import Rolling
+from pirate_sm.detectors.unheard_rolling import Rolling
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 

@@ -8,7 +8,8 @@ from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.mission import pausing
 from pirate_sm.engine.mission.diverting import divert, meet
 from pirate_sm.engine.mission.ending import end, finish
-from pirate_sm.engine.mission.interpreter import advance, next_deadline, without_requests
+from pirate_sm.engine.mission.interpreter import advance, without_requests
+from pirate_sm.engine.mission.waiting import next_deadline
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, robot_state, start_check
 from pirate_sm.engine.safety.faults import listen, unsettle

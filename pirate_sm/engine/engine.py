@@ -19,7 +19,8 @@ from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.safety import rules
 from pirate_sm.engine.safety.faults import no_faults
 from pirate_sm.engine.sensing import environment, surroundings
-from pirate_sm.engine.sensing.conversion import nothing_known, observe
+from pirate_sm.engine.sensing.conversion import observe
+from pirate_sm.engine.sensing.known_signals import nothing_known
 from pirate_sm.engine.state import EngineState, MissionState
 from pirate_sm.model import events
 from pirate_sm.model.effects import Effect

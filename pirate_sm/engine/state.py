@@ -18,8 +18,8 @@ from pirate_sm.engine.robot.robot_state import (
     obeyed,
     states_of,
 )
-from pirate_sm.engine.sensing.conversion import Sensing
 from pirate_sm.engine.sensing.environment import Surveyed
+from pirate_sm.engine.sensing.known_signals import Sensing
 from pirate_sm.model.effects import Outcome
 
 Words = tuple[str | None, ...]

@@ -7,7 +7,7 @@ from math import degrees
 from typing import Literal
 
 from pirate_sm.engine.robot.chart_table import ChartTable
-from pirate_sm.engine.robot.robot_spec import SlotSpec, StageSpec, Write
+from pirate_sm.engine.robot.command_spec import SlotSpec, StageSpec, Write
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_signals import Signals
 from pirate_sm.loading.robot_slots import Slots

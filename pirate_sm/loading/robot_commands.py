@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.robot.command_spec import CommandSpec, PostureSpec
 from pirate_sm.engine.robot.criteria import (
     AcceptedSpec,
     AlignedSpec,
@@ -15,7 +16,7 @@ from pirate_sm.engine.robot.criteria import (
     StoppedSpec,
     TurningSpec,
 )
-from pirate_sm.engine.robot.robot_spec import CommandSpec, FaultSpec, PostureSpec
+from pirate_sm.engine.robot.robot_spec import FaultSpec
 from pirate_sm.expressions import Expression, ExpressionError, NumberType, compile_condition
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_signals import Signals

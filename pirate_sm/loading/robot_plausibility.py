@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import pi
 
-from pirate_sm.engine.robot.robot_spec import BoardSpec
+from pirate_sm.engine.sensing.board_spec import BoardSpec
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.model import profile as model
 

@@ -8,8 +8,8 @@ from math import nan
 from typing import Literal
 
 from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.robot.command_spec import PostureSpec, StageSpec
 from pirate_sm.engine.robot.criteria import AcceptedSpec, CriterionSpec
-from pirate_sm.engine.robot.robot_spec import PostureSpec, StageSpec
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_actuation import resolve_stage
 from pirate_sm.loading.robot_commands import is_true, on_states, resolve_criterion

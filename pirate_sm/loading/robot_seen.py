@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from math import copysign, inf
 
 from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.robot.command_spec import SlotSpec, StageSpec, Write
 from pirate_sm.engine.robot.confirmation_spec import (
     AnglesSpec,
     DrivenSpec,
@@ -17,7 +18,6 @@ from pirate_sm.engine.robot.confirmation_spec import (
     StandingSpec,
 )
 from pirate_sm.engine.robot.criteria import AcceptedSpec
-from pirate_sm.engine.robot.robot_spec import SlotSpec, StageSpec, Write
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_signals import Signals
 from pirate_sm.model import seen as model

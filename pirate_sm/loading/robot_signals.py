@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from pirate_sm.engine.robot.chart_table import ChartTable
-from pirate_sm.engine.robot.robot_spec import BoardSpec, FaultSpec, LinkSpec, Vector, WheelSpec
+from pirate_sm.engine.robot.robot_spec import FaultSpec
+from pirate_sm.engine.sensing.board_spec import BoardSpec, LinkSpec, Vector, WheelSpec
 from pirate_sm.engine.sensing.environment import SEGMENTS
 from pirate_sm.expressions import (
     EnumType,

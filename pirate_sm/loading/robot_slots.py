@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from pirate_sm.engine.robot.robot_spec import LoopSpec, SlotSpec
+from pirate_sm.engine.robot.command_spec import LoopSpec, SlotSpec
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_signals import Signals
 from pirate_sm.model import profile as model

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import isnan
 
-from pirate_sm.detectors.reckoning import Reckoned, Reckoner
+from pirate_sm.detectors.dead_reckoning import Reckoned, Reckoner
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState

@@ -1,7 +1,8 @@
 """Reads recordings, also those of runs that were cut short.
 
-``read_recording(path).steps()`` yields every input of the engine in order, with its effects. Only the piece that is being read is in memory, so a recording may be of any length; where
-it holds checkpoints, :meth:`Recording.checkpoint`, reading can begin in the middle.
+``read_recording(path).steps()`` yields every input of the engine in order, with its effects. Only
+the piece that is being read is in memory, so a recording may be of any length; where it holds
+checkpoints, :meth:`Recording.checkpoint`, reading can begin in the middle.
 """
 
 from __future__ import annotations

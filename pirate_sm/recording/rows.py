@@ -12,8 +12,8 @@ from pirate_sm.expressions import NumberType
 from pirate_sm.model import effects as fx
 from pirate_sm.model.effect_words import choice_words
 from pirate_sm.model.events import SensorFrame
-from pirate_sm.recording.steps import with_own_times
 from pirate_sm.recording.replay import Rerun
+from pirate_sm.recording.steps import with_own_times
 from pirate_sm.units import DIMENSIONLESS, Dimension, format_quantity
 
 SIGNALS = "signals"

@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.recording.reader import Recording, read_recording
-from pirate_sm.recording.steps import Checkpoint
 from pirate_sm.recording.reloading import recorded_mission
 from pirate_sm.recording.replay import Replayed, replay
+from pirate_sm.recording.steps import Checkpoint
 
 _EACH = 16
 """Stretches for each process: one sees how far it has come, and none waits long at last."""

@@ -12,9 +12,9 @@ from pirate_sm.errors import RecordingError
 from pirate_sm.loading.folders import shown
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.recording.reader import Recording
-from pirate_sm.recording.steps import Shown
 from pirate_sm.recording.replay import engine_of, rerun
 from pirate_sm.recording.rows import TIME, Row, rows_of
+from pirate_sm.recording.steps import Shown
 from pirate_sm.recording.viewing import PLACES
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from pirate_sm.model.effects import Ended
-from pirate_sm.runtime.stopping import OUTPUT_LOST, Stop
+from pirate_sm.runtime.stop_requests import OUTPUT_LOST, Stop
 
 SUCCEEDED, FAILED, BACKEND, BUG, INTERRUPTED = 0, 1, 3, 4, 130
 

@@ -14,7 +14,7 @@ from pirate_sm.companion import Companion, Counting, Following, Onlooker
 from pirate_sm.errors import BackendError
 from pirate_sm.model.effects import Effect, Ended, Fault, Setpoints, WakeAt
 from pirate_sm.model.events import Abort, Event, SensorFrame, SignalReport, Tick
-from pirate_sm.runtime.observing import Tap
+from pirate_sm.runtime.observers import Tap
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend

@@ -7,7 +7,8 @@ from itertools import takewhile
 from math import degrees, isinf
 from typing import TYPE_CHECKING, NamedTuple
 
-from pirate_sm.engine.robot.robot_spec import RobotSpec, SlotSpec
+from pirate_sm.engine.robot.command_spec import SlotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model import effects as fx
 from pirate_sm.model.effect_words import (
     command_words,

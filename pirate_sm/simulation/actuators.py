@@ -10,7 +10,7 @@ from pirate_sm.simulation.mechanics import ChainBody
 NOWHERE, ROLL = -2, -1
 
 
-class Route(NamedTuple):
+class SlotRoute(NamedTuple):
     """Where a setpoint goes.
 
     Attributes:
@@ -27,20 +27,20 @@ class Route(NamedTuple):
     step: float
 
 
-def routes_of(profile: Profile, chain: ChainBody) -> tuple[Route, ...]:
+def routes_of(profile: Profile, chain: ChainBody) -> tuple[SlotRoute, ...]:
     """Return where the setpoint of each slot goes, in the order of the wire."""
     return tuple(_route(profile, slot, chain) for slot in profile.slots)
 
 
-def _route(profile: Profile, slot: Slot, chain: ChainBody) -> Route:
+def _route(profile: Profile, slot: Slot, chain: ChainBody) -> SlotRoute:
     link = profile.link
     if slot.unit == "angle":
         limit = slot.limit if slot.limit is not None else 7.0
         to = ROLL if slot.roll is not None else NOWHERE
-        return Route(to, -limit, limit, link.angle_resolution)
+        return SlotRoute(to, -limit, limit, link.angle_resolution)
     to = NOWHERE
     if slot.wheel is not None:
         to = chain.nodes + chain.wheel_index[slot.wheel]
     elif slot.joint is not None:
         to = chain.joint_index[slot.joint]
-    return Route(to, -1.0, 1.0, link.duty_resolution)
+    return SlotRoute(to, -1.0, 1.0, link.duty_resolution)

@@ -36,7 +36,7 @@ def digitize(
         channels: `(channels, CHANNEL_COLUMNS)`.
         first: First channel to read.
         last: Channel after the last one to read.
-        quantities: As `physics.Layout` lays them out, SI.
+        quantities: As `physics.QuantityLayout` lays them out, SI.
         counts: `(channels,)`; changed.
         rng: `(1,)`, the generator's state; changed.
     """

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from pirate_sm.simulation import digitizing
-from pirate_sm.simulation.actuators import ROLL, Route
+from pirate_sm.simulation.actuators import ROLL, SlotRoute
 from pirate_sm.simulation.arrays import Floats, Words
 from pirate_sm.simulation.mechanics import ChainBody
-from pirate_sm.simulation.physics import Layout, Physics
+from pirate_sm.simulation.physics import Physics, QuantityLayout
 from pirate_sm.simulation.sensors import Sensors
 
 _SPONTANEOUS_DUTY = 0.3
@@ -35,7 +35,7 @@ class Electronics:
     def __init__(
         self,
         chain: ChainBody,
-        routes: tuple[Route, ...],
+        routes: tuple[SlotRoute, ...],
         sensors: Sensors,
         physics: Physics,
         seed: int,
@@ -46,7 +46,7 @@ class Electronics:
         self._routes = routes
         self._channels = sensors.channels.copy()
         self._quantities = physics.quantities
-        self._layout = Layout(chain.nodes)
+        self._layout = QuantityLayout(chain.nodes)
         self._rng: Words = np.array([seed], dtype=np.uint64)
         self.read(0, len(self.counts))
 

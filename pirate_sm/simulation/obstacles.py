@@ -10,7 +10,7 @@ from pirate_sm.geometry.route import Route
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.simulation.mechanics import ChainBody
-from pirate_sm.simulation.physics import Layout, Physics
+from pirate_sm.simulation.physics import Physics, QuantityLayout
 
 _PUSHED_WITHIN_M = 0.0005
 # A wheel is this wide; a part turned farther out of a bend's plane catches on the mitre.
@@ -46,7 +46,7 @@ class Obstacles:
         self, physics: Physics, chain: ChainBody, route: Route, obstacles: Sequence[Obstacle]
     ) -> None:
         self._physics, self._chain, self._route = physics, chain, route
-        self._arcs = physics.quantities[Layout(chain.nodes).block("arc")]
+        self._arcs = physics.quantities[QuantityLayout(chain.nodes).block("arc")]
         self._waiting = sorted(obstacles, key=lambda obstacle: obstacle.from_s)
         self._standing: Obstacle | None = None
         self._pushed_s = 0.0

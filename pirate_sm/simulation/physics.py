@@ -24,7 +24,7 @@ SINGLE = ("roll", "roll_current", "acc_x", "acc_y", "acc_z", "mag_x", "mag_y", "
 
 
 @dataclass(frozen=True)
-class Layout:
+class QuantityLayout:
     """Where each quantity of a chain of so many wheels stands in a physics' array of quantities.
 
     Per wheel: `bend` the angle of the joint at that wheel, `bend_torque` the torque that it bears,
@@ -86,7 +86,7 @@ class Physics(Protocol):
 
     @property
     def quantities(self) -> Floats:
-        """Quantities after the last cycle as :class:`Layout` lays them out; a longer array may do.
+        """Quantities after the last cycle, laid out by :class:`QuantityLayout`; it may be longer.
 
         The array is the same for as long as the physics lives, and holds the quantities of the
         start pose before the first cycle. Once nothing moves any more, others write to it.

@@ -14,7 +14,7 @@ from pirate_sm.model.profile import Channel, Profile, Slot
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.digitizing import CHANNEL_COLUMNS
 from pirate_sm.simulation.mechanics import ChainBody, needed
-from pirate_sm.simulation.physics import Layout
+from pirate_sm.simulation.physics import QuantityLayout
 
 
 class BoardChannels(NamedTuple):
@@ -72,7 +72,7 @@ def scale_of(text: str) -> float:
 
 def _channel(profile: Profile, channel: Channel, chain: ChainBody) -> tuple[float, ...]:
     """Return a row of the channel table: the inverse of the conversion from raw to SI."""
-    layout = Layout(chain.nodes)
+    layout = QuantityLayout(chain.nodes)
     noise = profile.simulation.noise
     per_count = scale_of(profile.conversions[channel.convert].scale) if channel.convert else 1.0
     slot = next((slot for slot in profile.slots if slot.name == channel.slot), None)
@@ -103,7 +103,7 @@ def _channel(profile: Profile, channel: Channel, chain: ChainBody) -> tuple[floa
 
 
 def _current(
-    profile: Profile, channel: Channel, slot: Slot, layout: Layout, at: int
+    profile: Profile, channel: Channel, slot: Slot, layout: QuantityLayout, at: int
 ) -> tuple[int, float]:
     """Return the quantity that a motor's current follows, and amperes per unit of it."""
     motor = profile.motors[slot.motor]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -18,13 +17,14 @@ from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.model.truth import Truth
-from pirate_sm.simulation.actuators import Route, routes_of
-from pirate_sm.simulation.defects import AtWork, Incident, named, put_to_work
+from pirate_sm.simulation.acting_defect import Incident
+from pirate_sm.simulation.actuators import SlotRoute, routes_of
+from pirate_sm.simulation.defects import AtWork, named, put_to_work
 from pirate_sm.simulation.electronics import Electronics
+from pirate_sm.simulation.full_truth import FullTruth
 from pirate_sm.simulation.mechanics import ChainBody, chain_of
 from pirate_sm.simulation.obstacles import Obstacles
-from pirate_sm.simulation.physics import Layout, MakePhysics
+from pirate_sm.simulation.physics import MakePhysics, QuantityLayout
 from pirate_sm.simulation.sensors import BoardChannels, sensors_of
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter, surroundings_of
 
@@ -33,23 +33,6 @@ _TOUCHING_N = 0.05
 _GONE_EVERY = 16
 # Beyond this distance from the pipe's open end, a robot that has left it lies somewhere.
 _GONE_M = 0.4
-
-
-@dataclass(frozen=True, kw_only=True)
-class FullTruth(Truth):
-    """What only a simulation knows, beside what a view shows.
-
-    Attributes:
-        arcs_m: Place of each wheel along the pipe.
-        bends_rad: Angle at each wheel between the links that meet there.
-        torques_nm: What the bend joint at each wheel bears; 0 where there is none.
-        gone: Whether the robot has left the pipe for good.
-    """
-
-    arcs_m: tuple[float, ...]
-    bends_rad: tuple[float, ...]
-    torques_nm: tuple[float, ...]
-    gone: bool
 
 
 class Turn(NamedTuple):
@@ -70,7 +53,7 @@ class Turn(NamedTuple):
         return self.first - self.board.first
 
 
-class Robot:
+class SimulatedRobot:
     """A robot in a pipe that exists only in here.
 
     Args:
@@ -114,7 +97,7 @@ class Robot:
         self._route, self._chain = around.route, chain
         self._cycle_s = profile.link.cycle
         self._physics = physics(chain, around.route, around.friction, around.pose, self._cycle_s)
-        self._layout = Layout(chain.nodes)
+        self._layout = QuantityLayout(chain.nodes)
         self._arcs = self._physics.quantities[self._layout.block("arc")]
         noise_seed = int(rng.integers(2**63))
         self.electronics = Electronics(chain, routes, sensors, self._physics, noise_seed)
@@ -231,7 +214,7 @@ class Robot:
         return tuple(self._physics.duties.tolist())
 
     def values(self, quantity: str) -> list[float]:
-        """Return a quantity of every wheel after the last cycle, see `physics.Layout`."""
+        """Return a quantity of every wheel after the last cycle, see `physics.QuantityLayout`."""
         found: list[float] = self._physics.quantities[self._layout.block(quantity)].tolist()
         return found
 
@@ -250,7 +233,7 @@ class Robot:
 
 
 def _joint_duties(
-    chain: ChainBody, routes: Sequence[Route], values: Sequence[float] | None
+    chain: ChainBody, routes: Sequence[SlotRoute], values: Sequence[float] | None
 ) -> dict[int, float]:
     """Return the duties among these setpoints that bend joints have, by the wheel of the joint."""
     if values is None:

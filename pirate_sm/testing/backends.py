@@ -16,8 +16,9 @@ from pirate_sm.engine.engine import Engine
 from pirate_sm.errors import BackendError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import Event, SubmitResult
-from pirate_sm.runtime.companions import FirstChoice, TriggerScript
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.runtime.trigger_script import TriggerScript
 
 MOST_CALLS = 10_000
 

@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 
 from pirate_sm.companion import Companion, Counting, Onlooker
-from pirate_sm.detectors.choice import Asked, Detecting, MakeDetector
+from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import DetectorWord, EnvironmentReport, Event
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, Prepared, prepare
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 
-from pirate_sm.detectors.choice import Asked, Detecting, detecting
+from pirate_sm.detectors.registry import Asked, Detecting, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import BackendError, PirateError, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.registry import Registry
-from pirate_sm.wiring.order import Order
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Prepared, Say
+from pirate_sm.wiring.run_order import Order
 from pirate_sm.wiring.serial import calibrated
 
 __all__ = ["BACKENDS", "Order", "Prepared", "again", "answers", "load", "prepare"]

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from pirate_sm.companion import Companion
-from pirate_sm.detectors.choice import Places
+from pirate_sm.detectors.registry import Places
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.truth import Truth
-from pirate_sm.wiring.order import Order
+from pirate_sm.wiring.run_order import Order
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend

@@ -7,9 +7,9 @@ from dataclasses import replace
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.registry import Plugin
-from pirate_sm.runtime.companions import Holder, Messenger
-from pirate_sm.wiring.order import Order
+from pirate_sm.runtime.backend_links import Holder, Messenger
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
+from pirate_sm.wiring.run_order import Order
 
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pirate_sm.detectors.choice import Places
+from pirate_sm.detectors.registry import Places
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.registry import Plugin
-from pirate_sm.wiring.order import Order
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
+from pirate_sm.wiring.run_order import Order
 
 COMPILING = (
     "Compiling the simulator to machine code for this processor, so that it runs hundreds of "

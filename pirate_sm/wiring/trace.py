@@ -11,11 +11,12 @@ from pirate_sm.errors import UsageError
 from pirate_sm.loading.course import played
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.registry import Plugin
-from pirate_sm.runtime.companions import Firing, LoopWatch, TriggerScript
-from pirate_sm.runtime.course import CoursePlayer, longest_s
+from pirate_sm.runtime.course_player import CoursePlayer, longest_s
+from pirate_sm.runtime.trace_repeats import LoopWatch
+from pirate_sm.runtime.trigger_script import Firing, TriggerScript
 from pirate_sm.spelling import nearest, one_of
-from pirate_sm.wiring.order import Order
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
+from pirate_sm.wiring.run_order import Order
 
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:

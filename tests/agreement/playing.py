@@ -13,7 +13,7 @@ from pirate_sm.cli.order import read_script
 from pirate_sm.engine.safety import rules
 from pirate_sm.model import effects as fx
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.stopping import Stop, StopRequests
+from pirate_sm.runtime.stop_requests import Stop, StopRequests
 from pirate_sm.wiring import Order, prepare
 
 REFUSED = re.compile(r"step\..*|call\..*|handler\..*")

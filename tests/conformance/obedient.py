@@ -17,7 +17,7 @@ from pirate_sm.geometry.space import Vector
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody
-from pirate_sm.simulation.physics import Layout, StartPose
+from pirate_sm.simulation.physics import QuantityLayout, StartPose
 
 
 class ObedientPhysics:
@@ -26,7 +26,7 @@ class ObedientPhysics:
     def __init__(
         self, chain: ChainBody, route: Route, friction: Friction, pose: StartPose, cycle_s: float
     ) -> None:
-        n, layout = chain.nodes, Layout(chain.nodes)
+        n, layout = chain.nodes, QuantityLayout(chain.nodes)
         self.duties: Floats = np.zeros(2 * n)
         self.quantities: Floats = np.zeros(layout.size)
         self._chain, self._route, self._cycle_s = chain, route, cycle_s

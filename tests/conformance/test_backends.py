@@ -6,8 +6,8 @@ import pytest
 
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import load_mission
-from pirate_sm.runtime.companions import TriggerScript
 from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.runtime.trigger_script import TriggerScript
 from pirate_sm.testing import BackendContract, Candidate
 
 from .candidates import CANDIDATES, NEWT, LateBackend

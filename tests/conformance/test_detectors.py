@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.detectors.choice import DETECTORS
+from pirate_sm.detectors.registry import DETECTORS
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.testing import DetectorContract, Subject
 

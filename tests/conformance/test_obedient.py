@@ -11,7 +11,7 @@ import pytest
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.pipe import Blockage, Pipe, Straight
 from pirate_sm.model.simulation import Defect
-from pirate_sm.simulation.simulated_robot import Robot
+from pirate_sm.simulation.simulated_robot import SimulatedRobot
 
 from .candidates import NEWT
 from .obedient import ObedientPhysics
@@ -20,14 +20,14 @@ WHEEL_RADIUS_M = 0.02
 FULL_SPEED_RAD_S = 5.0
 
 
-def driven(seconds: float, *, defect: Defect | None = None, **pipe: object) -> Robot:
+def driven(seconds: float, *, defect: Defect | None = None, **pipe: object) -> SimulatedRobot:
     """The newt after it has driven ahead with all wheels at half speed."""
     profile = load_robot(NEWT).profile
     place = Pipe.model_validate(
         {"diameter": 0.095, "segments": (Straight(straight=3.0),), "start": {"at": 1.0}, **pipe}
     )
     defects = [(defect, np.random.default_rng(0))] if defect else []
-    robot = Robot(profile, place, ObedientPhysics, seed=0, more_defects=defects)
+    robot = SimulatedRobot(profile, place, ObedientPhysics, seed=0, more_defects=defects)
     wheels = {wheel.name: 0.5 * wheel.direction for wheel in profile.body.wheels}
     robot.set_values([wheels.get(slot.wheel or "", 0.0) for slot in profile.slots])
     turns = itertools.cycle(robot.turns(one_value=False))

@@ -15,8 +15,9 @@ from textual.pilot import Pilot
 from textual.widgets import OptionList
 
 from pirate_sm.console.app import Console
-from pirate_sm.console.session import Keep, Session, unkept
-from pirate_sm.console.shelf import without_mission
+from pirate_sm.console.mission_list import without_mission
+from pirate_sm.console.recording_hooks import unkept
+from pirate_sm.console.session import Keep, OperatorSession
 from pirate_sm.engine.robot.robot_state import states_of
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Order, Prepared, load, prepare
@@ -70,7 +71,7 @@ class Operator:
     app: Console
     pilot: Pilot[None]
     clock: HandClock
-    session: Session
+    session: OperatorSession
 
     @property
     def latest(self) -> Snapshot:
@@ -143,12 +144,12 @@ async def operator(
     *,
     size: tuple[int, int] = (160, 48),
     order: Order | None = None,
-    console: Callable[[Session], Console] = Console,
+    console: Callable[[OperatorSession], Console] = Console,
     keep: Keep = unkept,
 ) -> AsyncIterator[Operator]:
     """The console is open, the robot stands; afterwards it is in its safe state."""
     clock = HandClock()
-    session = Session(prepared or by_hand(order), clock=clock, keep=keep)
+    session = OperatorSession(prepared or by_hand(order), clock=clock, keep=keep)
     app = console(session)
     try:
         async with app.run_test(size=size, notifications=True) as pilot:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.console.session import Session
+from pirate_sm.console.session import OperatorSession
 from pirate_sm.model.events import OperatorCommand
 from pirate_sm.showing import panels
 from pirate_sm.wiring import Order
@@ -26,12 +26,12 @@ pytestmark = pytest.mark.slow  # real ports, in real time
 
 
 @contextmanager
-def on_a_bay(*options: str) -> Iterator[Session]:
+def on_a_bay(*options: str) -> Iterator[OperatorSession]:
     command = [str(PIRATE), "bay", "--pipe", "mitre_90", *options]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as bay:
         assert bay.stdout is not None
         port = bay.stdout.readline().strip()
-        session = Session(by_hand(Order("by_hand", "serial", port=port, pipe="mitre_90")))
+        session = OperatorSession(by_hand(Order("by_hand", "serial", port=port, pipe="mitre_90")))
         session.start()
         try:
             yield session
@@ -48,7 +48,7 @@ def until(what: Callable[[], object], within_s: float) -> None:
         time.sleep(0.01)
 
 
-def drive(session: Session) -> None:
+def drive(session: OperatorSession) -> None:
     until(lambda: session.latest.state is not None, 20.0)
     for command in ("ClampFront", "ClampRear", "DriveForward"):
         session.tell(OperatorCommand(command))
@@ -59,7 +59,7 @@ def drive(session: Session) -> None:
         )
 
 
-def stopped(session: Session) -> bool:
+def stopped(session: OperatorSession) -> bool:
     state, robot = session.latest.state, session.latest.scene.robot
     return (
         session.result is not None

@@ -11,8 +11,8 @@ import pytest
 
 from pirate_sm.cli.new_recording import RUNS_VARIABLE
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
-from pirate_sm.console.reel import reel_of
-from pirate_sm.console.session import Keeping
+from pirate_sm.console.recorded_snapshots import recorded_snapshots
+from pirate_sm.console.recording_hooks import RunKeeper
 from pirate_sm.model.events import GoTo, OperatorCommand
 from pirate_sm.recording.compare import course_of
 from pirate_sm.recording.file import NS_PER_S, RecordingFile
@@ -33,7 +33,7 @@ def runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def keep(prepared: Prepared) -> AbstractContextManager[Keeping]:
+def keep(prepared: Prepared) -> AbstractContextManager[RunKeeper]:
     return recorded(prepared, RecordingOptions(), 1.0)
 
 
@@ -160,7 +160,7 @@ def test_a_later_run_is_replayed_and_scrubbed_from_its_own_start(later: Path) ->
     assert 0.0 < again.until_s < 10.0
     assert course.until_s == again.until_s == recording.until_s
 
-    reel = reel_of(recording)
+    reel = recorded_snapshots(recording)
     assert reel.length_s == recording.until_s
     first, last = reel.at(0.0), reel.at(reel.length_s)
     assert first.now_s < 0.5

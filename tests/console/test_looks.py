@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.console import reasons
-from pirate_sm.console.keys import TAKEN, letters_for
+from pirate_sm.console import availability
+from pirate_sm.console.key_bindings import TAKEN, letters_for
 from pirate_sm.model.effects import CommandStatus
 from pirate_sm.model.events import OperatorCommand
 from pirate_sm.showing.body import sparkline
@@ -90,7 +90,7 @@ def test_what_is_greyed_is_what_the_engine_refuses_and_with_its_words() -> None:
                         for each in effects
                         if isinstance(each, CommandStatus) and each.status == "refused"
                     ]
-                    assert reasons.command_reason(snapshot, name) == "".join(refused)
+                    assert availability.command_reason(snapshot, name) == "".join(refused)
 
     played(story)
 
@@ -98,7 +98,7 @@ def test_what_is_greyed_is_what_the_engine_refuses_and_with_its_words() -> None:
 def test_a_key_that_is_greyed_says_why_and_asks_for_nothing() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
-            reason = reasons.command_reason(me.latest, "DriveForward")
+            reason = availability.command_reason(me.latest, "DriveForward")
             await me.press(me.app.letters["DriveForward"])
             await me.look()
 

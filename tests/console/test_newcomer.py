@@ -6,7 +6,7 @@ from pathlib import Path
 
 from textual.widgets import OptionList
 
-from pirate_sm.console import reasons
+from pirate_sm.console import availability
 from pirate_sm.console.dialogs import Confirm
 from pirate_sm.showing import panels
 
@@ -34,7 +34,7 @@ def test_somebody_drives_in_by_hand_and_lets_the_bend_mission_take_over() -> Non
 
             # Its beginning is greyed, with what the engine would say; a later phase is not.
             await me.look()
-            go = reasons.controls(me.latest, me.app.entries(me.latest))[0]
+            go = availability.controls(me.latest, me.app.entries(me.latest))[0]
             assert "ClampFront" in go.reason
             assert "unneeded: it is so already" in go.reason
             await me.press("R")
@@ -91,7 +91,7 @@ def test_a_mission_that_was_taken_over_is_handed_back_where_it_fits() -> None:
             await me.press("R")
             assert me.latest.state.mission.paused
             assert "the configuration has been changed" in {
-                each.reason for each in reasons.controls(me.latest, me.app.entries(me.latest))
+                each.reason for each in availability.controls(me.latest, me.app.entries(me.latest))
             }
 
             await me.command("DriveForward")

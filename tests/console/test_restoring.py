@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 from textual.widgets import OptionList, Static
 
-from pirate_sm.console import restoring
+from pirate_sm.console import hand_back_plan
+from pirate_sm.console.availability import look_at_entries
+from pirate_sm.console.command_series import BY_OPERATOR, Giver
 from pirate_sm.console.dialogs import Confirm, Pick
-from pirate_sm.console.giving import BY_OPERATOR, Giver
-from pirate_sm.console.reasons import look_at_entries
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import GoTo, OperatorCommand
@@ -177,13 +177,13 @@ def test_a_grey_phase_shows_its_whole_reason_and_no_path(width: int) -> None:
 def test_the_list_says_that_commands_are_still_being_looked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    looked, look = Event(), restoring.look_for_ways
+    looked, look = Event(), hand_back_plan.look_for_ways
 
-    def waiting(*arguments: Any) -> restoring.Ways:
+    def waiting(*arguments: Any) -> hand_back_plan.Ways:
         assert looked.wait(WALL_S)
         return look(*arguments)
 
-    monkeypatch.setattr(restoring, "look_for_ways", waiting)
+    monkeypatch.setattr(hand_back_plan, "look_for_ways", waiting)
 
     async def story() -> None:
         async with operator(with_mission("mitre_bend", backend="trace")) as me:

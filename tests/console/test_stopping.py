@@ -14,14 +14,14 @@ from textual.widget import Widget
 from pirate_sm.cli.commands.console import standing
 from pirate_sm.console.app import Console
 from pirate_sm.console.dialogs import Confirm, Pick
-from pirate_sm.console.driver import Lossy, StopDriver
-from pirate_sm.console.session import Session
+from pirate_sm.console.session import OperatorSession
+from pirate_sm.console.terminal_driver import Lossy, StopDriver
 from pirate_sm.engine.mission.pausing import why_not_to
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import Result
-from pirate_sm.runtime.stopping import BY_SIGNAL
+from pirate_sm.runtime.stop_requests import BY_SIGNAL
 from pirate_sm.wiring import Order, Prepared
 
 from .driving import Operator, by_hand, confirming, operator, played, with_mission
@@ -302,7 +302,7 @@ def test_a_robot_that_fails_again_and_again_is_not_run_for_ever(
         return Result(Ended("fault", "it fell"), 1, run.now_s)
 
     monkeypatch.setattr(MissionRun, "execute", execute)
-    session = Session(prepared)
+    session = OperatorSession(prepared)
     session.start()
 
     assert session.join(10.0)

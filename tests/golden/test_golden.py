@@ -12,7 +12,7 @@ import pytest
 from pirate_sm.cli.output.json_lines import JsonLines
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.loading import library
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
 

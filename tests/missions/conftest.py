@@ -17,7 +17,7 @@ from pirate_sm.model.effects import (
     StateChange,
     TriggerFired,
 )
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, Prepared, prepare
 

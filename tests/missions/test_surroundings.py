@@ -16,13 +16,13 @@ from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.companion import Companion
-from pirate_sm.detectors.choice import Asked, detecting
+from pirate_sm.detectors.registry import Asked, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.geometry.route import Piece
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect, Ended, Environment
 from pirate_sm.model.pipe import Pipe
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, load, prepare
 

@@ -42,7 +42,7 @@ def test_ours_are_found_without_a_search_through_what_is_installed(
 def test_a_list_of_ours_loads_neither_the_simulator_nor_the_serial_link() -> None:
     code = (
         "import sys; from pirate_sm.wiring import BACKENDS; "
-        "from pirate_sm.detectors.choice import DETECTORS; "
+        "from pirate_sm.detectors.registry import DETECTORS; "
         "print(len([*BACKENDS.listed(), *DETECTORS.listed()])); print(*sys.modules)"
     )
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

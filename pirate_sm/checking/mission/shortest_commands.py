@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 
-from pirate_sm.engine.robot import robot_state
+from pirate_sm.engine.robot import command_outcome
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState
 
@@ -36,7 +36,7 @@ def way(
             target = table.follow(here, number)
             if target in known or command.lets_go:
                 continue
-            if not robot_state.refusal(robot, at_rest, number):
+            if not command_outcome.refusal(robot, at_rest, number):
                 known.add(target)
                 waiting.append((target, (*commands, command.name)))
     return None

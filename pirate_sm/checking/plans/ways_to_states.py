@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.chart_table import ChartTable, Configuration
+from pirate_sm.engine.robot.command_outcome import refusal
 from pirate_sm.engine.robot.planning import Plan, plans
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.robot.robot_state import RobotState, refusal
+from pirate_sm.engine.robot.robot_state import RobotState
 
 Wanted = Mapping[int, str]
 """By the index of a region the state that it shall come to; the others do not matter."""

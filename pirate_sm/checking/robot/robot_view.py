@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from pirate_sm.checking.findings import Finding, Severity, at
-from pirate_sm.engine.robot.robot_spec import Write
+from pirate_sm.engine.robot.command_spec import Write
 from pirate_sm.loading.problems import Path
 from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.model.profile import Motor, Profile, Slot

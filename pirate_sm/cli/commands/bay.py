@@ -46,7 +46,7 @@ def run_bay(options: BayOptions) -> int:
         BackendError: There is no pseudo-terminal.
     """
     try:
-        from pirate_sm.bay.terminal import Terminal, Told, serve
+        from pirate_sm.bay.terminal import StopSignals, Terminal, serve
         from pirate_sm.bay.texts import message_texts
         from pirate_sm.bay.virtual import VirtualBay
         from pirate_sm.simulation.xpbd.world import is_compiled
@@ -65,7 +65,7 @@ def run_bay(options: BayOptions) -> int:
     baud = at.profile.serial.baud if at.profile.serial is not None else None
     bay = VirtualBay(at.profile, at.pipe, texts, switches, options.seed, at.start_values)
     with ExitStack() as stack:
-        told = stack.enter_context(Told())
+        told = stack.enter_context(StopSignals())
         log = stack.enter_context(_log(options.log)) if options.log is not None else None
         terminal = stack.enter_context(Terminal(options.link, baud))
         print(terminal.name, flush=True)

@@ -25,7 +25,7 @@ from pirate_sm.loading.folders import shown
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.model.calibration import Calibration
-from pirate_sm.runtime.stopping import CaughtSignals, StopRequests
+from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE, read_quantity
 

@@ -16,10 +16,11 @@ from pirate_sm.loading.folders import shown
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect, TriggerFired, WaitArmed
 from pirate_sm.model.events import Event
-from pirate_sm.runtime.close_calls import CloseCall, CloseCalls
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.stopping import Stop, StopRequests
+from pirate_sm.runtime.near_miss_kinds import NearMiss
+from pirate_sm.runtime.near_misses import NearMisses
+from pirate_sm.runtime.stop_requests import Stop, StopRequests
 from pirate_sm.wiring import Order, prepare
 
 LONGEST_S = 3600.0
@@ -58,7 +59,7 @@ def rehearsing(seeds: int) -> Rehearse:
 def _rehearsed(loaded: LoadedMission, path: Path, seeds: int) -> Rehearsal:
     if loaded.pipe is None:
         return Rehearsal(shown(path), skipped="it names no pipe; --pipe gives one")
-    runs, calls = [], dict[str, tuple[CloseCall, int]]()
+    runs, calls = [], dict[str, tuple[NearMiss, int]]()
     early = _Early(loaded)
     for seed in range(seeds):
         try:
@@ -80,9 +81,9 @@ def _rehearsed(loaded: LoadedMission, path: Path, seeds: int) -> Rehearsal:
 
 def _run(
     loaded: LoadedMission, path: Path, seed: int, early: _Early
-) -> tuple[RehearsedRun, list[CloseCall]]:
+) -> tuple[RehearsedRun, list[NearMiss]]:
     prepared = prepare(Order(str(path), seed=seed), loaded, say)
-    calls = CloseCalls(loaded.robot, loaded.program)
+    calls = NearMisses(loaded.robot, loaded.program)
     requests = StopRequests()
     run = MissionRun(
         prepared.engine,

@@ -19,13 +19,14 @@ from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.by_hand import BY_HAND
 from pirate_sm.runtime.outcome import BUG, SUCCEEDED
-from pirate_sm.runtime.stopping import CaughtSignals
+from pirate_sm.runtime.stop_requests import CaughtSignals
 from pirate_sm.visible import visible
 from pirate_sm.wiring import Order, Prepared, load, prepare
 
 if TYPE_CHECKING:
     from pirate_sm.console.app import Console
-    from pirate_sm.console.session import Keeping, Session
+    from pirate_sm.console.recording_hooks import RunKeeper
+    from pirate_sm.console.session import OperatorSession
     from pirate_sm.showing.snapshot import Snapshot
 
 _LOOK_EVERY_S = 0.1
@@ -49,7 +50,7 @@ def open_console(options: ConsoleOptions) -> int:
         return _view(order.mission)
     session = _session(order, factor, RecordingOptions(None, options.no_record, options.live))
     from pirate_sm.console.app import Console
-    from pirate_sm.console.driver import StopDriver
+    from pirate_sm.console.terminal_driver import StopDriver
 
     app = Console(session, driver_class=StopDriver)
     with CaughtSignals(session.quitting, ends_process=True):
@@ -83,16 +84,17 @@ def _check_terminal() -> None:
         )
 
 
-def _session(order: Order, factor: float, recording: RecordingOptions) -> Session:
+def _session(order: Order, factor: float, recording: RecordingOptions) -> OperatorSession:
     """Return a session of the console, whose missions are recorded."""
-    from pirate_sm.console.session import Session, unkept
+    from pirate_sm.console.recording_hooks import unkept
+    from pirate_sm.console.session import OperatorSession
 
-    def keep(prepared: Prepared) -> AbstractContextManager[Keeping]:
+    def keep(prepared: Prepared) -> AbstractContextManager[RunKeeper]:
         if prepared.loaded.mission.mission == BY_HAND:
             return unkept(prepared)
         return recorded(prepared, recording, factor)
 
-    return Session(_prepared(order), factor=factor, keep=keep)
+    return OperatorSession(_prepared(order), factor=factor, keep=keep)
 
 
 def _view(path: str) -> int:
@@ -103,18 +105,18 @@ def _view(path: str) -> int:
     """
     from pathlib import Path
 
-    from pirate_sm.console.reel import reel_of
-    from pirate_sm.console.viewer import Viewer
+    from pirate_sm.console.recorded_snapshots import recorded_snapshots
+    from pirate_sm.console.recording_viewer import RecordingViewer
     from pirate_sm.recording.reader import read_recording
 
     with progress(f"reading {visible(path)}") as watch:
-        reel = reel_of(read_recording(Path(path), watch))
-    Viewer(reel, Path(path).name).run()
+        reel = recorded_snapshots(read_recording(Path(path), watch))
+    RecordingViewer(reel, Path(path).name).run()
     return SUCCEEDED
 
 
 def _prepared(order: Order) -> Prepared:
-    from pirate_sm.console.shelf import without_mission
+    from pirate_sm.console.mission_list import without_mission
 
     if order.mission:
         return prepare(order, load(order), say=say)
@@ -125,7 +127,7 @@ def _prepared(order: Order) -> Prepared:
     return replace(prepared, order=replace(by_hand, check=order.check))
 
 
-def _conclude(app: Console, session: Session, debug: bool) -> int:
+def _conclude(app: Console, session: OperatorSession, debug: bool) -> int:
     """Say in a sentence how it ended; return the exit code."""
     if parting := session.prepared.parting():
         say(parting)
@@ -154,7 +156,7 @@ def standing(snapshot: Snapshot) -> str:
     return f"safe state, wheels stopped{clamped}"
 
 
-def _gone(failure: Exception, session: Session) -> bool:
+def _gone(failure: Exception, session: OperatorSession) -> bool:
     """Whether it failed only because the terminal has gone."""
     stop = session.quitting.stop
     return isinstance(failure, OSError) and stop is not None and stop.exit_code > BUG

@@ -18,7 +18,7 @@ from pirate_sm.diagnosis.judgement import judged
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.diagnosis.moving import DUTY, TURN_FOR_S, Moving
 from pirate_sm.loading.calibration import newest_calibration, summary, with_zeros
-from pirate_sm.runtime.stopping import CaughtSignals, StopRequests
+from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
 
 GO, NO_GO = 0, 1
 

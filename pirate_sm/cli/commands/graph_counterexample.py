@@ -12,10 +12,10 @@ from pirate_sm.drawing.way import Way
 from pirate_sm.errors import UsageError
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
-from pirate_sm.runtime.course import CoursePlayer
+from pirate_sm.runtime.course_player import CoursePlayer
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import SUCCEEDED
-from pirate_sm.runtime.stopping import Stop, StopRequests
+from pirate_sm.runtime.stop_requests import Stop, StopRequests
 from pirate_sm.wiring import Order, prepare
 
 

@@ -99,7 +99,7 @@ def _backends(_: Iterable[Path]) -> None:
 
 
 def _detectors(_: Iterable[Path]) -> None:
-    from pirate_sm.detectors.choice import DETECTORS
+    from pirate_sm.detectors.registry import DETECTORS
 
     _table("detectors", _plugins(DETECTORS))
 

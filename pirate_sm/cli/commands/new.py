@@ -9,7 +9,8 @@ from pathlib import Path
 from string import Template
 
 from pirate_sm.cli.options.files import NewMissionOptions, NewRobotOptions
-from pirate_sm.engine.robot.robot_state import at_rest_in, refusal
+from pirate_sm.engine.robot.command_outcome import refusal
+from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import LoadedRobot, load_robot

@@ -22,16 +22,18 @@ from pirate_sm.cli.output.terminal import agree, is_terminal
 from pirate_sm.cli.run_recording import Kept, RecordingOptions, recorded
 from pirate_sm.companion import Companion
 from pirate_sm.errors import UsageError
-from pirate_sm.runtime.companions import Firing, FirstChoice, LoopWatch, TriggerScript
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.observing import Observer, Watcher
+from pirate_sm.runtime.observers import Observer, Watcher
 from pirate_sm.runtime.outcome import BUG, Result
-from pirate_sm.runtime.stopping import OUTPUT_LOST, CaughtSignals, StopRequests
+from pirate_sm.runtime.stop_requests import OUTPUT_LOST, CaughtSignals, StopRequests
+from pirate_sm.runtime.trace_repeats import LoopWatch
+from pirate_sm.runtime.trigger_script import Firing, TriggerScript
 from pirate_sm.visible import visible
 from pirate_sm.wiring import Prepared, answers, prepare
 
 if TYPE_CHECKING:
-    from pirate_sm.detectors.keys import WordKeys
+    from pirate_sm.detectors.operator_keys import WordKeys
 
 ON_A_TERMINAL = 4.0
 """Mission seconds per second where a person is thought to watch."""
@@ -191,7 +193,7 @@ def _people(prepared: Prepared, options: RunOptions, manner: _Manner, stack: Exi
         raise UsageError("--detector operator needs a terminal: nobody could see it and type")
     if not present or prepared.attended or (options.yes and not detects):
         return _People()
-    from pirate_sm.detectors.keys import LETTERS, WordKeys
+    from pirate_sm.detectors.operator_keys import LETTERS, WordKeys
 
     keys = SharedKeys(stack.enter_context(TerminalKeys()), LETTERS if detects else "")
 

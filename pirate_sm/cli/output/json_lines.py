@@ -12,7 +12,7 @@ from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.model import effects as fx
 from pirate_sm.model.effect_words import question_words, trigger_reason
 from pirate_sm.model.events import ALPHABET_VERSION
-from pirate_sm.runtime.companions import Answered
+from pirate_sm.runtime.first_choice import Answered
 
 FORMAT = 1
 """Changes when a reader of the lines would have to."""

@@ -14,7 +14,7 @@ from rich.theme import Theme
 from pirate_sm.cli.keyboard import Operator
 from pirate_sm.cli.output.event_lines import how_it_runs
 from pirate_sm.cli.output.observed_run import ObservedRun
-from pirate_sm.detectors.keys import WordKeys
+from pirate_sm.detectors.operator_keys import WordKeys
 from pirate_sm.model.effects import Effect
 from pirate_sm.showing import body, panels, picture, styled
 from pirate_sm.showing.looking import Trends, scene_of, snapshot_of

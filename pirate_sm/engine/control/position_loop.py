@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from pirate_sm.engine.robot.robot_spec import LoopSpec
+from pirate_sm.engine.robot.command_spec import LoopSpec
 
 Numbers = tuple[float, ...]
 

@@ -9,9 +9,10 @@ from __future__ import annotations
 from math import isnan
 
 from pirate_sm.engine.control.position_loop import Loop
+from pirate_sm.engine.robot.command_spec import StageSpec
 from pirate_sm.engine.robot.criteria import CriterionSpec
 from pirate_sm.engine.robot.done import holds
-from pirate_sm.engine.robot.robot_spec import RobotSpec, StageSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     POSTURE,
     Motion,
@@ -20,7 +21,7 @@ from pirate_sm.engine.robot.robot_state import (
     known_values,
     posture_of,
 )
-from pirate_sm.engine.sensing.conversion import Sensing
+from pirate_sm.engine.sensing.known_signals import Sensing
 
 
 def stage_array(

@@ -7,7 +7,7 @@ from typing import assert_never
 from pirate_sm.engine.mission import pausing
 from pirate_sm.engine.mission.ending import end
 from pirate_sm.engine.moment import Moment
-from pirate_sm.engine.robot import commands, confirmation, robot_state
+from pirate_sm.engine.robot import command_outcome, commands, confirmation
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import CommandStatus
@@ -40,7 +40,7 @@ def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
         return "impossible: another command is under way"
     if state.robot.flight is not None:
         return "impossible: setpoints are in flight"
-    return robot_state.refusal(robot, state.robot, index)
+    return command_outcome.refusal(robot, state.robot, index)
 
 
 def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:

@@ -7,8 +7,10 @@ from itertools import product
 from math import prod
 from typing import NamedTuple, TypeAlias
 
-from pirate_sm.engine.robot.robot_spec import RobotSpec, StageSpec
-from pirate_sm.engine.robot.robot_state import RobotState, refusal
+from pirate_sm.engine.robot.command_outcome import refusal
+from pirate_sm.engine.robot.command_spec import StageSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import RobotState
 
 States: TypeAlias = tuple[str, ...]
 

@@ -23,6 +23,7 @@ from pirate_sm.engine.control.stages import (
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import confirmation
+from pirate_sm.engine.robot.command_outcome import marks_after, touched
 from pirate_sm.engine.robot.criteria import AcceptedSpec
 from pirate_sm.engine.robot.done import in_words, must_hold_s
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -39,13 +40,11 @@ from pirate_sm.engine.robot.robot_state import (
     RobotState,
     confirmed_parts,
     criterion_of,
-    marks_after,
     posture_of,
     safe_values,
     state_change,
-    touched,
 )
-from pirate_sm.engine.sensing.conversion import Sensing
+from pirate_sm.engine.sensing.known_signals import Sensing
 from pirate_sm.model.effects import CommandStatus, Setpoints
 from pirate_sm.model.events import SubmitResult
 

@@ -8,20 +8,12 @@ a signal is unknown or lies between the limits, stays unconfirmed until a comman
 
 from __future__ import annotations
 
-from math import degrees, inf, isnan, nan
+from math import isnan, nan
 from typing import NamedTuple
 
 from pirate_sm.engine.deadlines import has_come
-from pirate_sm.engine.robot.confirmation_spec import (
-    AnglesSpec,
-    DrivenSpec,
-    HeldSpec,
-    ImpliedSpec,
-    SeenSpec,
-    StandingSpec,
-)
+from pirate_sm.engine.robot.confirmation_spec import DrivenSpec, StandingSpec
 from pirate_sm.engine.robot.criteria import AcceptedSpec
-from pirate_sm.engine.robot.done import still
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     DECLARED,
@@ -32,6 +24,7 @@ from pirate_sm.engine.robot.robot_state import (
     at_rest_in,
     states_of,
 )
+from pirate_sm.engine.robot.sensor_verdict import spec_of, verdict
 from pirate_sm.model.fault_codes import BuiltInFault
 
 CODE = BuiltInFault.START_CONTRADICTED.code
@@ -40,20 +33,6 @@ LOOKING = "the sensors are still being compared with the states that were declar
 
 
 _NEVER_SHOWN = (AcceptedSpec, type(None))
-
-
-class Verdict(NamedTuple):
-    """What the sensors say of a mark at one moment.
-
-    Attributes:
-        agrees: Whether they show it.
-        against: What they show instead, and the limit; empty unless they contradict it.
-        for_s: How long either must last.
-    """
-
-    agrees: bool
-    against: str
-    for_s: float = 0.0
 
 
 class Watched(NamedTuple):
@@ -86,7 +65,7 @@ class Look(NamedTuple):
         return min((self.until_s, *lasting))
 
 
-class Seen(NamedTuple):
+class LookResult(NamedTuple):
     """What has come of a look: where it stands, what is confirmed, and why the start is refused.
 
     Attributes:
@@ -121,7 +100,7 @@ def begin(robot: RobotSpec, body: RobotState, now: float) -> Look | None:
     marks = tuple(
         Watched(mark)
         for mark in sorted(body.marks)
-        if mark.command == DECLARED and not isinstance(_spec(robot, names, mark), _NEVER_SHOWN)
+        if mark.command == DECLARED and not isinstance(spec_of(robot, names, mark), _NEVER_SHOWN)
     )
     if not marks:
         return None
@@ -135,7 +114,7 @@ def awaiting(robot: RobotSpec, body: RobotState) -> frozenset[Mark]:
     return frozenset(
         mark
         for mark in body.marks
-        if mark.command == DECLARED and isinstance(_spec(robot, names, mark), AcceptedSpec)
+        if mark.command == DECLARED and isinstance(spec_of(robot, names, mark), AcceptedSpec)
     )
 
 
@@ -160,7 +139,7 @@ def look(
     numbers: Numbers,
     diameter_m: float | None,
     now: float,
-) -> Seen:
+) -> LookResult:
     """Compare what is declared with the sensors at this moment.
 
     Args:
@@ -176,22 +155,22 @@ def look(
     for each in before.marks:
         if each.mark not in body.marks:
             continue
-        verdict = _verdict(robot, before, body, each.mark, numbers, diameter_m)
-        agrees_s = _since(each.agrees_s, verdict.agrees, now)
-        against_s = _since(each.against_s, bool(verdict.against), now)
-        if verdict.agrees and has_come(now, agrees_s + verdict.for_s):
+        shown = verdict(robot, before.setpoints, body, each.mark, numbers, diameter_m)
+        agrees_s = _since(each.agrees_s, shown.agrees, now)
+        against_s = _since(each.against_s, bool(shown.against), now)
+        if shown.agrees and has_come(now, agrees_s + shown.for_s):
             confirmed.add(each.mark)
         else:
-            open_.append(Watched(each.mark, agrees_s, against_s, verdict.against, verdict.for_s))
+            open_.append(Watched(each.mark, agrees_s, against_s, shown.against, shown.for_s))
     if open_ and not has_come(now, before.until_s):
-        return Seen(before._replace(marks=tuple(open_)), frozenset(confirmed))
+        return LookResult(before._replace(marks=tuple(open_)), frozenset(confirmed))
     wrong = [each for each in open_ if has_come(now, each.against_s + each.for_s)]
     turning = any(
-        isinstance(_spec(robot, states_of(robot, body), each.mark), StandingSpec | DrivenSpec)
+        isinstance(spec_of(robot, states_of(robot, body), each.mark), StandingSpec | DrivenSpec)
         for each in wrong
     )
     told = tuple(f"{_declared(robot, body, each.mark)}, but {each.told}" for each in wrong)
-    return Seen(None, frozenset(confirmed), told, turning)
+    return LookResult(None, frozenset(confirmed), told, turning)
 
 
 def parts_left_open(robot: RobotSpec, body: RobotState) -> tuple[str, ...]:
@@ -209,13 +188,6 @@ def _since(since_s: float, holds: bool, now: float) -> float:
     return now if isnan(since_s) else since_s
 
 
-def _spec(robot: RobotSpec, names: tuple[str, ...], mark: Mark) -> SeenSpec | HeldSpec | None:
-    sight = robot.sight
-    if mark.kind == "part":
-        return sight.parts[mark.which] if sight.parts else None
-    return sight.states[mark.which].get(names[mark.which]) if sight.states else None
-
-
 def _declared(robot: RobotSpec, body: RobotState, mark: Mark) -> str:
     names = states_of(robot, body)
     if mark.kind == "region":
@@ -224,142 +196,3 @@ def _declared(robot: RobotSpec, body: RobotState, mark: Mark) -> str:
         f"{robot.regions[each]} {names[each]}" for each in sorted(robot.part_regions[mark.which])
     )
     return f"the {robot.parts[mark.which]} part is declared to hold ({states})"
-
-
-def _verdict(
-    robot: RobotSpec,
-    look: Look,
-    body: RobotState,
-    mark: Mark,
-    numbers: Numbers,
-    diameter_m: float | None,
-) -> Verdict:
-    gripping = _gripping(robot, body, mark, numbers, diameter_m)
-    if gripping is not None:
-        return gripping
-    spec = _spec(robot, states_of(robot, body), mark)
-    match spec:
-        case HeldSpec():
-            return _held(robot, look.setpoints, body, spec, numbers, diameter_m)
-        case AnglesSpec():
-            return _angles(robot, spec, numbers)
-        case StandingSpec():
-            return _standing(robot, spec, numbers)
-        case DrivenSpec():
-            return _driven(robot, spec, numbers)
-        case ImpliedSpec():
-            return Verdict(True, "")
-        case AcceptedSpec() | None:
-            return Verdict(False, "")
-
-
-def _gripping(
-    robot: RobotSpec, body: RobotState, mark: Mark, numbers: Numbers, diameter_m: float | None
-) -> Verdict | None:
-    """Return what contradicts that no part holds, where one shows that it does; else None.
-
-    A part that was only relaxed may show the same, since a self-locked worm keeps its spring wound.
-    So this is asked only where nothing at all is declared to hold.
-    """
-    if mark.kind != "region" or robot.held[body.configuration]:
-        return None
-    for part, spec in enumerate(robot.sight.parts):
-        if spec is None or mark.which not in robot.part_regions[part]:
-            continue
-        torques = [abs(numbers[joint.torque]) for joint in spec.joints]
-        standing = all(abs(numbers[joint.rate]) < spec.still for joint in spec.joints)
-        off, _ = _span(robot, body, spec, numbers, diameter_m)
-        bears = all(torque >= spec.torque for torque in torques)
-        if bears and standing and not off > spec.span_off:
-            shown = ", ".join(str(round(torque * 1000)) for torque in torques)
-            told = (
-                f"the {robot.parts[part]} part bears {shown} mNm like one that holds, "
-                f"limit {spec.torque * 1000:.0f} mNm"
-            )
-            return Verdict(False, told, spec.for_s)
-    return None
-
-
-def _angles(robot: RobotSpec, spec: AnglesSpec, numbers: Numbers) -> Verdict:
-    names = robot.vocabulary.numbers
-    agrees = all(abs(numbers[angle] - target) <= spec.within for angle, target in spec.targets)
-    against = [
-        f"{names[angle]} shows {degrees(numbers[angle]):.0f} deg, not {degrees(target):.0f} deg, "
-        f"limit {degrees(spec.beyond):.0f} deg off"
-        for angle, target in spec.targets
-        if abs(numbers[angle] - target) > spec.beyond
-    ]
-    return Verdict(agrees, "; ".join(against), spec.for_s)
-
-
-def _standing(robot: RobotSpec, spec: StandingSpec, numbers: Numbers) -> Verdict:
-    against = [
-        f"{robot.vocabulary.numbers[speed]} shows {numbers[speed]:.2f} rad/s, "
-        f"limit {spec.below:g} rad/s"
-        for speed in spec.speeds
-        if abs(numbers[speed]) >= spec.below
-    ]
-    agrees = still(spec.speeds, numbers, spec.below)
-    return Verdict(agrees, "; ".join(against), spec.for_s)
-
-
-def _driven(robot: RobotSpec, spec: DrivenSpec, numbers: Numbers) -> Verdict:
-    against = [
-        f"{robot.vocabulary.numbers[speed]} shows {numbers[speed]:.2f} rad/s, the other way"
-        for speed, way in spec.wheels
-        if numbers[speed] * way < -spec.above
-    ]
-    return Verdict(False, "; ".join(against), spec.for_s)
-
-
-def _held(
-    robot: RobotSpec,
-    setpoints: Numbers,
-    body: RobotState,
-    spec: HeldSpec,
-    numbers: Numbers,
-    diameter_m: float | None,
-) -> Verdict:
-    borne = [_borne(setpoints[j.slot], numbers[j.torque]) for j in spec.joints]
-    loaded = all(torque >= spec.torque for torque in borne)
-    standing = all(abs(numbers[joint.rate]) < spec.still for joint in spec.joints)
-    off, told = _span(robot, body, spec, numbers, diameter_m)
-    against = [told] if off > spec.span_off else []
-    if all(torque < spec.slack for torque in borne):
-        names = ", ".join(robot.vocabulary.numbers[joint.torque] for joint in spec.joints)
-        shown = ", ".join(str(round(torque * 1000)) for torque in borne)
-        against.append(f"{names} show {shown} mNm, less than {spec.slack * 1000:.0f} mNm")
-    return Verdict(loaded and standing and off <= spec.span, "; ".join(against), spec.for_s)
-
-
-def _borne(setpoint: float, torque: float) -> float:
-    """Return the torque in the direction in which the state turns the joint."""
-    return torque if setpoint > 0 else -torque if setpoint < 0 else abs(torque)
-
-
-def _span(
-    robot: RobotSpec, body: RobotState, spec: HeldSpec, numbers: Numbers, diameter_m: float | None
-) -> tuple[float, str]:
-    """Return how far the part's diameter is off, as a share, and the sentence that says so.
-
-    Infinite where the part touches no wall; NaN where a diameter is not known.
-    """
-    shown, name = numbers[spec.diameter], robot.vocabulary.numbers[spec.diameter]
-    told = f"{name} shows {shown * 1000:.0f} mm"
-    if abs(numbers[spec.apex]) >= spec.open_rad:
-        return inf, f"{told}, it has opened to its end stop"
-    if diameter_m is not None:
-        limit = f"limit {spec.span_off:.0%} off"
-        off = abs(shown - diameter_m) / diameter_m
-        return off, f"{told}, the pipe has {diameter_m * 1000:.0f} mm, {limit}"
-    sights = [robot.sight.parts[part] for part in robot.held[body.configuration]]
-    others = [each.diameter for each in sights if each is not None and each is not spec]
-    off, told_off = 0.0, ""
-    for other in others:
-        difference = abs(shown - numbers[other]) / numbers[other]
-        if isnan(difference):
-            return nan, ""
-        if difference > off:
-            shown_there = f"{robot.vocabulary.numbers[other]} {numbers[other] * 1000:.0f} mm"
-            off, told_off = difference, f"{told}, {shown_there}, limit {spec.span_off:.0%} off"
-    return (nan, "") if isnan(shown) else (off, told_off)

@@ -15,11 +15,11 @@ from typing import NamedTuple
 
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.moment import Moment
-from pirate_sm.engine.robot import commands, robot_state
+from pirate_sm.engine.robot import command_outcome, commands, robot_state
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import Mark, RobotState
 from pirate_sm.engine.safety import rules
-from pirate_sm.engine.sensing.conversion import Sensing, nothing_known
+from pirate_sm.engine.sensing.known_signals import Sensing, nothing_known
 from pirate_sm.model.events import SubmitResult
 
 RulePlaces = tuple[int, ...]
@@ -128,7 +128,7 @@ def _steps(
 ) -> Iterator[tuple[PlannedStep, RulePlaces]]:
     """Yield what each command leads to that the engine would take, and the rules afterwards."""
     for command, spec in enumerate(robot.commands):
-        if robot_state.refusal(robot, body, command):
+        if command_outcome.refusal(robot, body, command):
             continue
         after = _done(robot, program, body, sensing, command)
         following, broken = rules.follow(program, robot, places, after, 1, spec.name)

@@ -10,112 +10,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import nan
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Literal
 
 from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.robot.command_spec import CommandSpec, SlotSpec, StageSpec
 from pirate_sm.engine.robot.confirmation_spec import Sight
-from pirate_sm.engine.robot.criteria import CriterionSpec
+from pirate_sm.engine.sensing.board_spec import BoardSpec, LinkSpec, WheelSpec
 from pirate_sm.engine.sensing.body_spec import BodySpec
-from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec
+from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec
 from pirate_sm.expressions import Expression, Vocabulary
 from pirate_sm.model.fault_codes import BuiltInFault
-
-
-class LoopSpec(NamedTuple):
-    """A proportional position loop (thesis section 4-2-3): duty = gain * error, then 0."""
-
-    gain: float
-    threshold_rad: float
-    least_duty: float
-    limit: float
-    stall_torque_nm: float
-
-
-@dataclass(frozen=True)
-class SlotSpec:
-    """One setpoint of the wire.
-
-    Attributes:
-        angle: Number index of the angle that a position loop or the board's own one controls.
-        rate: Number index of that angle's rate; ``torque`` that of the joint's torque; -1 without.
-        loop: How a duty slot is brought to an angle, None where it cannot be.
-        low: Least value; ``high`` the largest.
-        resolution: Steps of the wire.
-    """
-
-    name: str
-    unit: Literal["duty", "angle"]
-    low: float
-    high: float
-    resolution: float
-    angle: int = -1
-    rate: int = -1
-    torque: int = -1
-    loop: LoopSpec | None = None
-
-
-class Write(NamedTuple):
-    """What a stage does to a slot: ``set`` a value, ``seek`` an angle by our loop, ``keep``.
-
-    Attributes:
-        value: The value, or the angle in rad.
-        share_of: Number index of the angle that ``value`` is multiplied by when the stage begins;
-            -1 where ``value`` is the angle itself.
-    """
-
-    slot: int
-    how: Literal["set", "seek", "keep"]
-    value: float
-    share_of: int = -1
-
-
-StageSpec: TypeAlias = tuple[Write, ...]
-
-
-@dataclass(frozen=True)
-class PostureSpec:
-    """What a command brings the joints to before its states' own actuation.
-
-    Attributes:
-        name: Of the posture, for people.
-        writes: Its setpoints.
-        done: What shows, besides every joint at its angle, that it has been reached.
-        within_rad: How far a joint may be from its angle; NaN for the threshold of its loop.
-        refuse: Why the command is impossible here; empty where it is not.
-    """
-
-    name: str
-    writes: StageSpec
-    done: CriterionSpec
-    within_rad: float = nan
-    refuse: str = ""
-
-
-@dataclass(frozen=True)
-class CommandSpec:
-    """A command beyond the chart.
-
-    Attributes:
-        postures: By the configuration that it leads to, the posture that comes first, or None;
-            empty for a command that needs none anywhere.
-        asks_for: Condition on the states of the regions; where it holds, the command is unneeded.
-        asks_parts: Parts that are held wherever it holds; where there are any, their clamps decide
-            whether the command is unneeded.
-    """
-
-    name: str
-    done: CriterionSpec
-    timeout_s: float
-    nominal_s: float
-    lets_go: bool
-    postures: tuple[PostureSpec | None, ...] = ()
-    asks_for: Expression | None = None
-    asks_parts: frozenset[int] = frozenset()
-
-    def posture(self, configuration: int) -> PostureSpec | None:
-        """Return the posture that comes first where the command leads to this configuration."""
-        return self.postures[configuration] if self.postures else None
 
 
 @dataclass(frozen=True)
@@ -132,92 +36,6 @@ class FaultSpec:
     held_s: float
     catchable: bool
     denies: frozenset[int] = frozenset()
-
-
-class WheelSpec(NamedTuple):
-    """A wheel for odometry: its place among the wheels, number indexes of angle and speed, slot."""
-
-    place: int
-    angle: int
-    speed: int
-    slot: int
-    metres_per_rad: float
-
-
-class Vector(NamedTuple):
-    """A number made of three others: their indexes and the one it goes to."""
-
-    how: Literal["roll", "pitch", "norm"]
-    sources: tuple[int, ...]
-    target: int
-
-
-@dataclass(frozen=True)
-class BoardSpec:
-    """What one board's frame tells.
-
-    Attributes:
-        position: Index among the boards that are listened to.
-        channels: (place in the frame, number index, scale to SI).
-        rates: (number index, index of its rate).
-        torques: (number index of the current, slot, scale, number index of the torque).
-        vectors: Accelerometer numbers.
-        diameters: (number index of the apex angle, link length, 2r, target) of eq. 3-2.
-        wheels: Its wheels.
-        faults: Indexes of the fault rules that its signals can change.
-        zeros: (number index, what its sensor shows when it is zero), where that was calibrated.
-        watched: Its sensors whose values have limits.
-    """
-
-    id: int
-    module: str
-    position: int
-    channels: tuple[tuple[int, int, float], ...]
-    rates: tuple[tuple[int, int], ...]
-    torques: tuple[tuple[int, int, float, int], ...]
-    vectors: tuple[Vector, ...]
-    diameters: tuple[tuple[int, float, float, int], ...]
-    wheels: tuple[WheelSpec, ...]
-    faults: tuple[int, ...]
-    zeros: tuple[tuple[int, float], ...] = ()
-    watched: WatchedSpec = field(default_factory=WatchedSpec)
-
-    @cached_property
-    def length(self) -> int:
-        """Return how many values a frame must have at least."""
-        return max((place + 1 for place, *_ in self.channels), default=0)
-
-    @property
-    def numbers(self) -> tuple[int, ...]:
-        """Return the indexes of every number that comes from this board alone."""
-        return (
-            *(target for _, target, _ in self.channels),
-            *(target for _, target in self.rates),
-            *(target for *_, target in self.torques),
-            *(vector.target for vector in self.vectors),
-            *(target for *_, target in self.diameters),
-        )
-
-
-@dataclass(frozen=True)
-class LinkSpec:
-    """When a signal is stale, a board silent, an array sent again; how often a board reports.
-
-    Attributes:
-        period_s: The time between two reports of one board. What comes at shorter intervals has
-            waited somewhere.
-    """
-
-    period_s: float
-    stale_after_s: float
-    silent_after_s: float
-    resend_after_s: float
-    resend_limit: int
-
-    @cached_property
-    def listen_every_s(self) -> float:
-        """Return how often to look which boards are silent and which signals stale."""
-        return min(self.stale_after_s, self.silent_after_s) / 2
 
 
 @dataclass(frozen=True, eq=False)

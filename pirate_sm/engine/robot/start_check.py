@@ -31,7 +31,7 @@ def go_on(moment: Moment, state: EngineState, look: confirmation.Look) -> Engine
     return state
 
 
-def _refuse(moment: Moment, state: EngineState, seen: confirmation.Seen) -> EngineState:
+def _refuse(moment: Moment, state: EngineState, seen: confirmation.LookResult) -> EngineState:
     """End the run because the sensors contradict what is declared.
 
     Nothing has been sent. Only wheels that turn are stopped: the safe array would actuate clamps

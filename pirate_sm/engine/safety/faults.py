@@ -6,9 +6,10 @@ from math import isnan, nan
 from typing import NamedTuple
 
 from pirate_sm.engine.deadlines import has_come
-from pirate_sm.engine.robot.robot_spec import BoardSpec, RobotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing import plausibility
-from pirate_sm.engine.sensing.conversion import Sensing, nothing_known
+from pirate_sm.engine.sensing.board_spec import BoardSpec
+from pirate_sm.engine.sensing.known_signals import Sensing, nothing_known
 from pirate_sm.engine.sensing.report_loss import silent_limit_s
 from pirate_sm.engine.state import FaultState, Words
 from pirate_sm.model.fault_codes import BuiltInFault

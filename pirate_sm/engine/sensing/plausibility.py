@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf, isnan, nan
 
+from pirate_sm.engine.sensing.motion_plausibility import after_motion
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.engine.sensing.sensor_memory import Channel, Numbers, Reading, Record
 from pirate_sm.model.events import FaultReport
@@ -79,7 +80,7 @@ def sift(
         for at, slot, least_duty in watched.moving:
             channel = remembered[at]
             if settled or abs(setpoints[slot]) > least_duty or channel.same_s < inf:
-                after = _moved(spec, watched.sensors[at], channel, numbers, reading, reports)
+                after = after_motion(spec, watched.sensors[at], channel, numbers, reading, reports)
                 if after is not channel:
                     remembered = channels = channels or list(remembered)
                     channels[at] = after
@@ -89,14 +90,18 @@ def sift(
     for watch, channel in zip(watched.sensors, channels, strict=True):
         value = numbers[watch.number]
         numbers[watch.number] = nan if channel.stuck == value else shown[watch.number]
-    special = any(not channel.calm for channel in channels)
-    doubted = frozenset(
-        number
+    return _record(watched, channels, seen), reports
+
+
+def _record(watched: WatchedSpec, channels: Sequence[Channel], seen: int) -> Record:
+    """Return the record of these channels, with the numbers that are doubted."""
+    doubted = [
+        watch.numbers
         for watch, channel in zip(watched.sensors, channels, strict=True)
         if channel.doubted
-        for number in watch.numbers
-    )
-    return Record(tuple(channels), seen, special, doubted), reports
+    ]
+    special = any(not channel.calm for channel in channels)
+    return Record(tuple(channels), seen, special, frozenset().union(*doubted))
 
 
 def _plain(watched: WatchedSpec, numbers: Numbers, reading: Reading) -> bool:
@@ -266,76 +271,3 @@ def _outside(watch: WatchSpec, value: float) -> str:
     low = f"{watch.low / watch.per_unit:.3g}"
     where = f"{low} to {watch.in_words(watch.high)}"
     return f"{watch.name} reports {watch.in_words(value)}, outside {where}"
-
-
-def _moved(
-    spec: PlausibilitySpec,
-    watch: WatchSpec,
-    channel: Channel,
-    numbers: Numbers,
-    reading: Reading,
-    reports: list[FaultReport],
-) -> Channel:
-    """Return the channel of something that moves, after its motion was compared with its motor."""
-    value = numbers[watch.number]
-    duty = abs(reading.setpoints[watch.slot])
-    if watch.load >= 0 and (duty > watch.least_duty or channel.same_s < inf):
-        load = abs(numbers[watch.load])
-        free = duty > watch.least_duty and load < spec.unloaded * duty * watch.full_load
-        channel = _stuck(spec, watch, channel, value, free, reading.now_s, reports)
-    if duty == 0 and reading.settled:
-        good = value if channel.calm else channel.good
-        channel = _unasked(spec, watch, channel, good, reading.since_s, reports)
-    return channel
-
-
-def _stuck(
-    spec: PlausibilitySpec,
-    watch: WatchSpec,
-    channel: Channel,
-    value: float,
-    free: bool,
-    now_s: float,
-    reports: list[FaultReport],
-) -> Channel:
-    """Report a sensor that shows no motion although its motor is driven and bears no load."""
-    if not free:
-        return channel if channel.same_s == inf else channel._replace(same_s=inf)
-    if channel.same_s == inf or value != channel.same:
-        return channel._replace(same=value, same_s=now_s)
-    if value == channel.stuck or now_s - channel.same_s < spec.stuck_after_s:
-        return channel
-    message = (
-        f"{watch.name} has shown the same for {spec.stuck_after_s:g} s while its motor is "
-        "driven and bears no load: the sensor is stuck, or the motor gets no current"
-    )
-    reports.append(BuiltInFault.SENSOR_STUCK.report(message))
-    return channel._replace(calm=False, good=value, good_s=now_s, wound=nan, stuck=value)
-
-
-def _unasked(
-    spec: PlausibilitySpec,
-    watch: WatchSpec,
-    channel: Channel,
-    good: float,
-    since_s: float,
-    reports: list[FaultReport],
-) -> Channel:
-    """Report a motion while every wheel is at rest and nothing new has been asked for."""
-    if isnan(good):
-        return channel
-    if channel.rest_of_s != since_s:
-        return channel._replace(rest=good, rest_of_s=since_s, proven=False, away=0, unasked=False)
-    if abs(good - channel.rest) <= watch.moved:
-        calm = channel.proven and channel.away == 0
-        return channel if calm else channel._replace(proven=True, away=0)
-    if not channel.proven and channel.away < spec.moved_readings:
-        # Either of the two readings may be damaged.
-        return channel._replace(rest=good, away=channel.away + 1)
-    if channel.away + 1 < spec.moved_readings:
-        return channel._replace(away=channel.away + 1)
-    if channel.unasked:
-        return channel
-    message = f"{watch.name} moves though nothing was asked of its motor"
-    reports.append(BuiltInFault.MOTION_UNASKED.report(message))
-    return channel._replace(unasked=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import log
 
-from pirate_sm.engine.robot.robot_spec import LinkSpec
+from pirate_sm.engine.sensing.board_spec import LinkSpec
 
 _GAIN = 1 / 64
 """Weight of one report: six boards with a period of 0.1 s make 64 in about a second."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pirate_sm.detectors.choice import Asked, Detecting, MakeDetector
+from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
 from pirate_sm.errors import UsageError
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import DetectorWord, Event

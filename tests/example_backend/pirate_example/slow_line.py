@@ -10,7 +10,7 @@ from pirate_sm.errors import BackendError, UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import Event, SubmitResult
 from pirate_sm.registry import Plugin
-from pirate_sm.runtime.companions import TriggerScript
+from pirate_sm.runtime.trigger_script import TriggerScript
 from pirate_sm.wiring import Order
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 

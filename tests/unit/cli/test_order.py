@@ -9,7 +9,7 @@ import pytest
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
 from pirate_sm.cli.order import order_of
 from pirate_sm.errors import UsageError
-from pirate_sm.runtime.companions import Firing
+from pirate_sm.runtime.trigger_script import Firing
 from pirate_sm.wiring import Order
 
 SHARED: dict[str, Any] = {

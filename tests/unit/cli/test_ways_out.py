@@ -14,7 +14,7 @@ import pytest
 from pirate_sm.backends.trace import TraceBackend
 from pirate_sm.engine.engine import Engine
 from pirate_sm.errors import BackendError
-from pirate_sm.runtime.stopping import BY_SIGNAL
+from pirate_sm.runtime.stop_requests import BY_SIGNAL
 
 from .conftest import NEWT
 

@@ -11,8 +11,9 @@ from typing import Any, TypeVar
 
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Program
-from pirate_sm.engine.robot.robot_spec import RobotSpec, WatchedSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import at_rest_in, states_of, unconfirmed
+from pirate_sm.engine.sensing.plausibility_spec import WatchedSpec
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev

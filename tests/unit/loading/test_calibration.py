@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.engine.sensing.conversion import nothing_known, observe
+from pirate_sm.engine.sensing.conversion import observe
+from pirate_sm.engine.sensing.known_signals import nothing_known
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import calibration as calibrations
 from pirate_sm.loading.calibration import (

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
 

@@ -11,14 +11,14 @@ from pirate_sm.backends.serial.guardian.virtual_port import VirtualPort
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.detectors.choice import Asked, detecting
+from pirate_sm.detectors.registry import Asked, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.recording.file import DiskFile, RecordingFile
 from pirate_sm.recording.header import header_of
 from pirate_sm.recording.reader import Recording, read_recording
 from pirate_sm.recording.recorder import Recorder
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
 from pirate_sm.wiring.sim import start_values

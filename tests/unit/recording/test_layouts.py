@@ -17,7 +17,7 @@ from pirate_sm.loading.mission import load_mission
 from pirate_sm.recording.layouts import lichtblick_layout, plotjuggler_layout
 from pirate_sm.recording.reader import read_recording
 from pirate_sm.recording.reloading import recorded_mission
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
 

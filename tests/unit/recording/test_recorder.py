@@ -16,11 +16,11 @@ from pirate_sm.recording import recorder as module
 from pirate_sm.recording.bodies import body_from_text, body_to_text
 from pirate_sm.recording.file import DiskFile, RecordingFile
 from pirate_sm.recording.reader import Recording, read_recording
-from pirate_sm.recording.steps import Step
 from pirate_sm.recording.recorder import Recorder
 from pirate_sm.recording.side_channel import SideChannel
+from pirate_sm.recording.steps import Step
 from pirate_sm.recording.viewing import Viewer
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
 

@@ -13,7 +13,7 @@ from pirate_sm.errors import RecordingError
 from pirate_sm.recording.reader import read_recording
 from pirate_sm.recording.reloading import recorded_mission
 from pirate_sm.recording.tables import _cell, write_tables
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
 

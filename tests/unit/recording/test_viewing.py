@@ -23,7 +23,7 @@ from pirate_sm.recording.reader import read_recording
 from pirate_sm.recording.side_channel import EVERY_S
 from pirate_sm.recording.told import told
 from pirate_sm.recording.viewing import Snapshot, Viewer
-from pirate_sm.runtime.companions import FirstChoice
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
 

@@ -12,7 +12,7 @@ from pirate_sm.errors import BackendError
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.stopping import BY_SIGNAL, Stop, StopRequests
+from pirate_sm.runtime.stop_requests import BY_SIGNAL, Stop, StopRequests
 
 SAFE = (0.0, 0.5)
 MOVING = (1.0, 0.5)

@@ -14,8 +14,8 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.model.effects import CommandStatus, Effect, Ended, Setpoints
 from pirate_sm.model.events import Event, OperatorCommand
-from pirate_sm.runtime.companions import TriggerScript
 from pirate_sm.runtime.pump import BackendRaisedError, Pump
+from pirate_sm.runtime.trigger_script import TriggerScript
 
 ROOT = Path(__file__).parents[3]
 

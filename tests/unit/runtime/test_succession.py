@@ -7,8 +7,8 @@ from pathlib import Path
 from pirate_sm.backends.trace import TraceBackend
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import load_mission
-from pirate_sm.runtime.companions import TriggerScript
 from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.runtime.trigger_script import TriggerScript
 
 ROOT = Path(__file__).parents[3]
 

@@ -9,9 +9,10 @@ import pytest
 
 from pirate_sm.companion import Companion
 from pirate_sm.model.effects import Effect, Ended, TriggerFired
-from pirate_sm.runtime.companions import Firing, FirstChoice, TriggerScript
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import FAILED
+from pirate_sm.runtime.trigger_script import Firing, TriggerScript
 from pirate_sm.wiring import Order, prepare
 
 ENDS = "\nends: {passed: {succeed: Passed}, late: {fail: Late}}\n"

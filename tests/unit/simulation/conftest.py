@@ -18,7 +18,7 @@ from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.actuators import routes_of
 from pirate_sm.simulation.electronics import Electronics
 from pirate_sm.simulation.mechanics import ChainBody, chain_of
-from pirate_sm.simulation.physics import Layout
+from pirate_sm.simulation.physics import QuantityLayout
 from pirate_sm.simulation.sensors import sensors_of
 from pirate_sm.simulation.start_pose import stand
 from pirate_sm.simulation.xpbd import kernel
@@ -74,7 +74,7 @@ class Driver:
             chain, routes_of(profile, chain), sensors_of(profile, chain), world, seed
         )
         self.now_s = 0.0
-        self._layout = Layout(chain.nodes)
+        self._layout = QuantityLayout(chain.nodes)
 
     def clamp(self, *wheels: int, duty: float = 0.5) -> None:
         for wheel in wheels:

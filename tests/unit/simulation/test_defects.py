@@ -10,7 +10,8 @@ import pytest
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
-from pirate_sm.simulation.defects import Effect, named, put_to_work
+from pirate_sm.simulation.acting_defect import Effect
+from pirate_sm.simulation.defects import named, put_to_work
 from pirate_sm.simulation.xpbd import kernel
 
 from .conftest import CYCLE_S, Driver, straight

@@ -12,19 +12,19 @@ import pytest
 from pirate_sm.model.pipe import Pipe, Start, Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
-from pirate_sm.simulation.simulated_robot import Robot
+from pirate_sm.simulation.simulated_robot import SimulatedRobot
 from pirate_sm.simulation.xpbd.world import World
 
 from .conftest import CYCLE_S
 
 
-def robot_in(profile: Profile, defect: Defect | None = None, **more: Any) -> Robot:
+def robot_in(profile: Profile, defect: Defect | None = None, **more: Any) -> SimulatedRobot:
     pipe = Pipe(**({"diameter": 0.12, "segments": (Straight(straight=2.0),)} | more))
     defects = [] if defect is None else [(defect, np.random.default_rng(1))]
-    return Robot(profile, pipe, World, seed=1, more_defects=defects)
+    return SimulatedRobot(profile, pipe, World, seed=1, more_defects=defects)
 
 
-def run(robot: Robot, seconds: float, begin_s: float = 0.0) -> None:
+def run(robot: SimulatedRobot, seconds: float, begin_s: float = 0.0) -> None:
     turns = itertools.cycle(robot.turns(one_value=False))
     for cycle in range(round(seconds / CYCLE_S)):
         robot.step(begin_s + CYCLE_S * (cycle + 1), next(turns))

@@ -7,8 +7,14 @@ out. The process around it is :mod:`pirate_sm.backends.serial.guardian.process`.
 from __future__ import annotations
 
 from math import inf
-from typing import NamedTuple, TypeAlias
 
+from pirate_sm.backends.serial.guardian.guard_actions import (
+    Action,
+    EndGuardian,
+    Reopen,
+    ToPort,
+    ToRunner,
+)
 from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note
 from pirate_sm.backends.serial.link.conversation import Conversation
 from pirate_sm.backends.serial.link.silence_timer import SilenceTimer
@@ -29,35 +35,6 @@ _ASK_AFTER_S = 0.5
 
 _LATE_ECHO_S = 0.3
 """An echo may come so late: about four times what it takes on a healthy link (76 ms)."""
-
-
-class ToPort(NamedTuple):
-    """Bytes to be written in one call."""
-
-    data: bytes
-
-
-class ToRunner(NamedTuple):
-    """A note to be passed on to the runner."""
-
-    note: Note
-
-
-class Reopen(NamedTuple):
-    """An order to open the port again."""
-
-
-class Finish(NamedTuple):
-    """An order to end the guardian.
-
-    Attributes:
-        stopped: Whether the robot is known to be stopped, or was never set in motion.
-    """
-
-    stopped: bool = True
-
-
-Action: TypeAlias = ToPort | ToRunner | Reopen | Finish
 
 
 class Guard:
@@ -119,7 +96,7 @@ class Guard:
         self._patience.hear(now)
         match note.kind:
             case Kind.LEAVE if not self.acting or self.confirmed:
-                return [Finish()]
+                return [EndGuardian()]
             case Kind.LEAVE:
                 return self.bereave(now)
             case Kind.HEED:
@@ -138,7 +115,7 @@ class Guard:
     def bereave(self, now: float) -> list[Action]:
         """Return what is to be done now that the runner is gone, or this process is told to end."""
         if not self.payload or (self.acting and self.confirmed):
-            return [*self._farewell(), Finish()]
+            return [*self._farewell(), EndGuardian()]
         if not self.alone:
             self.alone = True
             self._give_up_s = now + self._instructions.stay_s
@@ -186,7 +163,7 @@ class Guard:
         if any(self._is_echo(frame, now) for frame in frames):
             self.confirmed = True
             if self.alone:
-                return [*actions, *self._farewell(), Finish()]
+                return [*actions, *self._farewell(), EndGuardian()]
             actions.append(ToRunner(Note(Kind.STOPPED)))
         return actions
 
@@ -209,7 +186,7 @@ class Guard:
             actions.append(Reopen())
         if self.acting and not self.confirmed:
             if now >= self._give_up_s:
-                return [*self._farewell(), Finish(stopped=False)]
+                return [*self._farewell(), EndGuardian(stopped=False)]
             actions += self._insist(now)
         return actions
 

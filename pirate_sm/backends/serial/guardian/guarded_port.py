@@ -342,5 +342,3 @@ class GuardedPort:
                 self._acknowledged.hear(self._heard_s)
             case Kind.WRITE | Kind.BEAT | Kind.HEED | Kind.LEAVE | Kind.STOP:
                 pass  # what is only sent to the guardian
-            case Kind.WRITE | Kind.BEAT | Kind.HEED | Kind.LEAVE | Kind.STOP:
-                pass  # what only the guardian is sent

@@ -19,7 +19,14 @@ from contextlib import suppress
 from math import inf
 from types import FrameType
 
-from pirate_sm.backends.serial.guardian.guard import Action, Finish, Guard, Reopen, ToPort, ToRunner
+from pirate_sm.backends.serial.guardian.guard import Guard
+from pirate_sm.backends.serial.guardian.guard_actions import (
+    Action,
+    EndGuardian,
+    Reopen,
+    ToPort,
+    ToRunner,
+)
 from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note, NoteReader
 from pirate_sm.backends.serial.guardian.takeover import LeftBehind, Registration
 from pirate_sm.backends.serial.ports.protocol import PortLostError
@@ -56,7 +63,7 @@ class Guardian:
         self._md5 = md5
         self._reader = NoteReader()
         self._plugged = False
-        self._finish: Finish | None = None
+        self._finish: EndGuardian | None = None
         self._registration: Registration | None = None
         self._signalled, self._signal = os.pipe()
         os.set_blocking(self._signal, False)
@@ -120,7 +127,7 @@ class Guardian:
         """Act on signals."""
         alone = self._guard.alone
         if alone:  # an operator or a new run wants the port
-            self._finish = Finish(stopped=False)
+            self._finish = EndGuardian(stopped=False)
         elif signal.SIGTERM in numbers:
             self._orphan()
 
@@ -159,7 +166,7 @@ class Guardian:
                     self._say(note)
                 case Reopen():
                     self._open()
-                case Finish():
+                case EndGuardian():
                     self._finish = action
 
     def _write(self, data: bytes) -> None:

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from math import inf
 from typing import Protocol
 
-from pirate_sm.backends.serial.guardian.guard import Action, Guard, Reopen, ToPort, ToRunner
+from pirate_sm.backends.serial.guardian.guard import Guard
+from pirate_sm.backends.serial.guardian.guard_actions import Action, Reopen, ToPort, ToRunner
 from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note
 from pirate_sm.backends.serial.link.wanted_topics import Wanted
 from pirate_sm.backends.serial.ports.protocol import PortLostError

@@ -43,7 +43,7 @@ _REMEMBERED = 64
 
 
 @dataclass
-class _Order:
+class _WantedArray:
     """An array that is to be in force."""
 
     setpoint_id: int
@@ -52,7 +52,7 @@ class _Order:
 
 
 @dataclass
-class _Flight:
+class _ArrayUnderWay:
     """An array that is being written.
 
     Attributes:
@@ -61,7 +61,7 @@ class _Flight:
         again: It must be written again.
     """
 
-    order: _Order
+    order: _WantedArray
     began_s: float
     told: bool = False
     needed: bool = False
@@ -119,9 +119,9 @@ class SetpointLink:
         self._spacing_s = spacing_s
         self._ids = ids
         self._number = 0
-        self._waiting: _Order | None = None
-        self._flight: _Flight | None = None
-        self._latest: _Order | None = None
+        self._waiting: _WantedArray | None = None
+        self._flight: _ArrayUnderWay | None = None
+        self._latest: _WantedArray | None = None
         self._sent_s = -inf
         self.quality = LineQuality(echo_within_s)
         self._recent: dict[int, tuple[Array, float]] = {}
@@ -154,15 +154,15 @@ class SetpointLink:
             self._tell(
                 older.setpoint_id, "superseded", f"array {setpoint_id} came before it was sent"
             )
-        self._waiting = _Order(setpoint_id, to_counts(self._slots, values), now)
+        self._waiting = _WantedArray(setpoint_id, to_counts(self._slots, values), now)
 
     def reassert(self, now: float) -> None:
         """Have the last array written again: the device may have forgotten it."""
         if self._flight is not None:
             self._flight.again, self._flight.began_s = True, now
         elif self._latest is not None and self._waiting is None:
-            order = _Order(self._latest.setpoint_id, self._latest.counts, now)
-            self._flight = _Flight(order, now, told=True, needed=True)
+            order = _WantedArray(self._latest.setpoint_id, self._latest.counts, now)
+            self._flight = _ArrayUnderWay(order, now, told=True, needed=True)
 
     # --- what is written --------------------------------------------------------------------
 
@@ -257,7 +257,7 @@ class SetpointLink:
             self._overtake(flight, self._waiting)
             flight = None
         if flight is None and self._waiting is not None and now >= self._sent_s + self._gap_s:
-            flight = self._flight = _Flight(self._waiting, now)
+            flight = self._flight = _ArrayUnderWay(self._waiting, now)
             self._waiting = None
         if flight is None:
             return self._refresh(now) if self._waiting is None else b""
@@ -279,7 +279,7 @@ class SetpointLink:
         self._unanswered[self._number] = _Unanswered(now)
         return payload
 
-    def _write(self, order: _Order, now: float) -> bytes:
+    def _write(self, order: _WantedArray, now: float) -> bytes:
         """Return the payload of this array, under a number of its own."""
         self._number = self._number % (self._ids - 1) + 1
         self._recent[self._number] = Array(self._number, order.counts, self.hold), now
@@ -355,14 +355,14 @@ class SetpointLink:
         else:
             self.reassert(now)
 
-    def _overtake(self, flight: _Flight, newer: _Order) -> None:
+    def _overtake(self, flight: _ArrayUnderWay, newer: _WantedArray) -> None:
         """Give an array up because a newer one waits; its echo may still come."""
         for number in flight.numbers:
             if number in self._recent:
                 self._unanswered[number] = _Unanswered(self._recent[number][1], overtaken=True)
         self._end(flight, f"array {newer.setpoint_id} came before its echo")
 
-    def _end(self, flight: _Flight, reason: str) -> None:
+    def _end(self, flight: _ArrayUnderWay, reason: str) -> None:
         self._flight = None
         if not flight.told:
             self._tell(flight.order.setpoint_id, "unknown", reason)

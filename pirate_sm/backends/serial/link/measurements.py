@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import nan
 
 from pirate_sm.model.events import SensorFrame
-from pirate_sm.rosserial.messages import StateReading
+from pirate_sm.rosserial.state_messages import StateReading
 
 
 class Measurements:

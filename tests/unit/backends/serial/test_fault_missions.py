@@ -26,7 +26,7 @@ from pirate_sm.errors import BackendError
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.model.effects import Effect, Fault, Log
 from pirate_sm.model.simulation import Defect
-from pirate_sm.runtime.companions import Messenger
+from pirate_sm.runtime.backend_links import Messenger
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import Result
 

@@ -11,9 +11,10 @@ from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.backends.serial.guardian.virtual_port import VirtualPort
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.detectors.choice import Asked, detecting
+from pirate_sm.detectors.registry import Asked, detecting
 from pirate_sm.engine.engine import Engine
-from pirate_sm.runtime.companions import FirstChoice, Holder
+from pirate_sm.runtime.backend_links import Holder
+from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 
 JOINT = 1

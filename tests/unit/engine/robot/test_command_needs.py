@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.engine.robot.command_needs import changes, needs, taken_in
-from pirate_sm.engine.robot.robot_state import at_rest_in, refusal
+from pirate_sm.engine.robot.command_outcome import refusal
+from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.loading.robot import load_robot
 
 ROOT = Path(__file__).resolve().parents[4]

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from pirate_sm.engine.robot.command_outcome import refusal
 from pirate_sm.engine.robot.planning import opened, plans
-from pirate_sm.engine.robot.robot_state import Mark, at_rest_in, refusal, states_of
+from pirate_sm.engine.robot.robot_state import Mark, at_rest_in, states_of
 from pirate_sm.loading.by_hand import by_hand
 from pirate_sm.loading.robot import load_robot
 

@@ -15,7 +15,8 @@ from driving import (
     command,
 )
 
-from pirate_sm.engine.robot.robot_state import DECLARED, STOPPED, Mark, at_rest_in, refusal
+from pirate_sm.engine.robot.command_outcome import refusal
+from pirate_sm.engine.robot.robot_state import DECLARED, STOPPED, Mark, at_rest_in
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import Skip
 

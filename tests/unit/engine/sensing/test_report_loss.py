@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from pirate_sm.engine.robot.robot_spec import LinkSpec
+from pirate_sm.engine.sensing.board_spec import LinkSpec
 from pirate_sm.engine.sensing.report_loss import LONGEST, loss_after, silent_limit_s
 
 PERIOD_S = 0.1

@@ -6,11 +6,10 @@ from math import inf
 
 import pytest
 
-from pirate_sm.backends.serial.guardian.guard import (
-    REOPEN_EVERY_S,
+from pirate_sm.backends.serial.guardian.guard import REOPEN_EVERY_S, Guard
+from pirate_sm.backends.serial.guardian.guard_actions import (
     Action,
-    Finish,
-    Guard,
+    EndGuardian,
     Reopen,
     ToPort,
     ToRunner,
@@ -41,7 +40,7 @@ def beating(now: float = 0.0) -> Guard:
 
 def until(guard: Guard, end_s: float) -> list[tuple[float, Action]]:
     done: list[tuple[float, Action]] = []
-    while guard.due_s <= end_s and not any(isinstance(each, Finish) for _, each in done[-2:]):
+    while guard.due_s <= end_s and not any(isinstance(each, EndGuardian) for _, each in done[-2:]):
         now = guard.due_s
         done += [(now, action) for action in guard.tick(now)]
     return done
@@ -65,7 +64,7 @@ def test_it_relays_both_ways() -> None:
     assert guard.hear(Note(Kind.WRITE, b"out"), 0.1) == [ToPort(b"out")]
     assert guard.receive(b"in", 0.1) == [ToRunner(Note(Kind.DATA, b"in"))]
     assert guard.hear(Note(Kind.BEAT, SAFE), 0.1) == [HEARD]
-    assert guard.hear(Note(Kind.LEAVE), 0.1) == [Finish()]
+    assert guard.hear(Note(Kind.LEAVE), 0.1) == [EndGuardian()]
 
 
 def test_a_runner_that_beats_is_left_alone() -> None:
@@ -101,7 +100,7 @@ def test_it_has_nothing_to_send_before_anything_was_set_in_motion() -> None:
     guard.hear(Note(Kind.BEAT, b""), 0.0)
 
     assert guard.due_s == inf
-    assert guard.bereave(1.0) == [Finish()]
+    assert guard.bereave(1.0) == [EndGuardian()]
 
 
 def test_what_a_runner_wrote_before_it_stood_still_does_not_pass_until_it_has_understood() -> None:
@@ -118,7 +117,7 @@ def test_when_the_runner_dies_the_safe_frame_is_repeated_until_it_is_echoed() ->
     assert guard.bereave(0.1) == [ToPort(SAFE)]
     assert written(until(guard, 0.35)) == [(0.2, SAFE), (0.3, SAFE)]
 
-    assert guard.receive(ECHOED, 0.36) == [ToPort(STOP), Finish()]
+    assert guard.receive(ECHOED, 0.36) == [ToPort(STOP), EndGuardian()]
 
 
 def test_bytes_that_a_talking_device_says_end_nothing() -> None:
@@ -136,7 +135,7 @@ def test_an_unconfirmed_stop_is_tried_for_as_long_as_it_was_told_and_no_longer()
     done = [(0.0, each) for each in guard.bereave(0.0)] + until(guard, 2 * STAY_S)
     safe_s = [at_s for at_s, data in written(done) if data == SAFE]
 
-    assert done[-1] == (STAY_S, Finish(stopped=False))
+    assert done[-1] == (STAY_S, EndGuardian(stopped=False))
     assert max(b - a for a, b in zip(safe_s, [*safe_s[1:], STAY_S], strict=True)) < 0.15
 
 
@@ -144,8 +143,8 @@ def test_a_runner_that_leaves_while_the_stop_is_unconfirmed_dismisses_nobody() -
     guard = beating()
     until(guard, 0.31)
 
-    assert not any(isinstance(each, Finish) for each in guard.hear(Note(Kind.LEAVE), 0.4))
-    assert Finish() in guard.receive(ECHOED, 0.5)
+    assert not any(isinstance(each, EndGuardian) for each in guard.hear(Note(Kind.LEAVE), 0.4))
+    assert EndGuardian() in guard.receive(ECHOED, 0.5)
 
 
 def test_the_safe_frame_waits_until_the_ring_of_the_device_has_room() -> None:
@@ -165,7 +164,7 @@ def test_a_late_echo_of_what_the_runner_wrote_itself_confirms_nothing() -> None:
 
     assert guard.receive(ECHOED, 0.12) == []
     until(guard, 0.4)
-    assert Finish() in guard.receive(ECHOED, 0.4)
+    assert EndGuardian() in guard.receive(ECHOED, 0.4)
 
 
 def test_a_port_that_comes_back_to_no_runner_is_opened_and_asked_for_its_new_numbers() -> None:
@@ -185,7 +184,7 @@ def test_a_port_that_comes_back_to_no_runner_is_opened_and_asked_for_its_new_num
     (_, data), *_ = written(until(guard, 11.5))
     assert Decoder().feed(data) == [(FIRST_SUBSCRIBER + 7, b"safe array")]
     echo = encode(FIRST_PUBLISHER + 7, b"safe array")
-    assert guard.receive(echo, 11.6) == [ToPort(STOP), Finish()]
+    assert guard.receive(echo, 11.6) == [ToPort(STOP), EndGuardian()]
 
 
 def test_numbers_that_were_learnt_before_the_port_went_away_again_are_not_used_after() -> None:
@@ -235,4 +234,4 @@ def test_a_runner_that_dies_after_it_was_overruled_leaves_a_robot_that_is_safe_a
     until(guard, 0.31)
     guard.receive(ECHOED, 0.35)
 
-    assert guard.bereave(1.0) == [ToPort(STOP), Finish()]
+    assert guard.bereave(1.0) == [ToPort(STOP), EndGuardian()]

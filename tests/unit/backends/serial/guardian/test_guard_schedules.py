@@ -8,7 +8,14 @@ from typing import NamedTuple
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pirate_sm.backends.serial.guardian.guard import Action, Finish, Guard, Reopen, ToPort, ToRunner
+from pirate_sm.backends.serial.guardian.guard import Guard
+from pirate_sm.backends.serial.guardian.guard_actions import (
+    Action,
+    EndGuardian,
+    Reopen,
+    ToPort,
+    ToRunner,
+)
 from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note
 from pirate_sm.bay.node_handle import NodeHandle
 from pirate_sm.bay.reception import Reception
@@ -88,7 +95,7 @@ class World:
         self.guard = Guard(Instructions(SILENCE_S, WANTED, BOOT_S, STAY_S))
         self.plugged = self.alive = self.beats = True
         self.to_device = self.to_host = True
-        self.finished: Finish | None = None
+        self.finished: EndGuardian | None = None
         self.alone_s = 0.0
         self.beat_s = -1.0
         self.overruled = self.asleep = False
@@ -107,10 +114,10 @@ class World:
                     self.do(self.guard.opened(self.now))
                 else:
                     self.do(self.guard.refused("not there", self.now))
-            elif isinstance(action, Finish):
+            elif isinstance(action, EndGuardian):
                 self.finish(action)
 
-    def finish(self, action: Finish) -> None:
+    def finish(self, action: EndGuardian) -> None:
         self.finished = action
         if action.stopped:
             assert self.device.array != DRIVE, "it finished while wheels were driven"
@@ -210,7 +217,7 @@ def test_once_the_line_is_back_nothing_is_driven_and_nobody_leaves_before(
         world.happen("the port returns")
         world.run(BOUND_S)
 
-    assert world.finished == Finish(stopped=True)
+    assert world.finished == EndGuardian(stopped=True)
     assert world.device.array != DRIVE
     assert world.device.faults == [], "a number that the device had not given"
 
@@ -228,4 +235,4 @@ def test_while_the_line_is_not_back_it_stays_until_its_time_is_over(
     assert world.finished is None
     world.run(2.0)
 
-    assert world.finished == Finish(stopped=False)
+    assert world.finished == EndGuardian(stopped=False)

@@ -1,0 +1,137 @@
+"""Notes what happens in a run while it goes on, in memory and, if wanted, in a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
+from math import inf
+from os import PathLike
+from pathlib import Path
+
+from pirate_sm.api.result import Run
+from pirate_sm.engine.robot.robot_state import RobotState
+from pirate_sm.engine.state import EngineState
+from pirate_sm.errors import RecordingError
+from pirate_sm.loading.folders import shown
+from pirate_sm.model.effects import Effect
+from pirate_sm.model.events import Event
+from pirate_sm.recording.file import DiskFile, RecordingFile
+from pirate_sm.recording.header import RunHeader
+from pirate_sm.recording.recorder import Recorder
+from pirate_sm.recording.side_channel import SideChannel
+from pirate_sm.recording.steps import Step
+from pirate_sm.recording.viewing import Viewer
+from pirate_sm.report.poses import EVERY_S, Poses
+from pirate_sm.wiring import Prepared
+from pirate_sm.wiring.recorded import run_header, shown_to_viewers
+
+
+class Notes:
+    """A tap that keeps every step in memory and passes it on to a recorder.
+
+    Args:
+        prepared: The run.
+        header: What was run.
+        recorder: Who else keeps the steps.
+    """
+
+    def __init__(self, prepared: Prepared, header: RunHeader, recorder: Recorder | None) -> None:
+        self._prepared = prepared
+        self._header = header
+        self._recorder = recorder
+        self._steps: list[Step] = []
+        self._poses = Poses(true=True)
+        self._pose_s = 0.0
+
+    def start(
+        self,
+        seen: Sequence[Event],
+        now_s: float,
+        effects: Sequence[Effect],
+        *,
+        body: RobotState | None = None,
+        paused: bool = False,
+    ) -> None:
+        """Note how the engine started."""
+        if self._recorder is not None:
+            self._recorder.start(seen, now_s, effects, body=body, paused=paused)
+        number = len(self._steps)
+        self._steps += [Step(number + n, now_s, event, (), "seen") for n, event in enumerate(seen)]
+        number = len(self._steps)
+        self._steps.append(Step(number, now_s, None, tuple(effects), "start", body, paused))
+        self._pose(now_s)
+
+    def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
+        """Note one step of the engine."""
+        if self._recorder is not None:
+            self._recorder.take(event, now_s, effects)
+        self._steps.append(Step(len(self._steps), now_s, event, tuple(effects), "engine"))
+        self._pose(now_s)
+
+    def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
+        """Note what was done past the engine."""
+        if self._recorder is not None:
+            self._recorder.abandon(now_s, effects)
+        self._steps.append(Step(len(self._steps), now_s, None, tuple(effects), "runtime"))
+
+    def run(self, *notices: str) -> Run:
+        """Return the run as far as it has come.
+
+        Args:
+            notices: What its reader must know; empty ones are left out.
+        """
+        failure = self._recorder.failure if self._recorder is not None else ""
+        early = f"the recording ends early: {failure}" if failure else ""
+        steps, poses = tuple(self._steps), self._poses.thinned()
+        return Run(
+            self._prepared.loaded,
+            self._header,
+            steps=lambda: steps,
+            poses=lambda: poses if poses.times_s else None,
+            notices=tuple(text for text in (early, *notices) if text),
+        )
+
+    def _pose(self, now_s: float) -> None:
+        if self._prepared.wheels is not None and now_s >= self._pose_s:
+            self._pose_s = now_s + EVERY_S
+            self._poses.add(now_s, self._prepared.wheels())
+
+
+@contextmanager
+def noted(
+    prepared: Prepared, record: str | PathLike[str] | None, state: Callable[[], EngineState | None]
+) -> Iterator[Notes]:
+    """Keep notes of a run until the block ends.
+
+    Args:
+        prepared: The run.
+        record: A file that must not exist, for a recording; None: there is none.
+        state: Returns the engine's state after the step that was noted last.
+
+    Raises:
+        RecordingError: The file cannot be made.
+    """
+    header = run_header(prepared, inf, datetime.now(UTC).astimezone())
+    if record is None:
+        yield Notes(prepared, header, None)
+        return
+    path = Path(record)
+    try:
+        file = RecordingFile(DiskFile(path), header)
+    except FileExistsError:
+        raise RecordingError(f"{shown(path)} exists already; nothing has moved") from None
+    except OSError as error:
+        what = f"{shown(path)} cannot be written: {error.strerror}"
+        raise RecordingError(f"{what}; nothing has moved") from None
+    side = SideChannel(Viewer(prepared.loaded, prepared.order.start_at_m))
+    side.follow(lambda: shown_to_viewers(prepared, state()))
+    recorder = Recorder(file, header, real_time=prepared.backend.real_time, side=side)
+    recorder.follow(state)
+    try:
+        yield Notes(prepared, header, recorder)
+    finally:
+        recorder.close()
+        if not recorder.begun:
+            with suppress(OSError):
+                path.unlink()

@@ -1,0 +1,82 @@
+"""The help page, written from what this robot has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from textual.content import Content
+
+from pirate_sm.console.availability import controls
+from pirate_sm.console.themed_lines import line
+from pirate_sm.showing.snapshot import Snapshot
+from pirate_sm.showing.styled import MUTED, STRONG
+
+_ALWAYS = (
+    ("Space", "STOP: wheels stop, clamps hold. Works at any time, also over a dialog."),
+    ("m", "Choose a mission. It begins paused: the robot is yours first."),
+    ("↑ ↓ ← →", "Drive forward and backward; brake."),
+    ("1 … 9", "Answer what the mission asks."),
+    ("Tab", "Next page, where the terminal is too small for all at once."),
+    ("PgUp PgDn", "Earlier and later lines of the log."),
+    ("Esc", "The warning has been seen; no more of a series of commands; leave a dialog."),
+    ("^p", "Command palette: everything by name."),
+    ("^t", "Light or dark."),
+    ("q", "Safe state, then leave."),
+)
+
+_LOOKING_BACK = (
+    ("Space", "Play or stop; at the end from the start."),
+    ("← →", "1 s back, 1 s on; with Shift 0.1 s, so do , and ."),
+    ("↑ ↓", "10 s back, 10 s on; so do PgUp and PgDn."),
+    ("p n", "The phase before, the next one."),
+    ("Home End", "The start, the end."),
+    ("Tab", "Next page, where the terminal is too small for all at once."),
+    ("q", "Leave."),
+)
+
+_SIGNS = (
+    ("▶ ‖ ■ ◆", "running, paused, ending or over, no mission: by hand"),
+    ("✓ ▶ ▷ ·", "a phase that was left, the present one, one that has called it, not entered"),
+    ("● ○", "a state that has been confirmed; one that was only commanded"),
+    ("✕ =", "cannot be done now; is so already: the words are the engine's own"),
+    ("full disc, ring", "a wheel that touches a wall, one that does not"),
+    ("full, outline", "a part of the robot that is held, one that is not"),
+    ("rays", "a light that is on"),
+    ("!", "near a limit"),
+)
+
+
+def help_lines(letters: Mapping[str, str], snapshot: Snapshot) -> list[Content]:
+    """The page."""
+    robot = snapshot.scene.robot
+    commands = snapshot.scene.loaded.loaded_robot.profile.commands
+    lines = [line(("Always", STRONG))]
+    lines += [_row(key, text) for key, text in _ALWAYS]
+    lines += [line(""), line(("A mission", STRONG))]
+    lines += [_row(each.key, each.label) for each in controls(snapshot, None)]
+    lines += [line(""), line((f"Commands of {robot.name}", STRONG))]
+    lines += [
+        _row(letters.get(name, "^p"), f"{name}  {each.description}")
+        for name, each in commands.items()
+    ]
+    if robot.detector_words:
+        lines += [line(""), line(("You as the detector, where nobody else is", STRONG))]
+        lines += [_row(letters.get(word, "^p"), word) for word in robot.detector_words]
+    return lines + _signs()
+
+
+def recording_lines() -> list[Content]:
+    """The page of a recording that is looked at."""
+    return [
+        line(("A recording", STRONG)),
+        *(_row(key, text) for key, text in _LOOKING_BACK),
+        *_signs(),
+    ]
+
+
+def _signs() -> list[Content]:
+    return [line(""), line(("Signs", STRONG)), *(_row(sign, text) for sign, text in _SIGNS)]
+
+
+def _row(key: str, text: str) -> Content:
+    return line((f"{key:>16}  ", STRONG), (text, MUTED if not text else ""))

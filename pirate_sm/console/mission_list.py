@@ -1,0 +1,96 @@
+"""The missions that the operator can choose from, and what must be known before there is one."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from pirate_sm.checking.gate import pass_or_raise
+from pirate_sm.errors import PirateError, UsageError
+from pirate_sm.loading import library
+from pirate_sm.loading.by_hand import by_hand
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.pipe_file import load_pipe
+from pirate_sm.loading.robot import load_robot
+from pirate_sm.loading.source import read_document
+from pirate_sm.wiring import Order, load
+
+
+class ListedMission(NamedTuple):
+    """A mission's file as far as a list tells of it."""
+
+    path: Path
+    name: str
+    description: str
+    robot: str
+    pipe: str
+
+
+def listed_missions(folder: Path | None = None) -> list[ListedMission]:
+    """The missions in a folder, then the shipped ones; what is no mission is left out."""
+    own = sorted(folder.glob("*.yaml")) if folder is not None else []
+    found = {each.resolve(): each for each in (*own, *library.missions())}
+    return [listed for path in found.values() if (listed := _listed(path)) is not None]
+
+
+def _listed(path: Path) -> ListedMission | None:
+    try:
+        data = read_document(path, path.name).data
+    except PirateError:
+        return None
+    if not isinstance(data, dict) or "mission" not in data:
+        return None
+    pipe = data.get("pipe")
+    return ListedMission(
+        path, path.stem, str(data.get("description", "")), str(data.get("robot", "")),
+        pipe if isinstance(pipe, str) else "",
+    )  # fmt: skip
+
+
+def load_listed(order: Order, path: Path) -> LoadedMission:
+    """The mission in this file, for the robot and pipe that the console has.
+
+    Raises:
+        LoadError: Everything that is wrong with it.
+        UsageError: It does not fit.
+        CheckError: It is refused.
+    """
+    loaded = load(replace(order, mission=str(path), settings={}, start_phase=None, states=None))
+    if order.check:
+        pass_or_raise(loaded)
+    return loaded
+
+
+def without_mission(order: Order) -> LoadedMission:
+    """The robot by hand: the one that was named or the first shipped, in the pipe named.
+
+    Without a pipe it is the one that most missions of this robot are written for.
+
+    Raises:
+        LoadError: A file cannot be used.
+        UsageError: There is no such robot or pipe.
+    """
+    if order.robot is not None:
+        folder = library.find_robot(order.robot, Path.cwd())
+    elif robots := library.robots():
+        folder = robots[0]
+    else:
+        raise UsageError("no robot is shipped: name one with --robot")
+    robot = load_robot(folder)
+    name = order.pipe or (_usual_pipe(folder.name) if order.backend == "sim" else "")
+    if not name:
+        return by_hand(robot)
+    pipe, document = load_pipe(library.find_pipe(name, Path.cwd()))
+    return by_hand(robot, pipe, pipe.pipe or Path(document.name).stem)
+
+
+def _usual_pipe(robot: str) -> str:
+    pipes = Counter(each.pipe for each in _of(robot, listed_missions()) if each.pipe)
+    return pipes.most_common(1)[0][0] if pipes else ""
+
+
+def _of(robot: str, missions: Sequence[ListedMission]) -> list[ListedMission]:
+    return [each for each in missions if each.robot == robot]

@@ -1,0 +1,30 @@
+"""The operator's wish to stop or leave, as the runs of a session ask for it."""
+
+from __future__ import annotations
+
+from pirate_sm.runtime.stop_requests import Stop, StopRequests
+
+
+class Quitting(StopRequests):
+    """Requests that end the session and with it whatever run there is; signals write them too."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.run = StopRequests()
+
+    def begin(self) -> StopRequests:
+        """Return the requests of the next run, which is asked to stop if the session was."""
+        self.run = StopRequests()
+        if self.stop is not None:
+            self.run.ask(self.stop)
+        return self.run
+
+    def ask(self, stop: Stop) -> None:
+        """End the present run through the engine's safe stop; none follows."""
+        super().ask(stop)
+        self.run.ask(stop)
+
+    def insist(self) -> None:
+        """End it at once, with the safe array sent past the engine."""
+        super().insist()
+        self.run.insist()

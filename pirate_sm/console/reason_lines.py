@@ -1,0 +1,84 @@
+"""Why what is grey cannot be asked for: each reason once, with the keys that it holds for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from textwrap import wrap
+from typing import NamedTuple
+
+from rich.text import Text
+
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.showing.styled import MUTED, STRONG, line
+from pirate_sm.showing.telling import shortened
+
+_SIGNS = {"unneeded": "=", "impossible": "✕"}
+
+
+class Request(NamedTuple):
+    """Something that can be asked for, and why not now; the reason is empty where it can."""
+
+    key: str
+    reason: str
+
+
+def sign_of(reason: str) -> str:
+    """Return ``=`` where it is so already, ``✕`` where it cannot be."""
+    return _SIGNS.get(reason.partition(": ")[0], "✕")
+
+
+def obstacles(
+    asked: Mapping[str, Sequence[Request]], robot: RobotSpec, width: int, rows: int
+) -> list[Text]:
+    """Return every reason in as many lines as there is room for; what is so already comes last.
+
+    Args:
+        asked: What can be asked for, by what it is called when one reason holds for all of it.
+        robot: Whose regions the reasons name; they are shown by their short names.
+        width: Of a line.
+        rows: How many lines there are.
+    """
+    found = sorted(_grouped(asked).items(), key=lambda each: sign_of(each[0]) == "=")
+    heads = [f"{sign_of(reason)} {keys}  " for reason, keys in found]
+    texts = [head + _said(reason, robot) for head, (reason, _) in zip(heads, found, strict=True)]
+    lines = []
+    for head, shown in zip(heads, _fitting(texts, width, rows), strict=False):
+        first, *more = shown
+        lines.append(line((first[: len(head)], STRONG), (first[len(head) :], MUTED)))
+        lines += [line((each, MUTED)) for each in more]
+    return lines or [line(("everything can be asked for", MUTED))]
+
+
+def _grouped(asked: Mapping[str, Sequence[Request]]) -> dict[str, str]:
+    """The keys of each reason."""
+    found: dict[str, list[str]] = {}
+    for name, each in asked.items():
+        reasons = {key: reason for key, reason in each if reason}
+        if len(reasons) == len(each) > 1 and len(set(reasons.values())) == 1:
+            found.setdefault(each[0].reason, []).append(name if len(asked) > 1 else "all")
+            continue
+        for key, reason in reasons.items():
+            found.setdefault(reason, []).append(key)
+    return {reason: " ".join(keys) for reason, keys in found.items()}
+
+
+def _said(reason: str, robot: RobotSpec) -> str:
+    kind, _, rest = reason.partition(": ")
+    said = (rest if kind in _SIGNS else reason).replace("it needs ", "needs ", 1)
+    for region, label in zip(robot.regions, shortened(robot.regions), strict=True):
+        said = said.replace(region, label)
+    return said
+
+
+def _fitting(texts: Sequence[str], width: int, rows: int) -> list[list[str]]:
+    """Each text wrapped; while there are too many lines, the longest text loses its last one."""
+    most = [len(_wrapped(text, width, rows)) for text in texts]
+    while sum(most) > rows and max(most) > 1:
+        most[most.index(max(most))] -= 1
+    return [_wrapped(text, width, count) for text, count in zip(texts, most, strict=True)][:rows]
+
+
+def _wrapped(text: str, width: int, most: int) -> list[str]:
+    return wrap(
+        text, max(width, 8), subsequent_indent="  ", max_lines=max(most, 1), placeholder=" …"
+    )

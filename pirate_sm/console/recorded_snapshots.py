@@ -1,0 +1,179 @@
+"""A recording as the console draws it: one snapshot after the other, made by the engine again."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from typing import NamedTuple
+
+from pirate_sm.errors import RecordingError
+from pirate_sm.geometry.plane import walls
+from pirate_sm.geometry.space import Place
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.truth import Truth
+from pirate_sm.recording.reader import Recording
+from pirate_sm.recording.reloading import recorded_mission
+from pirate_sm.recording.replay import engine_of, rerun
+from pirate_sm.recording.steps import Checkpoint, Shown, with_own_times
+from pirate_sm.showing.anatomy import anatomy_of
+from pirate_sm.showing.looking import Trends
+from pirate_sm.showing.memory import Memory
+from pirate_sm.showing.snapshot import Scene, Snapshot
+
+MOST_FRAMES = 4000
+"""The most moments between two checkpoints that can be looked at; where checkpoints lie farther
+apart, as in older recordings without any, so do the moments."""
+
+FINEST_S = 0.1
+
+_MOST_WINDOWS = 8
+"""The most stretches between checkpoints whose moments are in memory."""
+
+_PLACES = "/places"
+
+
+class RecordedSnapshots:
+    """Every moment of a recording that can be looked at, made when it is looked at.
+
+    Args:
+        windows: The stretches of the recording that can be made each by itself, in order.
+        phases_s: When each phase was entered.
+        length_s: Time of the last moment.
+        frames: The moments of the window of a number, in order.
+    """
+
+    def __init__(
+        self,
+        windows: list[_Window],
+        phases_s: list[float],
+        length_s: float,
+        frames: Callable[[int], list[Snapshot]],
+    ) -> None:
+        self.phases_s = phases_s
+        self.length_s = length_s
+        self._starts_s = [window.start_s for window in windows]
+        self._frames = frames
+
+    def at(self, time_s: float) -> Snapshot:
+        """The newest moment that is not later than the time; the first one before it."""
+        frames = self._frames(max(bisect_right(self._starts_s, time_s) - 1, 0))
+        return frames[max(bisect_right(frames, time_s, key=lambda frame: frame.now_s) - 1, 0)]
+
+
+class _Window(NamedTuple):
+    """A stretch of a recording.
+
+    Attributes:
+        after: The checkpoint with which it begins; None: it begins with the run.
+        memory: What had happened until then.
+        start_s: When that was.
+    """
+
+    after: Checkpoint | None
+    memory: Memory
+    start_s: float
+
+
+def recorded_snapshots(recording: Recording) -> RecordedSnapshots:
+    """The recording's moments.
+
+    Raises:
+        RecordingError: It is damaged, or nothing was recorded in it.
+    """
+    with recorded_mission(recording.header) as loaded:
+        windows, phases_s = _windows(recording, loaded)
+
+    @lru_cache(maxsize=_MOST_WINDOWS)
+    def frames(number: int) -> list[Snapshot]:
+        return list(_frames(recording, loaded, windows, number))
+
+    if not frames(0):
+        raise RecordingError(f"{recording.path} ends before the run began")
+    return RecordedSnapshots(windows, phases_s, recording.until_s, frames)
+
+
+def _windows(recording: Recording, loaded: LoadedMission) -> tuple[list[_Window], list[float]]:
+    """From each checkpoint on there is a window; also when each phase was entered."""
+    memory = Memory(loaded.robot, nominal=recording.header.nominal)
+    windows, phases_s = [_Window(None, memory.twin(), 0.0)], [0.0]
+    checkpoints = recording.checkpoints()
+    due = next(checkpoints, None)
+    for told in recording.effects():
+        while due is not None and due.step < told.number:
+            windows.append(_Window(due, memory.twin(), due.at_s))
+            due = next(checkpoints, None)
+        memory.see(told.effects, told.at_s)
+        if memory.phase.since_s > phases_s[-1]:
+            phases_s.append(memory.phase.since_s)
+    return windows, phases_s
+
+
+def _frames(
+    recording: Recording, loaded: LoadedMission, windows: list[_Window], number: int
+) -> Iterator[Snapshot]:
+    """The moments of a window; what is followed is looked at since the one before it."""
+    begin, window = windows[max(number - 1, 0)], windows[number]
+    last = number + 1 == len(windows)
+    until_s = recording.until_s if last else windows[number + 1].start_s
+    robot = loaded.robot
+    engine = engine_of(recording, loaded)
+    anatomy = anatomy_of(loaded.loaded_robot.profile, robot)
+    scene = Scene(loaded, engine, anatomy, recording.header.backend)
+    memory = begin.memory.twin()
+    places = _RecordedPlaces(recording, loaded)
+    trends = Trends()
+    every_s, due_s = max(FINEST_S, (until_s - window.start_s) / MOST_FRAMES), window.start_s
+    state, last_s = None, 0.0
+    places.begin(window.start_s)
+    for again in rerun(recording, loaded, begin.after):
+        at_s = last_s = again.at_s
+        if at_s >= until_s and not last:
+            return
+        memory.see(with_own_times(again.effects, recording.origin_s), at_s)
+        state = again.state or state
+        if state is None:
+            continue
+        trends.look(scene, state, at_s)
+        if at_s >= due_s:
+            due_s = at_s + every_s
+            yield Snapshot(
+                scene, at_s, state, memory.story(), places.at(at_s), not places.known,
+                trends=trends.latest, ahead_s=recording.origin_s,
+            )  # fmt: skip
+    if last and state is not None:
+        yield Snapshot(
+            scene, last_s, state, memory.story(), places.at(last_s), not places.known,
+            trends=trends.latest, over=recording.complete, ahead_s=recording.origin_s,
+        )  # fmt: skip
+
+
+class _RecordedPlaces:
+    """Where the robot was, as the recording tells viewers."""
+
+    def __init__(self, recording: Recording, loaded: LoadedMission) -> None:
+        body = loaded.loaded_robot.profile.body
+        names = [wheel.name for wheel in body.wheels]
+        self._radius_m = body.wheel_radius
+        pipe = loaded.pipe
+        self._walls = walls(pipe.route()) if pipe is not None else ()
+        self._names = names
+        self._shown: Iterator[Shown] = iter(())
+        self._recording = recording
+        self._next: Shown | None = None
+        self._newest: tuple[Place, ...] = ()
+        self.known = False
+
+    def begin(self, since_s: float) -> None:
+        """Places from this time on are asked for."""
+        self._shown = self._recording.shown(_PLACES, since_s=since_s)
+        self._next = next(self._shown, None)
+
+    def at(self, time_s: float) -> Truth | None:
+        """The newest place, asked for in the order of time; None where none was told."""
+        while self._next is not None and self._next.at_s <= time_s:
+            content = self._next.content
+            self.known = bool(content.get("known"))
+            self._newest = tuple((content[f"{n}_x_m"], content[f"{n}_y_m"]) for n in self._names)
+            self._next = next(self._shown, None)
+        return Truth(self._newest, self._radius_m, self._walls, 0.0) if self._newest else None

@@ -1,0 +1,189 @@
+"""The console's view of a run that is over: everything is seen, nothing can be steered."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import ClassVar, TypeVar
+
+from textual.app import App, ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
+from textual.events import Resize
+from textual.widget import Widget
+from textual.widgets import Footer
+
+from pirate_sm.console.dialogs import HelpDialog
+from pirate_sm.console.help_page import recording_lines
+from pirate_sm.console.key_bindings import LEAVE, both_cases
+from pirate_sm.console.recorded_snapshots import RecordedSnapshots
+from pirate_sm.console.widgets import EventLog, Lines, Picture, is_whole, panel, show_robot
+from pirate_sm.showing import panels
+from pirate_sm.showing.styled import ACCENT, FLAG, STRONG, Part, line
+
+_W = TypeVar("_W", bound=Widget)
+
+FRAMES_PER_S = 20
+
+_WIDE, _HIGH = 120, 36
+_RECORDING = "● RECORDING", f"{FLAG}.{ACCENT}"
+_PAGES = ("drive", "body", "log")
+"""Pages of a small terminal, as the stylesheet names them."""
+
+_SHOWN = frozenset(
+    ["header", "alarm", "now", "states", "phases", "picture", "body", "log", "slider"]
+)
+"""Names of the widgets that a moment is shown in."""
+
+
+class RecordingViewer(App[None]):
+    """Scrubs through a recording.
+
+    Args:
+        reel: The recording.
+        name: What it is called.
+
+    Attributes:
+        time_s: The moment that is shown.
+        playing: Whether time goes on by itself.
+    """
+
+    CSS_PATH = Path(__file__).with_name("console.tcss")
+    TITLE = "recording"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("space", "play", "Play"),
+        Binding("left", "by(-1)", "1 s back"),
+        Binding("right", "by(1)", "1 s on"),
+        Binding("shift+left,comma", "by(-0.1)", "0.1 s back", show=False),
+        Binding("shift+right,full_stop", "by(0.1)", "0.1 s on", show=False),
+        Binding("down,pagedown", "by(10)", "10 s on", show=False),
+        Binding("up,pageup", "by(-10)", "10 s back", show=False),
+        Binding("home", "to(0)", "Start", show=False),
+        Binding("end", "to(1)", "End", show=False),
+        Binding(both_cases("p"), "phase(-1)", "Phase before", key_display="p"),
+        Binding(both_cases("n"), "phase(1)", "Next phase", key_display="n"),
+        Binding("tab", "page", "HelpDialog", show=False, priority=True),
+        Binding("question_mark", "help", "Help", key_display="?"),
+        Binding(both_cases(LEAVE), "quit", "Quit", key_display=LEAVE),
+        Binding("ctrl+q", "quit", "Quit", show=False),
+    ]
+
+    def __init__(self, reel: RecordedSnapshots, name: str, **options: object) -> None:
+        super().__init__(**options)  # type: ignore[arg-type]
+        self.reel = reel
+        self.time_s = 0.0
+        self.playing = False
+        self._recording = name
+        self._page = 0
+
+    def compose(self) -> ComposeResult:
+        """The console's panels without those that steer."""
+        yield Lines(id="header")
+        yield Lines(id="alarm")
+        with Horizontal(id="main"):
+            with Vertical(id="left"):
+                yield panel("now", "Now")
+                yield panel("states", "States")
+                yield panel("phases", "Phases")
+            with Vertical(id="rest"):
+                with Horizontal(id="top"):
+                    yield Picture(id="picture")
+                yield panel("body")
+        log = EventLog(id="log", title="Log")
+        log.add_class("panel")
+        yield log
+        yield Lines(id="slider")
+        yield Footer(show_command_palette=False, compact=True)
+
+    def on_mount(self) -> None:
+        """The first moment is shown."""
+        self.set_interval(1 / FRAMES_PER_S, self._tick)
+        self.call_after_refresh(self.show)
+
+    def on_resize(self, event: Resize) -> None:
+        """Everything is visible, or one page of it."""
+        base = self.screen_stack[0]
+        base.set_class(event.size.width < _WIDE or event.size.height < _HIGH, "-paged")
+        self._turn(0)
+        self.call_after_refresh(self.show)
+
+    def show(self) -> None:
+        """The moment of ``time_s`` is on the screen."""
+        if not is_whole(self, _SHOWN):
+            return
+        snapshot = self.reel.at(self.time_s)
+        self._base(Picture, "picture").show(snapshot)
+        header = panels.header(snapshot, self.size.width, flag=_RECORDING)
+        self._base(Lines, "header").show([header])
+        alarm, bar = panels.alarm(snapshot, 0, ""), self._base(Lines, "alarm")
+        bar.set_class(alarm is not None, "on").set_class(panels.shows_success(snapshot, 0), "good")
+        bar.show([alarm] if alarm is not None else [])
+        now = self._base(Lines, "now")
+        now.show(panels.now(snapshot, now.content_size.width))
+        show_robot(self, snapshot)
+        self._base(EventLog, "log").tell(snapshot)
+        self._base(Lines, "slider").show([line(*self._slider())])
+
+    def _slider(self) -> list[Part]:
+        """Where the moment is in the recording."""
+        mark = "▶" if self.playing else "‖"
+        whole = self.reel.length_s
+        said = f" {mark} {self.time_s:8.2f} s of {whole:.2f} s  "
+        room = max(self.size.width - len(said) - len(self._recording) - 4, 10)
+        at = round(room * (self.time_s / whole if whole else 0.0))
+        return [(said, STRONG), "━" * at, ("●", STRONG), "─" * (room - at), f"  {self._recording}"]
+
+    def _tick(self) -> None:
+        if not self.playing:
+            return
+        self._move(self.time_s + 1 / FRAMES_PER_S)
+        if self.time_s >= self.reel.length_s:
+            self.playing = False
+            self.show()
+
+    def _move(self, time_s: float) -> None:
+        self.time_s = min(max(time_s, 0.0), self.reel.length_s)
+        self.show()
+
+    def _base(self, kind: type[_W], name: str) -> _W:
+        return self.screen_stack[0].query_one(f"#{name}", kind)
+
+    def _turn(self, by: int) -> None:
+        self._page = (self._page + by) % len(_PAGES)
+        for number, name in enumerate(_PAGES):
+            self.screen_stack[0].set_class(number == self._page, f"-{name}")
+
+    # --- what a person wants -------------------------------------------------------------------
+
+    def action_play(self) -> None:
+        """Time goes on by itself, from the start if it was at the end; or it stands."""
+        self.playing = not self.playing
+        if self.playing and self.time_s >= self.reel.length_s:
+            self.time_s = 0.0
+        self.show()
+
+    def action_by(self, seconds: float) -> None:
+        """So much later, or earlier."""
+        self._move(self.time_s + seconds)
+
+    def action_to(self, share: float) -> None:
+        """At this share of the recording."""
+        self._move(share * self.reel.length_s)
+
+    def action_phase(self, by: int) -> None:
+        """At the beginning of the phase before or after this one."""
+        starts = self.reel.phases_s
+        if by > 0:
+            later = [each for each in starts if each > self.time_s + 1e-6]
+            self._move(later[0] if later else self.reel.length_s)
+        else:
+            earlier = [each for each in starts if each < self.time_s - 1e-6]
+            self._move(earlier[-1] if earlier else 0.0)
+
+    def action_help(self) -> None:
+        """Every key and sign is explained."""
+        self.push_screen(HelpDialog(recording_lines()))
+
+    def action_page(self) -> None:
+        """Another page of a small terminal."""
+        self._turn(1)
+        self.call_after_refresh(self.show)

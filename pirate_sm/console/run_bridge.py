@@ -1,0 +1,114 @@
+"""Stands between the run, in its own thread, and the console: snapshots out, events in."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from math import inf, isnan
+
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import Effect, Log
+from pirate_sm.model.events import Answer, Event
+from pirate_sm.runtime.first_choice import Answered
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.showing.looking import Trends, snapshot_of
+from pirate_sm.showing.memory import Memory
+from pirate_sm.showing.snapshot import Scene, Snapshot
+from pirate_sm.showing.telling import Line
+from pirate_sm.wiring import Prepared
+
+QUIET = frozenset({"another mission was chosen", "the console was left"})
+"""Ends that the operator has asked for in another way than by the stop: they need no banner."""
+
+LOOK_EVERY_S = 0.02
+"""So late an event of the operator reaches the engine at most."""
+
+
+class RunBridge:
+    """An observer, watcher and companion of the runs of one session, one after the other.
+
+    Attributes:
+        latest: The newest snapshot; replaced, never changed.
+        asked: How many events of the operator the present run has been given.
+    """
+
+    listening = False
+
+    def __init__(self, scene: Scene, prepared: Prepared) -> None:
+        self._scene = scene
+        self._prepared = prepared
+        self._memory = Memory(scene.robot, nominal=scene.engine.nominal, quiet=QUIET)
+        self._waiting: deque[Event] = deque()
+        self._run: MissionRun | None = None
+        self._due_s = 0.0
+        self._trends = Trends()
+        self._over = False
+        self._before_m = 0.0
+        self.asked = 0
+        self.latest = self._snapshot(0.0)
+
+    # --- from the console's thread ------------------------------------------------------------
+
+    def tell(self, event: Event) -> None:
+        """The engine will be given the event at the next turn of the loop."""
+        self._waiting.append(event)
+
+    # --- from the run's thread ----------------------------------------------------------------
+
+    def begin(self, scene: Scene, prepared: Prepared, run: MissionRun) -> None:
+        """Another run begins; what was told stays to be read."""
+        self._waiting.clear()
+        came_m = self._snapshot(self.latest.now_s).odometry_m
+        self._before_m += 0.0 if isnan(came_m) else came_m
+        self._scene, self._prepared, self._run = scene, prepared, run
+        self._memory.begin(scene.robot)
+        self._due_s, self.asked = -inf, 0
+        for notice in prepared.notices:
+            self._memory.tell(Line("console", notice), self.latest.now_s)
+
+    def end(self, now_s: float) -> None:
+        """Nothing can happen any more."""
+        self._over = True
+        self.latest = self._snapshot(now_s)
+
+    @property
+    def due_s(self) -> float:
+        """At once when the operator wants something."""
+        return -inf if self._waiting else self._due_s
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """What has happened is noted by :meth:`see`."""
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """There is a new snapshot; an answer is told, with who gave it."""
+        self._due_s = now_s + LOOK_EVERY_S
+        self._trends.look(self._scene, state, now_s)
+        self.latest = self._snapshot(now_s)
+        return [
+            Answered("info", f"answered '{event.choice}' (operator)")
+            for event in tuple(self._waiting)
+            if isinstance(event, Answer)
+        ]
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """What the operator wants."""
+        said = []
+        while self._waiting:
+            said.append(self._waiting.popleft())
+        self.asked += len(said)
+        return said
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        """It has taken note."""
+        self._memory.see(effects, now_s)
+
+    def pulse(self, now_s: float) -> None:
+        """There is a new snapshot, also while mission time stands still."""
+        self.latest = self._snapshot(now_s)
+
+    def _snapshot(self, now_s: float) -> Snapshot:
+        state = self._run.state if self._run is not None else None
+        return snapshot_of(
+            self._scene, self._prepared, state, now_s, self._memory.story(), self._trends,
+            over=self._over, before_m=self._before_m,
+        )  # fmt: skip

@@ -1,0 +1,150 @@
+"""The odometry detector: says the profile's words where dead reckoning takes the wheels to be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isnan
+
+from pirate_sm.detectors.dead_reckoning import Reckoned, Reckoner
+from pirate_sm.detectors.odometer import Odometer
+from pirate_sm.detectors.word_timing import Detector, words_of
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import confirmed_parts
+from pirate_sm.engine.sensing.body_spec import WHOLE
+from pirate_sm.engine.state import EngineState
+from pirate_sm.errors import UsageError
+from pirate_sm.geometry.plane import walls
+from pirate_sm.model.effects import Effect, Log
+from pirate_sm.model.events import DetectorWord, Event
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.profile import Profile
+from pirate_sm.model.truth import Truth
+
+LOOK_EVERY_S = 0.05
+"""At 0.1 m/s a robot drives 5 mm in this time."""
+
+_PATIENCE_S = 1.0
+"""For this long a joint may be silent at the start, or while the hold changes."""
+
+
+class Odometry:
+    """A companion that reckons from the engine's signals.
+
+    Args:
+        profile: The robot with its detector's words.
+        robot: The same, as the engine knows it.
+        pipe: Where it is.
+        first_wheel_m: Where its first wheel begins along the pipe; by default as the pipe says.
+
+    Attributes:
+        reckoned: Where the wheels are taken to be; None until every joint has spoken.
+
+    Raises:
+        UsageError: The robot counts no odometry, or the place is outside the pipe.
+    """
+
+    listening = False
+
+    def __init__(
+        self, profile: Profile, robot: RobotSpec, pipe: Pipe, first_wheel_m: float | None = None
+    ) -> None:
+        if robot.odometry < 0:
+            raise UsageError(f"--detector odometry: {robot.name} has no signal of odometry_of")
+        self._route = route = pipe.route()
+        self._radius_m = profile.body.wheel_radius
+        self._walls = walls(route)
+        length_m = sum(robot.body.lengths_m)
+        self.first_wheel_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
+        if not 0.0 <= self.first_wheel_m <= route.length_m:
+            raise UsageError(
+                f"--start-at {self.first_wheel_m * 1000:.4g} mm is outside the pipe, "
+                f"which is {route.length_m * 1000:.4g} mm long"
+            )
+        self.due_s = 0.0
+        self.reckoned: Reckoned | None = None
+        self._warned = False
+        self._placed_s = 0.0
+        self._take(robot)
+        words = words_of(profile)
+        errors = (0.0,) * len(words)
+        self._detector = Detector(words, errors, route.crossings_m, profile.detector.valid_for)
+        self._word: DetectorWord | None = None
+
+    def _take(self, robot: RobotSpec) -> None:
+        """Follow this robot from now on."""
+        self._robot = robot
+        self._reckoner = Reckoner(robot.body, self._route, robot.odometry)
+        self._odometer = Odometer(robot)
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Do nothing: what counts is in the signals."""
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """Follow the wheels to where they are now; return a warning when that is unknown."""
+        numbers, robot = list(state.sensing.numbers), self._robot
+        anchor = self.reckoned.anchor if self.reckoned else WHOLE
+        wheels = robot.body.wheels_of(anchor)
+        numbers[robot.odometry] = self._odometer.look(state, now_s, wheels)
+        held = confirmed_parts(robot, state.robot)
+        if self.reckoned is not None:
+            self.reckoned = self._follow(self.reckoned, numbers, held, now_s)
+        elif any(isnan(angle) for angle in robot.body.angles(numbers)):
+            return self._warn(numbers) if now_s >= _PATIENCE_S else ()
+        else:
+            self.reckoned = self._reckoner.begin(self.first_wheel_m, numbers, held)
+            self._warned = False
+        travel = robot.travel(state.robot.values)
+        self._word = self._detector.look(now_s, self.reckoned.places_m, travel)
+        return self._warn(numbers) if self.reckoned.lost else ()
+
+    def _follow(
+        self, before: Reckoned, numbers: Sequence[float], held: frozenset[int], now_s: float
+    ) -> Reckoned:
+        """Return the reckoning after this look.
+
+        Where a joint is silent at the moment when the hold changes, the old hold stands in until
+        the joint speaks. What the old hold moves in that time is an error.
+        """
+        after = self._reckoner.look(before, numbers, held)
+        if after.lost and not before.lost:
+            stood = self._reckoner.look(before, numbers, frozenset(before.spots) - {WHOLE})
+            after = self._reckoner.look(stood, numbers, held)
+            if after.lost and now_s - self._placed_s < _PATIENCE_S:
+                return stood
+        if not after.lost:
+            self._placed_s = now_s
+        return after
+
+    def _warn(self, numbers: Sequence[float]) -> Sequence[Log]:
+        """Return, once, a warning that no place is known."""
+        if self._warned:
+            return ()
+        self._warned = True
+        names, joints = self._robot.vocabulary.numbers, self._robot.body.joints
+        silent = [names[joint] for joint in joints if joint >= 0 and isnan(numbers[joint])]
+        because = f": {', '.join(silent)} unknown" if silent else ""
+        if self.reckoned is None:
+            message = f"odometry does not know yet where the robot is{because}"
+        else:
+            message = f"odometry has lost the robot's place while the hold changed{because}"
+        return (Log("warning", f"{message}; it says no word"),)
+
+    def truth(self) -> Truth | None:
+        """Return where the robot is taken to be; None while the place of a wheel is unknown."""
+        at = self.reckoned
+        if at is None or any(isnan(place) for place in at.places_m):
+            return None
+        moved_m = at.places_m[0] - self.first_wheel_m
+        return Truth(at.points, self._radius_m, self._walls, moved_m)
+
+    def restart(self, robot: RobotSpec) -> None:
+        """Count from zero again; the robot stays where it is."""
+        self._take(robot)
+        if self.reckoned is not None:
+            self.reckoned = self.reckoned._replace(odometer_m=0.0)
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return the word that begins to hold here, or still holds and must be said again."""
+        self.due_s = now_s + LOOK_EVERY_S
+        word, self._word = self._word, None
+        return () if word is None else (word,)

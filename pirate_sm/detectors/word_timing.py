@@ -1,0 +1,118 @@
+"""When a word begins and ceases to hold, with the wheels at known places along the pipe."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pirate_sm.detectors.place_filter import Tracker
+from pirate_sm.model.events import DetectorWord
+from pirate_sm.model.profile import Profile
+
+# A word that has been said holds until its wheel is this far before the point: noise does not
+# make it come and go.
+_SLACK_M = 0.01
+# The last word of a bend is no longer said this far beyond its point.
+_FORGOTTEN_M = 0.25
+# Near the end of its validity a word that still holds is said again.
+_REPEAT_SHARE = 0.5
+
+
+@dataclass(frozen=True)
+class Point:
+    """Where a word begins to hold: a wheel, and how far it is beyond the crossing, m."""
+
+    wheel: int
+    passed_m: float
+
+
+@dataclass(frozen=True)
+class Word:
+    """A detector word with its points for travel forward and backward."""
+
+    name: str
+    forward: Point
+    backward: Point
+
+
+def words_of(profile: Profile) -> tuple[Word, ...]:
+    """Return the detector's words with wheels as indexes."""
+    wheels = {wheel.name: index for index, wheel in enumerate(profile.body.wheels)}
+    return tuple(
+        Word(
+            name,
+            Point(wheels[each.forward.wheel], each.forward.passed),
+            Point(wheels[each.backward.wheel], each.backward.passed),
+        )
+        for name, each in profile.detector.words.items()
+    )
+
+
+class Detector:
+    """Says a word when it begins to hold, and again while it holds.
+
+    Places are filtered (:class:`~pirate_sm.detectors.place_filter.Tracker`). The direction of
+    travel is that in which the setpoints in force drive the wheels, or last drove them: places are
+    too uncertain to tell. Where the place of a word's wheel is unknown, neither the word nor one
+    before it is said, since the robot may be farther.
+
+    Args:
+        words: In the order in which a robot meets them at a bend.
+        errors_m: Error of each word's points, fixed for a run.
+        crossings_m: Arc lengths of the bends.
+        valid_for_s: How long a word is valid.
+    """
+
+    def __init__(
+        self,
+        words: Sequence[Word],
+        errors_m: Sequence[float],
+        crossings_m: Sequence[float],
+        valid_for_s: float,
+    ) -> None:
+        self._words = tuple(zip(words, errors_m, strict=True))[::-1]
+        self._crossings = tuple(crossings_m)
+        self._valid_for_s = valid_for_s
+        self._tracker = Tracker()
+        self._direction = 0
+        self._said = ""
+        self._said_at = -math.inf
+
+    def look(self, time_s: float, places_m: Sequence[float], travel: int) -> DetectorWord | None:
+        """Return the word to say now; None for silence.
+
+        Args:
+            time_s: Now.
+            places_m: Where each wheel is along the pipe; NaN where that is unknown.
+            travel: Which way the setpoints in force drive the wheels: 1 forward, -1 backward,
+                0 not at all.
+        """
+        self._tracker.see(time_s, places_m, driven=travel != 0)
+        if travel and travel != self._direction:
+            self._direction, self._said = travel, ""
+        word = self._holding()
+        if not word:
+            self._said = ""
+            return None
+        due = time_s - self._said_at >= _REPEAT_SHARE * self._valid_for_s
+        if word == self._said and not due:
+            return None
+        self._said, self._said_at = word, time_s
+        return DetectorWord(word, self._valid_for_s)
+
+    def _holding(self) -> str:
+        if self._direction == 0:
+            return ""
+        for crossing in self._crossings:
+            for word, error in self._words:  # the farthest first
+                point = word.forward if self._direction > 0 else word.backward
+                passed = self._direction * (self._tracker.place(point.wheel) - crossing)
+                passed += error - point.passed_m
+                if math.isnan(passed):
+                    return ""
+                if passed >= (-_SLACK_M if word.name == self._said else 0.0):
+                    if passed < _FORGOTTEN_M:
+                        return word.name
+                    break
+        return ""

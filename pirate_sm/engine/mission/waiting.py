@@ -1,0 +1,126 @@
+"""Execute waits and questions, and tell when time alone takes the mission on."""
+
+from __future__ import annotations
+
+from math import inf, isnan, nan
+
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.mission.going_on import fail, go, moved
+from pirate_sm.engine.mission.program import Question, TriggerSpec, Wait
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.sensing.known_signals import with_changes
+from pirate_sm.engine.state import EngineState, MissionState, Words
+from pirate_sm.model.effects import TAKEN, Ask, TriggerFired, WaitArmed
+
+
+def next_deadline(moment: Moment, state: EngineState) -> float:
+    """Return when time alone takes the mission on, in run time."""
+    mission = state.mission
+    if mission.ending:
+        return mission.ending.give_up_s
+    if mission.paused or mission.ended:
+        return inf
+    deadline = moment.program.time_limit_s
+    instruction = moment.program.instructions[mission.pc]
+    if mission.diverting or mission.pause_wanted:
+        pass  # what is in flight comes first
+    elif mission.begun and isinstance(instruction, Wait):
+        deadline = min(deadline, mission.armed_s + instruction.within_s)
+        for trigger, since in zip(instruction.triggers, mission.since, strict=True):
+            if trigger.after_s is not None:
+                deadline = min(deadline, mission.armed_s + trigger.after_s)
+            elif not isnan(since):
+                deadline = min(deadline, since + trigger.held_s)
+    elif mission.begun and isinstance(instruction, Question):
+        deadline = min(deadline, mission.armed_s + instruction.timeout_s)
+    return deadline + mission.offset_s
+
+
+def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
+    """Arm a wait, and go on once a trigger fires or its time limit has passed."""
+    mission = state.mission
+    clock = mission.clock(moment.now_s)
+    if not mission.begun:
+        since = (nan,) * len(it.triggers)
+        origin = state.sensing.shown if it.compares else ()
+        mission = mission._replace(begun=True, armed_s=clock, since=since, origin=origin)
+        deadline = clock + it.within_s + mission.offset_s
+        names = tuple(trigger.name for trigger in it.triggers)
+        texts = tuple(trigger.text for trigger in it.triggers)
+        moment.tell(WaitArmed(it.phase, names, texts, deadline, it.place))
+        state = state._replace(mission=mission)
+    sensing = state.sensing
+    numbers = with_changes(sensing, mission.origin) if it.compares else sensing.shown
+    since, fired, reason = _look(it, mission, numbers, state.words, clock)
+    if fired >= 0:
+        trigger = it.triggers[fired]
+        moment.tell(TriggerFired(it.phase, trigger.name, trigger.go_name, reason, it.place))
+        return go(state, trigger.go)
+    if has_come(clock, mission.armed_s + it.within_s):
+        cause = f"the wait of {it.phase} ({it.place}) lasted longer than {it.within_s:g} s"
+        moment.tell(TriggerFired(it.phase, "within", it.within_name, cause, it.place))
+        if it.fails:
+            return fail(moment, state, cause, it.within)
+        mission = mission._replace(cause=cause)
+        return state._replace(mission=moved(mission, it.within))
+    if mission.skipped:
+        moment.warn(f"{it.phase} does not wait for '{mission.skipped}'")
+    if since is mission.since:
+        return state
+    return state._replace(mission=mission._replace(since=since))
+
+
+def _look(
+    it: Wait, mission: MissionState, numbers: tuple[float, ...], words: Words, clock: float
+) -> tuple[tuple[float, ...], int, str]:
+    """Return since when each condition is true, the trigger that fires (-1: none), and why."""
+    if mission.skipped is not None:
+        for index, trigger in enumerate(it.triggers):
+            if mission.skipped in {"", trigger.name}:
+                return mission.since, index, TAKEN
+    since = mission.since
+    for index, trigger in enumerate(it.triggers):
+        if trigger.condition is None:
+            if _is_time(trigger, mission, clock):
+                return since, index, trigger.text
+            continue
+        began = since[index]
+        if trigger.condition.evaluate(numbers, words) is True:
+            began = clock if isnan(began) else began
+            if has_come(clock, began + trigger.held_s):  # rule 7
+                return since, index, trigger.text
+        else:
+            began = nan
+        if began != since[index] and not (isnan(began) and isnan(since[index])):
+            since = (*since[:index], began, *since[index + 1 :])
+    return since, -1, ""
+
+
+def _is_time(trigger: TriggerSpec, mission: MissionState, clock: float) -> bool:
+    """Whether a trigger without a condition fires: its time has come, or its answer."""
+    if trigger.after_s is not None:
+        return has_come(clock, mission.armed_s + trigger.after_s)
+    return trigger.answer == mission.answer
+
+
+def question(moment: Moment, state: EngineState, it: Question) -> EngineState:
+    """Ask the operator, and go on once there is an answer or the time for it has passed."""
+    mission = state.mission
+    clock = mission.clock(moment.now_s)
+    choices = tuple(choice for choice, _ in it.choices)
+    if not mission.begun:
+        moment.tell(Ask(it.text, choices))
+        return state._replace(mission=mission._replace(begun=True, armed_s=clock))
+    answer = choices[0] if mission.skipped is not None else mission.answer
+    if answer is not None:
+        for choice, target in it.choices:
+            if choice == answer:
+                moment.tell(Ask("", ()))
+                mission = mission._replace(cause=f"the operator answered '{answer}' ({it.place})")
+                return state._replace(mission=moved(mission, target))
+        moment.warn(f"'{answer}' is no answer to '{it.text}'")
+        return state._replace(mission=mission._replace(answer=None))
+    if has_come(clock, mission.armed_s + it.timeout_s):
+        cause = f"'{it.text}' ({it.place}) was not answered within {it.timeout_s:g} s"
+        return fail(moment, state, cause, it.failed)
+    return state

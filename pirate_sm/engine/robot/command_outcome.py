@@ -1,0 +1,127 @@
+"""What a command would change of a robot as it is, and why it would be refused."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from pirate_sm.engine.robot.chart_table import Configuration
+from pirate_sm.engine.robot.command_spec import CommandSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import (
+    MOST_REMEMBERED,
+    Mark,
+    Marks,
+    RobotState,
+    confirmed_at,
+)
+
+
+def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
+    """Return why the command would be refused now, first *unneeded* or *impossible*; or empty.
+
+    A command is possible when it moves the chart, its posture does not rule it out, and it lets go
+    of no part unless a confirmed clamp remains, and drives only with one. One that moves nothing
+    is possible as a retry while what it asks for is not confirmed.
+    """
+    return _refusal(robot, state.configuration, state.marks, command)
+
+
+@lru_cache(maxsize=MOST_REMEMBERED)
+def _refusal(robot: RobotSpec, here: int, marks: Marks, command: int) -> str:
+    target = robot.table.follow(here, command)
+    if target == here and not _retried(robot, here, marks, command):
+        if robot.unneeded[here][command]:
+            return "unneeded: it is so already"
+        return f"impossible: {robot.table.why_not(here, command)}"
+    posture = robot.commands[command].posture(target)
+    if posture is not None and posture.refuse:
+        return f"impossible: {posture.refuse}"
+    confirmed, held = confirmed_at(robot, here, marks), robot.held[target]
+    made = _made_by(robot, here, marks, command)
+    if made & robot.driven[target].keys() and not confirmed & held:
+        return "impossible: no clamp is confirmed to drive with"
+    if robot.held[here] <= held or confirmed & held or robot.commands[command].lets_go:
+        return ""
+    if not confirmed:
+        return "impossible: no clamp that would remain is confirmed"
+    parts = ", ".join(robot.parts[part] for part in sorted(confirmed))
+    return f"impossible: it would let go of the last confirmed clamp ({parts})"
+
+
+@lru_cache(maxsize=MOST_REMEMBERED)
+def touched(robot: RobotSpec, here: int, marks: Marks, command: int) -> tuple[tuple[int, ...], int]:
+    """Return the regions that the command actuates, and the stage that it begins with.
+
+    A command that only confirms a clamp anew asserts what is in force in that state: its last
+    stage.
+    """
+    made = _made_by(robot, here, marks, command)
+    clamps = [m for m in _retried(robot, here, marks, command) if m.kind == "part"]
+    regions = made.union(*(robot.part_regions[mark.which] for mark in clamps))
+    if made:
+        return tuple(sorted(regions)), 0
+    target = robot.table.configurations[robot.table.follow(here, command)]
+    stages = (len(robot.actuation[region][target[region]]) for region in regions)
+    return tuple(sorted(regions)), max(stages, default=1) - 1
+
+
+@lru_cache(maxsize=MOST_REMEMBERED)
+def marks_after(robot: RobotSpec, here: int, marks: Marks, command: int) -> Marks:
+    """Return what is not confirmed once the command's first array has been accepted."""
+    made = _made_by(robot, here, marks, command)
+    held, was_held = robot.held[robot.table.follow(here, command)], robot.held[here]
+    again = {m.which for m in _retried(robot, here, marks, command) if m.kind == "part"}
+    kept = {
+        mark
+        for mark in marks
+        if (mark.kind == "region" and mark.which not in made)
+        or (mark.kind == "part" and mark.which in held and mark.which not in again)
+    }
+    kept |= {Mark("region", region, command) for region in made}
+    kept |= {Mark("part", part, command) for part in (held - was_held) | again & held}
+    return frozenset(kept)
+
+
+def _made_by(robot: RobotSpec, here: int, marks: Marks, command: int) -> frozenset[int]:
+    """Return the regions whose states the command makes: those that it moves or tries again."""
+    before = robot.table.configurations[here]
+    after = robot.table.configurations[robot.table.follow(here, command)]
+    moved = {index for index, name in enumerate(after) if name != before[index]}
+    again = {m.which for m in _retried(robot, here, marks, command) if m.kind == "region"}
+    return frozenset(moved | again)
+
+
+def _retried(robot: RobotSpec, here: int, marks: Marks, command: int) -> Marks:
+    """Return what the command, given now, would confirm of what is not confirmed.
+
+    That is what it left unconfirmed itself and, where what it asks for is commanded already, the
+    unconfirmed states or clamps that this rests on.
+    """
+    own = {mark for mark in marks if mark.command == command}
+    if not robot.unneeded[here][command] or robot.table.follow(here, command) != here:
+        return frozenset(own)
+    return frozenset(own | _rests_on(robot, here, marks, command))
+
+
+def _rests_on(robot: RobotSpec, here: int, marks: Marks, command: int) -> set[Mark]:
+    """Return the marks without which it would be certain that the command is unneeded."""
+    spec = robot.commands[command]
+    if spec.asks_parts:
+        return {mark for mark in marks if mark.kind == "part" and mark.which in spec.asks_parts}
+    doubted = {mark.which for mark in marks if mark.kind == "region"}
+    names = robot.table.configurations[here]
+    if not doubted or _is_so(names, spec, doubted):
+        return set()
+    alone = {
+        region
+        for region in doubted
+        if not _is_so(names, spec, {region}) or _is_so(names, spec, doubted - {region})
+    }
+    regions = alone or doubted
+    return {mark for mark in marks if mark.kind == "region" and mark.which in regions}
+
+
+def _is_so(names: Configuration, spec: CommandSpec, unknown: set[int]) -> bool:
+    """Whether what a command asks for is so, whatever the states of these regions are."""
+    words = tuple(None if index in unknown else name for index, name in enumerate(names))
+    return spec.asks_for is not None and spec.asks_for.evaluate((), words) is True

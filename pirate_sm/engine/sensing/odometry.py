@@ -1,0 +1,66 @@
+"""Add up what the driven wheels have rolled, and take the mean of their speeds."""
+
+from __future__ import annotations
+
+from math import isnan, nan
+
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.sensing.board_spec import BoardSpec
+from pirate_sm.engine.sensing.known_signals import Numbers, Sensing
+
+
+def either(setpoints: Numbers, latest: Numbers) -> Numbers:
+    """Return the setpoints in force, with the latest ones where those are zero."""
+    return tuple(old or new for old, new in zip(setpoints, latest, strict=True))
+
+
+def roll_on(
+    robot: RobotSpec,
+    board: BoardSpec,
+    sensing: Sensing,
+    numbers: list[float],
+    driven: Numbers,
+    now: float,
+) -> tuple[Numbers, Numbers]:
+    """Take a board's wheels into odometry and speed; return the new shares and angles.
+
+    Odometry is the mean over the driven wheels that can be measured of what their rims rolled;
+    each wheel's share is added when its board reports, for all the time since it last did. One
+    whose board has been silent for so long that it is a fault has no share from then on: the
+    others stand in, and of its own way only the part before that counts.
+    """
+    limit_s = now - robot.link.silent_after_s
+    silence_s = now - sensing.heard_s[board.position]
+    own = min(1.0, robot.link.silent_after_s / silence_s) if silence_s > 0 else 1.0
+    angles, shares = list(sensing.angles), list(sensing.shares)
+    for wheel in board.wheels:
+        angles[wheel.place] = numbers[wheel.angle]
+    sharing = 0
+    if any(driven[wheel.slot] for wheel in board.wheels):
+        for wheel, position in zip(robot.wheels, robot.wheel_boards, strict=True):
+            if driven[wheel.slot] and not isnan(angles[wheel.place]):
+                sharing += position == board.position or sensing.heard_s[position] > limit_s
+    for wheel in board.wheels:
+        share = 1 / sharing if sharing and driven[wheel.slot] else 0.0
+        old, shares[wheel.place] = shares[wheel.place], share
+        turned = angles[wheel.place] - sensing.angles[wheel.place]
+        if robot.odometry >= 0 and not isnan(turned):
+            numbers[robot.odometry] += turned * wheel.metres_per_rad * (old or share) * own
+    if robot.speed >= 0:
+        numbers[robot.speed] = _speed(robot, numbers, driven)
+    return tuple(shares), tuple(angles)
+
+
+def _speed(robot: RobotSpec, numbers: list[float], driven: Numbers) -> float:
+    """Return the mean over the driven wheels that can be measured, over all when none is driven."""
+    known, total, every, sum_ = 0, 0.0, 0, 0.0
+    for wheel in robot.wheels:
+        speed = numbers[wheel.speed] * wheel.metres_per_rad
+        if isnan(speed):
+            continue
+        every, sum_ = every + 1, sum_ + speed
+        if driven[wheel.slot]:
+            known, total = known + 1, total + speed
+    if known:
+        return total / known
+    return sum_ / every if every else nan

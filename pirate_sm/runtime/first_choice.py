@@ -1,0 +1,57 @@
+"""Answers every question of a mission with its first choice, where nobody is asked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+from typing import Literal
+
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import (
+    Ask,
+    Effect,
+    Log,
+)
+from pirate_sm.model.events import Answer, Event
+
+
+class Answered(Log):
+    """A question got an answer; the message says which, and from whom."""
+
+    __slots__ = ()
+
+
+class FirstChoice:
+    """Answers every question at once with the expected answer, where nobody is asked.
+
+    Args:
+        why: Why nobody is; kept beside each answer. Empty: answers are not kept.
+        level: Of what is kept.
+    """
+
+    listening = False
+
+    def __init__(self, why: str = "", level: Literal["info", "warning"] = "info") -> None:
+        self._why = why
+        self._level = level
+        self.due_s = inf
+        self._choice = ""
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Get the first choice of a question ready; a withdrawn question needs none."""
+        for effect in effects:
+            if isinstance(effect, Ask):
+                asked = bool(effect.question and effect.choices)
+                self._choice = effect.choices[0] if asked else ""
+                self.due_s = now_s if asked else inf
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """Return a line that says what it is about to answer."""
+        if not self._why:
+            return ()
+        return (Answered(self._level, f"answered '{self._choice}' ({self._why})"),)
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return the answer."""
+        self.due_s = inf
+        return (Answer(self._choice),)

@@ -1,0 +1,165 @@
+from __future__ import annotations
+
+from itertools import pairwise
+from math import asin, isnan, nan, radians, sqrt
+
+import pytest
+
+from pirate_sm.detectors.dead_reckoning import Reckoned, Reckoner
+from pirate_sm.engine.sensing.body_spec import BodySpec, Vee
+from pirate_sm.model.pipe import Mitre, Pipe, Straight
+
+LINK, ASIDE = 0.1, 0.035
+ODOMETER, FIRST, SECOND, THIRD, FOURTH = range(5)
+# Six wheels in two parts; each part is a V with the joint at its middle wheel.
+BODY = BodySpec(
+    lengths_m=(LINK,) * 5,
+    joints=(-1, FIRST, SECOND, THIRD, FOURTH, -1),
+    sides=(1, -1, 1, -1, 1, -1),
+    parts=(Vee((0, 1, 2), FIRST, -1, 2.0), Vee((3, 4, 5), FOURTH, -1, 2.0)),
+    wheel_radius_m=0.025,
+)
+PIPE = Pipe(
+    diameter=0.12,
+    segments=(Straight(straight=1.0), Mitre(mitre=radians(90)), Straight(straight=1.0)),
+)
+LEAN = asin(2 * ASIDE / LINK)  # of a link that reaches from wall to wall
+SHORT = sqrt(LINK**2 - (2 * ASIDE) ** 2)
+NOTHING: frozenset[int] = frozenset()
+FRONT, REAR, BOTH = frozenset({0}), frozenset({1}), frozenset({0, 1})
+ZIGZAG = (-2 * LEAN, 2 * LEAN, -2 * LEAN, 2 * LEAN)
+
+
+@pytest.fixture
+def reckoner() -> Reckoner:
+    return Reckoner(BODY, PIPE.route(), ODOMETER)
+
+
+def numbers(odometer: float = 0.0, angles: tuple[float, ...] = (0.0,) * 4) -> tuple[float, ...]:
+    return (odometer, *angles)
+
+
+def lengths(reckoned: Reckoned) -> list[float]:
+    return [ahead - behind for ahead, behind in pairwise(reckoned.places_m)]
+
+
+def test_a_straight_robot_begins_with_its_first_wheel_at_the_place(reckoner: Reckoner) -> None:
+    begun = reckoner.begin(0.7, numbers())
+    assert begun.places_m == pytest.approx((0.7, 0.6, 0.5, 0.4, 0.3, 0.2))
+
+
+def test_a_clamped_robot_is_shorter_and_begins_there_too(reckoner: Reckoner) -> None:
+    begun = reckoner.begin(0.7, numbers(angles=ZIGZAG), BOTH)
+    assert begun.places_m[0] == pytest.approx(0.7)
+    assert lengths(begun) == pytest.approx([SHORT] * 5)
+
+
+def test_what_was_rolled_before_the_joints_spoke_counts(reckoner: Reckoner) -> None:
+    assert reckoner.begin(0.7, numbers(0.05)).places_m[0] == pytest.approx(0.75)
+
+
+def test_what_is_rolled_moves_every_wheel(reckoner: Reckoner) -> None:
+    begun = reckoner.begin(0.7, numbers(angles=ZIGZAG), BOTH)
+    moved = reckoner.look(begun, numbers(0.12, ZIGZAG), BOTH)
+    back = reckoner.look(moved, numbers(-0.05, ZIGZAG), BOTH)
+    assert moved.places_m == pytest.approx([place + 0.12 for place in begun.places_m])
+    assert back.places_m == pytest.approx([place - 0.05 for place in begun.places_m])
+
+
+def test_a_clamped_part_stays_while_the_other_folds(reckoner: Reckoner) -> None:
+    folded = (-2 * LEAN, LEAN, 0.0, 0.0)
+    begun = reckoner.begin(0.7, numbers(angles=folded), FRONT)
+    both = reckoner.look(begun, numbers(angles=ZIGZAG), FRONT)
+    assert both.places_m[:3] == pytest.approx(begun.places_m[:3], abs=1e-6)
+    assert both.places_m[5] > begun.places_m[5] + 0.05
+
+
+def test_the_anchor_is_handed_over_without_a_leap(reckoner: Reckoner) -> None:
+    begun = reckoner.begin(0.7, numbers(angles=ZIGZAG), FRONT)
+    handed = reckoner.look(begun, numbers(angles=ZIGZAG), REAR)
+    assert handed.anchor == 1
+    assert handed.places_m == pytest.approx(begun.places_m)
+
+
+def test_the_front_bends_into_the_far_leg(reckoner: Reckoner) -> None:
+    begun = reckoner.begin(0.9, numbers(angles=ZIGZAG), REAR)
+    rolled = 1.0 - LINK + 2 * SHORT - 0.9
+    # The second link lies along the axis, the first one stands on it, towards side A.
+    bent = (-radians(90), LEAN, -2 * LEAN, 2 * LEAN)
+    reached = reckoner.look(begun, numbers(rolled, bent), REAR)
+    assert reached.points[1] == pytest.approx((1.0, ASIDE))
+    assert reached.places_m[0] == pytest.approx(1.0 + ASIDE + LINK)
+    assert reached.places_m[3:] == pytest.approx([at + rolled for at in begun.places_m[3:]])
+
+
+def test_the_places_follow_the_axis_round_the_corner(reckoner: Reckoner) -> None:
+    begun = reckoner.begin(0.95, numbers(angles=ZIGZAG), FRONT)
+    passed = reckoner.look(begun, numbers(0.4, ZIGZAG), FRONT)
+    assert passed.spots[0].piece.arc_m == pytest.approx(1.0)
+    assert passed.places_m[0] == pytest.approx(1.35)
+
+
+def test_a_silent_odometer_shows_what_it_showed(reckoner: Reckoner) -> None:
+    begun = reckoner.begin(0.7, numbers(0.0, ZIGZAG), BOTH)
+    silent = reckoner.look(begun, (nan, *ZIGZAG), BOTH)
+    assert silent.places_m == pytest.approx(begun.places_m)
+    assert silent.odometer_m == 0.0
+
+
+def unknown(*joints: int) -> tuple[float, ...]:
+    """The clamped robot's angles, some of which are unknown."""
+    return tuple(nan if joint in joints else angle for joint, angle in enumerate(ZIGZAG, FIRST))
+
+
+@pytest.mark.parametrize(
+    ("held", "joint", "lost"),
+    [
+        # The front lies along the pipe by the joint inside it; what is behind rests on the rest.
+        (FRONT, FIRST, {0, 1, 2, 3, 4, 5}),
+        (FRONT, SECOND, {3, 4, 5}),
+        (FRONT, THIRD, {4, 5}),
+        (FRONT, FOURTH, {5}),
+        (REAR, FIRST, {0}),
+        (REAR, SECOND, {0, 1}),
+        (REAR, THIRD, {0, 1, 2}),
+        (REAR, FOURTH, {0, 1, 2, 3, 4, 5}),
+        # With both parts clamped each gives the places of its own wheels.
+        (BOTH, SECOND, set()),
+        (BOTH, FIRST, {0}),
+    ],
+)
+def test_the_place_of_a_wheel_is_unknown_where_a_joint_that_it_rests_on_is(
+    reckoner: Reckoner, held: frozenset[int], joint: int, lost: set[int]
+) -> None:
+    begun = reckoner.begin(0.7, numbers(angles=ZIGZAG), held)
+    blind = reckoner.look(begun, numbers(0.05, unknown(joint)), held)
+    assert {wheel for wheel, place in enumerate(blind.places_m) if isnan(place)} == lost
+    for wheel in set(range(6)) - lost:
+        assert blind.places_m[wheel] == pytest.approx(begun.places_m[wheel] + 0.05, abs=1e-6)
+
+
+def test_the_places_come_back_with_the_joint(reckoner: Reckoner) -> None:
+    begun = reckoner.begin(0.7, numbers(angles=ZIGZAG), FRONT)
+    blind = reckoner.look(begun, numbers(0.05, unknown(FIRST)), FRONT)
+    again = reckoner.look(blind, numbers(0.06, ZIGZAG), FRONT)
+    assert again.places_m == pytest.approx([place + 0.06 for place in begun.places_m])
+
+
+def test_the_robot_is_lost_when_the_hold_passes_over_an_unknown_joint(reckoner: Reckoner) -> None:
+    begun = reckoner.begin(0.7, numbers(angles=ZIGZAG), REAR)
+    blind = reckoner.look(begun, numbers(0.0, unknown(SECOND)), REAR)
+    handed = reckoner.look(blind, numbers(0.0, unknown(SECOND)), FRONT)
+    assert handed.lost
+    again = reckoner.look(handed, numbers(0.0, ZIGZAG), FRONT)
+    assert again.lost
+    assert all(map(isnan, again.places_m))
+
+
+def test_the_hold_passes_over_an_unknown_joint_once_both_parts_have_been_placed(
+    reckoner: Reckoner,
+) -> None:
+    begun = reckoner.begin(0.7, numbers(angles=ZIGZAG), REAR)
+    both = reckoner.look(begun, numbers(0.0, ZIGZAG), BOTH)
+    blind = reckoner.look(both, numbers(0.0, unknown(SECOND)), BOTH)
+    handed = reckoner.look(blind, numbers(0.03, unknown(SECOND)), FRONT)
+    assert handed.places_m[:3] == pytest.approx([place + 0.03 for place in begun.places_m[:3]])

@@ -1,0 +1,143 @@
+from __future__ import annotations
+
+from itertools import pairwise
+from math import nan
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.companion import Onlooker
+from pirate_sm.detectors.dead_reckoning import Reckoned
+from pirate_sm.detectors.odometry_detector import Odometry
+from pirate_sm.engine.robot.robot_state import confirmed_parts
+from pirate_sm.errors import UsageError
+from pirate_sm.model.events import DetectorWord
+from pirate_sm.runtime.first_choice import FirstChoice
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.wiring import Order, prepare
+
+ROBOTS = Path(__file__).resolve().parents[2] / "robots"
+PATROL = str(ROBOTS / "newt" / "patrol.yaml")
+
+
+def run(mission: str, **order) -> tuple:
+    prepared = prepare(Order(mission, **order))
+    (odometry,) = prepared.companions
+    assert isinstance(odometry, Odometry)
+    companions = [odometry, FirstChoice()]
+    result = MissionRun(prepared.engine, prepared.backend, companions=companions).execute()
+    assert odometry.reckoned is not None
+    return result, odometry.reckoned.places_m, prepared.backend.truth.arcs_m
+
+
+@pytest.mark.parametrize("mission", ["mitre_bend", "mitre_bend_backward"])
+def test_the_bend_is_passed_on_reckoning_alone(mission: str) -> None:
+    result, places, truth = run(mission, detector="odometry")
+    assert result.ended.outcome == "succeeded"
+    assert places == pytest.approx(truth, abs=0.03)
+
+
+def test_the_simulators_own_words_are_not_said() -> None:
+    # Reckoned from here the bend is never reached, in truth it is.
+    result, _, _ = run("mitre_bend", detector="odometry", start_at_m=0.1)
+    assert (result.ended.outcome, result.ended.end) != ("succeeded", "passed")
+
+
+def test_any_robot_can_reckon() -> None:
+    _, places, truth = run(PATROL, detector="odometry")
+    assert places == pytest.approx(truth, abs=0.06)
+
+
+def odometry(**options) -> Odometry:
+    loaded = prepare(Order("mitre_bend", backend="trace")).loaded
+    assert loaded.pipe is not None
+    return Odometry(loaded.loaded_robot.profile, loaded.robot, loaded.pipe, **options)
+
+
+@pytest.mark.parametrize("place", [-0.001, 2.001])
+def test_a_place_outside_the_pipe_is_refused(place: float) -> None:
+    with pytest.raises(UsageError, match="outside the pipe, which is 2000 mm long"):
+        odometry(first_wheel_m=place)
+
+
+def test_it_counts_from_the_pipes_own_place_and_looks_every_50_ms() -> None:
+    companion = odometry()
+    assert isinstance(companion, Onlooker)
+    assert companion.first_wheel_m == pytest.approx(0.7)
+    assert companion.due_s == 0.0
+    assert companion.speak(0.0) == ()
+    assert companion.due_s == pytest.approx(0.05)
+
+
+def test_it_waits_for_every_joint_and_says_once_that_it_does() -> None:
+    prepared = prepare(Order("mitre_bend", backend="trace"))
+    companion = odometry()
+    state, _ = prepared.engine.start()
+    assert companion.look(state, 0.5) == ()
+    (warning,) = companion.look(state, 1.0)
+    joints = "gamma_1, gamma_2, gamma_3, gamma_4 unknown"
+    assert joints in warning.message
+    assert companion.look(state, 1.1) == ()
+    assert companion.reckoned is None
+    assert companion.speak(1.1) == ()
+
+
+def test_a_word_is_said_once_it_holds_and_again_while_it_does() -> None:
+    prepared = prepare(Order("mitre_bend", detector="odometry"))
+    (companion,) = prepared.companions
+    said: list[tuple[float, DetectorWord]] = []
+    speak = companion.speak
+
+    def note(now_s: float):
+        words = speak(now_s)
+        said.extend((now_s, word) for word in words)
+        return words
+
+    companion.speak = note
+    MissionRun(prepared.engine, prepared.backend, companions=[companion]).execute()
+    assert list(dict.fromkeys(word.word for _, word in said)) == ["close", "in", "past"]
+    gaps = [late - early for (early, a), (late, b) in pairwise(said) if a == b]
+    assert min(gaps) == pytest.approx(0.5)
+    assert {word.valid_for_s for _, word in said} == {1.0}
+
+
+def test_a_place_that_is_lost_is_told_once_and_no_word_is_said_any_more() -> None:
+    prepared = prepare(Order("mitre_bend", backend="trace"))
+    companion = odometry()
+    state, _ = prepared.engine.start()
+    nowhere = (nan,) * 6
+    companion.reckoned = Reckoned(nowhere, ((nan, nan),) * 6, 0.0, 0, {})
+    (warning,) = companion.look(state, 20.0)
+    assert warning.message.startswith("odometry has lost the robot's place while the hold changed")
+    assert "gamma_2" in warning.message
+    assert companion.look(state, 20.1) == ()
+    assert companion.speak(20.1) == ()
+    assert companion.truth() is None
+
+
+@pytest.mark.parametrize(("silent_s", "outcome"), [(0.5, "succeeded"), (2.0, "failed")])
+def test_a_joint_may_be_silent_for_a_moment_while_the_hold_changes(
+    silent_s: float, outcome: str
+) -> None:
+    prepared = prepare(Order("mitre_bend", detector="odometry"))
+    (companion,) = prepared.companions
+    robot, look = prepared.loaded.robot, companion.look
+    joint = robot.vocabulary.numbers.index("gamma_4")
+    held_s: list[float] = []
+
+    def look_with_a_silent_joint(state, now_s: float):
+        """The joint is silent from when the front begins to clamp until after it holds."""
+        numbers = list(state.sensing.numbers)
+        if not held_s and confirmed_parts(robot, state.robot):
+            held_s.append(now_s)
+        clamping = any(mark.kind == "part" for mark in state.robot.marks) and not held_s
+        if clamping or (held_s and now_s < held_s[0] + silent_s):
+            numbers[joint] = nan
+        sensing = state.sensing._replace(numbers=tuple(numbers))
+        return look(state._replace(sensing=sensing), now_s)
+
+    companion.look = look_with_a_silent_joint
+    companions = [companion, FirstChoice()]
+    result = MissionRun(prepared.engine, prepared.backend, companions=companions).execute()
+    assert held_s
+    assert result.ended.outcome == outcome

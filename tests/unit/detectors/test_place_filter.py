@@ -1,0 +1,71 @@
+from __future__ import annotations
+
+import random
+from math import isnan, nan
+
+import pytest
+
+from pirate_sm.detectors.place_filter import Tracker
+
+
+def follow(places: list[float], *, driven: bool, every_s: float = 0.05) -> Tracker:
+    tracker = Tracker()
+    for step, place in enumerate(places):
+        tracker.see(every_s * step, (place,), driven=driven)
+    return tracker
+
+
+def drive(count: int) -> list[float]:
+    """0.1 m/s, seen every 50 ms."""
+    return [0.005 * step for step in range(count)]
+
+
+def test_a_driven_wheel_is_read_off_the_line_through_its_places() -> None:
+    assert follow(drive(20), driven=True).place(0) == pytest.approx(0.095)
+
+
+def test_places_far_off_the_line_count_for_nothing() -> None:
+    places = drive(20)
+    places[14] -= 0.5
+    places[19] += 0.5  # also the last one
+    assert follow(places, driven=True).place(0) == pytest.approx(0.095, abs=0.006)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_white_noise_is_filtered(seed: int) -> None:
+    chance = random.Random(seed)
+    noisy = [place + chance.gauss(0.0, 0.005) for place in drive(60)]
+    tracker, off = Tracker(), []
+    for step, place in enumerate(noisy):
+        tracker.see(0.05 * step, (place,), driven=True)
+        off.append(tracker.place(0) - 0.005 * step)
+    assert max(map(abs, off[8:])) < 0.012
+    assert max(map(abs, off)) < max(abs(a - b) for a, b in zip(noisy, drive(60), strict=True))
+
+
+def test_a_standing_robot_is_never_extrapolated() -> None:
+    # As if a part settled slowly: on a line it would seem to be farther than it was ever seen.
+    places = drive(9)
+    assert follow(places, driven=False).place(0) == pytest.approx(places[4])
+    chance = random.Random(1)
+    tracker = Tracker()
+    seen: list[float] = []
+    for step in range(100):
+        seen.append(chance.gauss(0.5, 0.005))
+        tracker.see(0.05 * step, (seen[-1],), driven=False)
+        assert min(seen) <= tracker.place(0) <= max(seen)
+
+
+def test_what_was_seen_before_the_robot_stopped_does_not_move_it_afterwards() -> None:
+    tracker = follow(drive(20), driven=True)
+    for step in range(20):
+        tracker.see(1.0 + 0.05 * step, (0.095,), driven=False)
+        assert tracker.place(0) == pytest.approx(0.095)
+
+
+def test_an_unknown_place_is_unknown_and_does_not_spoil_the_next() -> None:
+    places = [*drive(10), nan]
+    tracker = follow(places, driven=True)
+    assert isnan(tracker.place(0))
+    tracker.see(0.55, (0.055,), driven=True)
+    assert tracker.place(0) == pytest.approx(0.055)

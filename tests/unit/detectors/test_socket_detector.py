@@ -1,0 +1,222 @@
+from __future__ import annotations
+
+import json
+import os
+import re
+import socket
+import stat
+from collections.abc import Iterator
+from math import inf
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pirate_sm.detectors.socket_detector import OutsideWords
+from pirate_sm.detectors.socket_lines import LONGEST_LINE
+from pirate_sm.detectors.socket_listener import Address, read_address
+from pirate_sm.errors import UsageError
+from pirate_sm.model.effects import Ended, Log
+from pirate_sm.model.events import DetectorWord, Event
+
+DOCUMENT = Path(__file__).resolve().parents[3] / "docs" / "detectors.md"
+WORDS = ("close", "in", "past")
+STATE: Any = None
+CLOSE = b'{"word": "close", "valid_for_s": 2}\n'
+
+
+@pytest.fixture
+def outside() -> Iterator[OutsideWords]:
+    with OutsideWords(Address("127.0.0.1", 0), WORDS, 1.0) as companion:
+        yield companion
+
+
+def connect(outside: OutsideWords) -> socket.socket:
+    link = socket.create_connection((outside.address.host, outside.address.port))
+    link.settimeout(5.0)
+    return link
+
+
+def hear(outside: OutsideWords, patience: int = 10_000) -> tuple[list[Event], list[Log]]:
+    """What it says of what has been sent; what is sent on the loopback is there nearly at once."""
+    for _ in range(patience):
+        logs = list(outside.look(STATE, 0.0))
+        said = list(outside.speak(0.0))
+        if said or logs:
+            break
+        os.sched_yield()
+    return said, logs
+
+
+def test_a_line_says_a_word(outside: OutsideWords) -> None:
+    with connect(outside) as link:
+        link.sendall(CLOSE + b'{"word": "in"}\n')
+        said = [DetectorWord("close", 2.0), DetectorWord("in", 1.0)]
+        assert hear(outside) == (said, [])
+        assert hear(outside, 1) == ([], [])
+
+
+def test_a_line_may_come_in_pieces_and_the_last_one_without_an_end(outside: OutsideWords) -> None:
+    with connect(outside) as link:
+        link.sendall(CLOSE[:10])
+        assert hear(outside, 10) == ([], [])
+        link.sendall(CLOSE[10:-1])
+        assert hear(outside, 10) == ([], [])
+    assert hear(outside) == ([DetectorWord("close", 2.0)], [])
+
+
+def test_several_programs_are_heard(outside: OutsideWords) -> None:
+    with connect(outside) as one, connect(outside) as two:
+        two.sendall(b'{"word": "past"}\n')
+        assert hear(outside)[0] == [DetectorWord("past", 1.0)]
+        one.sendall(CLOSE)
+        assert hear(outside)[0] == [DetectorWord("close", 2.0)]
+
+
+def test_a_line_that_says_nothing_is_answered_and_shown(outside: OutsideWords) -> None:
+    with connect(outside) as link:
+        link.sendall(b'{"word": "clos"}\nrubbish\n' + CLOSE)
+        said, logs = hear(outside)
+        answers = link.makefile("rb")
+        first, second = json.loads(answers.readline()), json.loads(answers.readline())
+        answers.close()
+    assert said == [DetectorWord("close", 2.0)]
+    assert first == {"error": "unknown word 'clos': did you mean 'close'?"}
+    assert "not a line of JSON" in second["error"]
+    assert logs == [
+        Log("warning", f"from the detector's socket: {first['error']} (and 1 more)"),
+    ]
+
+
+def test_a_line_without_end_ends_the_connection(outside: OutsideWords) -> None:
+    with connect(outside) as link:
+        link.sendall(b"x" * (LONGEST_LINE + 1))
+        assert hear(outside)[0] == []
+        assert "at most 4096 bytes" in json.loads(link.recv(1000))["error"]
+        assert link.recv(1000) == b""
+
+
+def test_a_web_page_cannot_say_a_word(outside: OutsideWords) -> None:
+    with connect(outside) as link:
+        link.sendall(b"POST / HTTP/1.1\r\nHost: x\r\n\r\n" + CLOSE)
+        assert hear(outside)[0] == []
+
+
+def test_who_does_not_read_the_answers_is_let_go(outside: OutsideWords) -> None:
+    with connect(outside) as link:
+        link.setblocking(False)
+        rubbish = b"!\n" * 2000
+        for _ in range(5000):
+            try:
+                link.send(rubbish)
+            except BlockingIOError:
+                pass
+            except OSError:
+                break
+            hear(outside, 1)
+        else:
+            pytest.fail("it was never let go")
+    with connect(outside) as other:
+        other.sendall(CLOSE)
+        assert hear(outside)[0] == [DetectorWord("close", 2.0)]
+
+
+def test_more_than_sixteen_are_turned_away(outside: OutsideWords) -> None:
+    links = [connect(outside) for _ in range(17)]
+    hear(outside, 10)
+    assert links[16].recv(10) == b""
+    links[15].sendall(CLOSE)
+    assert hear(outside)[0] == [DetectorWord("close", 2.0)]
+    for link in links:
+        link.close()
+
+
+def test_nobody_is_connected_afterwards(outside: OutsideWords) -> None:
+    with connect(outside) as link:
+        hear(outside, 10)
+        outside.__exit__()
+        assert link.recv(10) == b""
+    with pytest.raises(ConnectionRefusedError):
+        connect(outside)
+
+
+def test_it_listens_until_the_run_ends(outside: OutsideWords) -> None:
+    assert outside.listening
+    outside.react((Ended("succeeded", "done"),), 1.0)
+    assert (outside.listening, outside.due_s) == (False, inf)
+
+
+def test_a_unix_socket_is_the_users_own_and_gone_afterwards(tmp_path: Path) -> None:
+    path = tmp_path / "words"
+    with OutsideWords(Address(path=str(path)), WORDS, 1.0) as companion:
+        assert stat.S_IMODE(path.stat().st_mode) == 0o600
+        with socket.socket(socket.AF_UNIX) as link:
+            link.connect(str(path))
+            link.sendall(CLOSE)
+            assert hear(companion)[0] == [DetectorWord("close", 2.0)]
+        with pytest.raises(UsageError, match="in use"):
+            OutsideWords(Address(path=str(path)), WORDS, 1.0).__enter__()
+        assert path.exists()
+    assert not path.exists()
+
+
+def test_a_socket_that_a_dead_run_left_is_replaced_and_a_file_is_not(tmp_path: Path) -> None:
+    left, file = tmp_path / "left", tmp_path / "file"
+    with socket.socket(socket.AF_UNIX) as dead:
+        dead.bind(str(left))
+    file.write_text("keep me", "utf-8")
+    with OutsideWords(Address(path=str(left)), WORDS, 1.0):
+        pass
+    with pytest.raises(UsageError):
+        OutsideWords(Address(path=str(file)), WORDS, 1.0).__enter__()
+    assert file.read_text("utf-8") == "keep me"
+
+
+def test_a_port_in_use_is_told(outside: OutsideWords) -> None:
+    with pytest.raises(UsageError, match=f"socket:127.0.0.1:{outside.address.port}: .*in use"):
+        OutsideWords(outside.address, WORDS, 1.0).__enter__()
+
+
+@pytest.mark.parametrize(
+    ("text", "address"),
+    [
+        ("127.0.0.1:5005", Address("127.0.0.1", 5005)),
+        ("localhost:80", Address("127.0.0.1", 80)),
+        ("[::1]:5005", Address("::1", 5005)),
+        ("/tmp/words", Address(path="/tmp/words")),
+    ],
+)
+def test_an_address_is_read(text: str, address: Address) -> None:
+    assert read_address(text) == address
+    assert read_address(str(address)) == address
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("", "expected socket:HOST:PORT"),
+        ("5005", "expected socket:HOST:PORT"),
+        ("127.0.0.1", "expected socket:HOST:PORT"),
+        ("127.0.0.1:0", "expected socket:HOST:PORT"),
+        ("127.0.0.1:65536", "expected socket:HOST:PORT"),
+        ("127.0.0.1:five", "expected socket:HOST:PORT"),
+        ("example.org:5005", "expected socket:HOST:PORT"),
+        ("0.0.0.0:5005", "could steer the robot"),
+        ("192.168.0.2:5005", "could steer the robot"),
+        ("[::]:5005", "could steer the robot"),
+    ],
+)
+def test_an_address_that_others_reach_or_that_is_none_is_refused(text: str, why: str) -> None:
+    with pytest.raises(UsageError, match=why):
+        read_address(text)
+
+
+def test_the_documented_example_says_its_word(outside: OutsideWords) -> None:
+    (example,) = re.findall(r"```python\n(.*?)```", DOCUMENT.read_text("utf-8"), re.DOTALL)
+    assert len(example.splitlines()) <= 11
+    assert '("127.0.0.1", 5005)' in example
+    example = example.replace("5005", str(outside.address.port))
+
+    exec(compile(example, str(DOCUMENT), "exec"), {})
+
+    assert hear(outside) == ([DetectorWord("close", 1.0)], [])
