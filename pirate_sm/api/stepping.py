@@ -45,7 +45,10 @@ class Session:
         self._notes: Notes | None = None
 
     def __enter__(self) -> Self:
-        """Open the backend and start the mission, paused.
+        """Open the backend, start the mission paused, and wait until a command can be given.
+
+        At first the sensors are compared with the states that the mission declares. Where they
+        disagree the run has ended with a fault: :attr:`ended` says so.
 
         Raises:
             BackendError: The backend cannot be opened.
@@ -69,6 +72,7 @@ class Session:
             stack.callback(pump.close)
             with AbandonOnError(pump, ready.backend.name):
                 pump.start(paused=True)
+            self.advance()
             self._stack = stack.pop_all()
         return self
 
