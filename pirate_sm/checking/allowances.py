@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import yaml
 
 from pirate_sm.checking import catalogue
-from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.findings import Finding, usual_severity
 from pirate_sm.loading.problems import Place
 from pirate_sm.loading.source import LARGEST_FILE
 
@@ -102,22 +102,22 @@ def _faults(allowance: Allowance, used: bool) -> Iterator[Finding]:
         message = (
             f"'{code}' is allowed here without a reason" if code else "no code is allowed here"
         )
-        yield _finding(allowance, "allow.reason", Severity.ERROR, message)
+        yield _finding(allowance, "allow.reason", message)
     elif code not in catalogue.entries():
         close = catalogue.nearest_code(code) or ""
         message = f"there is no code '{code}'"
-        fault = _finding(allowance, "allow.unused", Severity.WARNING, message)
+        fault = _finding(allowance, "allow.unused", message)
         yield replace(fault, suggestion=close)
     elif code not in catalogue.allowable():
         message = f"'{code}' cannot be allowed: it keeps the file from being used"
-        yield _finding(allowance, "allow.unused", Severity.WARNING, message)
+        yield _finding(allowance, "allow.unused", message)
     elif not used:
         message = f"'{code}' is allowed here and was not found"
-        yield _finding(allowance, "allow.unused", Severity.WARNING, message)
+        yield _finding(allowance, "allow.unused", message)
 
 
-def _finding(allowance: Allowance, code: str, severity: Severity, message: str) -> Finding:
-    return Finding(code, severity, allowance.place, message, excerpt=allowance.excerpt)
+def _finding(allowance: Allowance, code: str, message: str) -> Finding:
+    return Finding(code, usual_severity(code), allowance.place, message, excerpt=allowance.excerpt)
 
 
 def _begins_comment(line: str, start: int) -> bool:

@@ -17,9 +17,17 @@ from pirate_sm.spelling import nearest
 
 _HERE = Path(__file__).parent
 _FILES = (
-    "missions", "geometry", "rehearsal", "names", "charts", "robots", "robot_sense", "pipes",
-    "form", "project",
-)  # fmt: skip
+    "missions",
+    "geometry",
+    "rehearsal",
+    "names",
+    "charts",
+    "robots",
+    "robot_sense",
+    "pipes",
+    "form",
+    "project",
+)
 
 
 class Entry(Frozen):

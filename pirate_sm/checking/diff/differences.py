@@ -81,10 +81,17 @@ def compare(old: Abilities, new: Abilities) -> Difference:
     ]
     was = _in_new_names(old, {**ends, **phases})
     changes = [
-        *_facts(was, new), *_phases(was, new), *_commands(was, new), *_triggers(was, new),
-        *_outcomes(was, new), *_failures(was, new), *_faults(was, new), *_rules(was, new),
-        *_success(was.success, new.success), *renamed,
-    ]  # fmt: skip
+        *_facts(was, new),
+        *_phases(was, new),
+        *_commands(was, new),
+        *_triggers(was, new),
+        *_outcomes(was, new),
+        *_failures(was, new),
+        *_faults(was, new),
+        *_rules(was, new),
+        *_success(was.success, new.success),
+        *renamed,
+    ]
     cut_off: list[Literal["old", "new"]] = ["old"] if not old.complete else []
     return Difference(tuple(changes), tuple(cut_off + (["new"] if not new.complete else [])))
 
@@ -281,14 +288,21 @@ def _handling(go: str) -> str:
 
 
 def _rules(old: Abilities, new: Abilities) -> Iterator[Change]:
-    for kind, message, _, _ in _one_sided(old, new, lambda each: dict.fromkeys(each.broken)):
+    for kind, message, _, _ in _one_sided(
+        old, new, lambda each: _in_order(each.broken)
+    ):
         text = f"it can come to this: {message}"
         if kind == "lost":
             text = f"it comes to this no more: {message}"
         yield Change(kind, "rule", text, message)
-    for kind, name, _, _ in _one_sided(old, new, lambda each: dict.fromkeys(each.rules)):
+    for kind, name, _, _ in _one_sided(old, new, lambda each: _in_order(each.rules)):
         text = f"the rule {name} is watched" + " no more" * (kind == "lost")
         yield Change(kind, "rule", text, name)
+
+
+def _in_order(names: Iterable[str]) -> Mapping[str, None]:
+    """Return the names as keys, in an order that does not change from run to run."""
+    return dict.fromkeys(sorted(names))
 
 
 def _success(old: Success | None, new: Success | None) -> Iterator[Change]:

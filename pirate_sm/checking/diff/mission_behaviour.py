@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from math import isinf
 from typing import NamedTuple
 
-from pirate_sm.checking.exploring.exploration_index import Ledger, ledger
+from pirate_sm.checking.exploring.exploration_index import Explored, index_exploration
 from pirate_sm.checking.exploring.explore import WITHIN, Exploration, Step, explore
-from pirate_sm.checking.mission.check_mission import conditions_of
+from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.engine.mission import program as steps
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -98,14 +98,21 @@ def abilities_of(loaded: LoadedMission) -> Abilities:
     """What the mission can do is known; it has been explored."""
     program = loaded.program
     found = explore(loaded.robot, program, conditions_of(loaded))
-    book, reader = ledger(found), _Reader(found)
+    book, reader = index_exploration(found), _Reader(found)
     phases = {name: _content(loaded, name) for name in program.phases if name in book.phases}
     return Abilities(
-        _facts(loaded), phases, reader.commands(), _triggers(book, program),
-        _outcomes(book, program), reader.failures(), _faults(program, phases),
+        _facts(loaded),
+        phases,
+        reader.commands(),
+        _triggers(book, program),
+        _outcomes(book, program),
+        reader.failures(),
+        _faults(program, phases),
         frozenset(_PLACE.sub("", message) for message in book.broken),
-        frozenset(rule.name for rule in program.rules), _success(book), found.complete,
-    )  # fmt: skip
+        frozenset(rule.name for rule in program.rules),
+        _success(book),
+        found.complete,
+    )
 
 
 def _facts(loaded: LoadedMission) -> dict[str, str]:
@@ -234,7 +241,7 @@ def _ends_of(found: Exploration, step: Step) -> Iterator[tuple[str, str]]:
             yield effect.outcome, effect.end
 
 
-def _triggers(book: Ledger, program: Program) -> dict[tuple[str, str], Trigger]:
+def _triggers(book: Explored, program: Program) -> dict[tuple[str, str], Trigger]:
     known: dict[tuple[str, str], dict[tuple[str, str], None]] = defaultdict(dict)
     for each in program.instructions:
         if isinstance(each, steps.Wait):
@@ -266,7 +273,7 @@ def _target(program: Program, index: int, name: str) -> str:
             return name
 
 
-def _outcomes(book: Ledger, program: Program) -> dict[str, Outcome]:
+def _outcomes(book: Explored, program: Program) -> dict[str, Outcome]:
     messages = {it.end: it.message for it in program.instructions if isinstance(it, steps.Finish)}
     return {
         end or STOPPED: Outcome(outcome == "succeeded", messages.get(end, ""))
@@ -285,11 +292,12 @@ def _faults(program: Program, phases: Mapping[str, Hashable]) -> dict[tuple[str,
     return found
 
 
-def _success(book: Ledger) -> Success | None:
+def _success(book: Explored) -> Success | None:
     paths = [
-        book.found.path(number) for (outcome, _), number in book.ends.items()
+        book.found.path(number)
+        for (outcome, _), number in book.ends.items()
         if outcome == "succeeded"
-    ]  # fmt: skip
+    ]
     ways = [Success(sum(map(_given, path)), len(path)) for path in paths]
     return min(ways, key=lambda way: way.events, default=None)
 

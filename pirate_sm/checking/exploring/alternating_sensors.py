@@ -40,9 +40,10 @@ def lasting(
         rivals = [
             each
             for number, each in enumerate(wait.triggers)
-            if _is_held(each) and number != chosen
+            if _is_held(each)
+            and number != chosen
             and (each.held_s, number) < (after_s, len(wait.triggers) if chosen < 0 else chosen)
-        ]  # fmt: skip
+        ]
         if len(rivals) < LEAST_RIVALS or not _can_last(wait, chosen, rivals, state, conditions):
             continue
         armed_s = state.mission.armed_s

@@ -14,13 +14,10 @@ _FAR = 1e9
 """Stands for infinity where a range has no end; no signal of a robot comes near, in SI."""
 
 
-def signals(node: tree.Node) -> frozenset[str]:
-    """Names of the numeric signals in a node."""
-    return frozenset(
-        each.name
-        for each in tree.walk(node)
-        if isinstance(each, tree.Signal) and each.kind == "number"
-    )
+def signals(node: tree.Node) -> tuple[str, ...]:
+    """Return the names of the numeric signals in a node, each once, in the order of the text."""
+    found = (each for each in tree.walk(node) if isinstance(each, tree.Signal))
+    return tuple(dict.fromkeys(each.name for each in found if each.kind == "number"))
 
 
 def is_linear(node: tree.Node) -> bool:

@@ -17,11 +17,15 @@ def key_of(state: EngineState) -> Any:
     if mission.diverting is not None:  # where the fault came up matters no more
         where = mission.diverting.go, mission.diverting.go_name, mission.stopped, mission.handling
         return (
-            where, body.configuration, body.marks, body.values, body.seeking,
+            where,
+            body.configuration,
+            body.marks,
+            body.values,
+            body.seeking,
             flight and (flight.purpose, flight.values),
             motion and (motion.command, bool(motion.place), motion.stage, isnan(motion.accepted_s)),
             state.rules,
-        )  # fmt: skip
+        )
     return (
         mission.pc,
         mission.begun,

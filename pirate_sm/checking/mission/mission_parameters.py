@@ -11,6 +11,8 @@ from pydantic import BaseModel
 
 from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.findings import Finding, Severity, at
+from pirate_sm.checking.mission.mission_view import MissionView
+from pirate_sm.checking.mission.out_of_reach import within_reach
 from pirate_sm.expressions import ExpressionError, compile_condition
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.parameters import Value, Values, defaults, read_value
@@ -27,24 +29,27 @@ _PROSE = {"description", "log", "ask", "succeed", "fail"}
 """Texts in which `$name` means nothing."""
 
 
-def check_parameters(mission: Mission, document: Document) -> tuple[Finding, ...]:
-    """A warning for each parameter that is used in no condition, time, count, text or argument."""
+def unused_parameters(view: MissionView) -> Iterator[Finding]:
+    """Yield parameters that no condition, time, count, text or argument uses."""
+    yield from unused_in(view.loaded.mission, view.loaded.documents[0])
+
+
+def unused_in(mission: Mission, document: Document) -> Iterator[Finding]:
+    """Yield the same of a mission that need not be loaded."""
     used = set(_used(mission))
-    found = []
     for name in mission.parameters:
         if name not in used:
             place = document.place_of(("parameters", name), key=True)
             message = f"nothing in this mission uses the parameter '{name}'"
-            found.append(at(document, place, "parameter.unused", Severity.WARNING, message))
-    return tuple(found)
+            yield at(document, place, "parameter.unused", message)
 
 
 def check_settings(
     mission: Mission, document: Document, settings: Collection[str]
 ) -> tuple[Finding, ...]:
-    """A warning for each parameter without a default that the settings leave without a value.
+    """Return parameters without a default that the settings leave without a value.
 
-    It is of use only where no other mission calls this one.
+    This is of use only where no other mission calls this one.
     """
     found = []
     for name, definition in mission.parameters.items():
@@ -53,23 +58,26 @@ def check_settings(
             message = f"nothing sets the parameter '{name}'"
             mend = f"give it a default, or run the mission with --set {name}=…"
             found.append(
-                at(document, place, "mission.parameter", Severity.WARNING, message, mend=mend)
+                at(
+                    document,
+                    place,
+                    "mission.parameter",
+                    message,
+                    severity=Severity.WARNING,
+                    mend=mend,
+                )
             )
     return tuple(found)
 
 
-def check_limits(loaded: LoadedMission, conditions: Conditions) -> tuple[Finding, ...]:
-    """A warning for each limit of a parameter with which a trigger or a condition never comes true.
-
-    Args:
-        loaded: The mission.
-        conditions: What can be true on its robot.
-    """
+def parameter_limits(view: MissionView) -> Iterator[Finding]:
+    """Yield limits of parameters with which a trigger or a condition never comes true."""
+    loaded, conditions = view.loaded, within_reach(view.loaded)
     mission, document = loaded.mission, loaded.documents[0]
     problems = Problems(document)
     values = defaults(mission.parameters, problems)
     texts = [text for text in _conditions(mission) if "$" in text]
-    waits, found = tuple(_waits(mission)), []
+    waits = tuple(_waits(mission))
     for name, definition in mission.parameters.items():
         for key in ("min", "max"):
             limit = getattr(definition, key)
@@ -87,8 +95,7 @@ def check_limits(loaded: LoadedMission, conditions: Conditions) -> tuple[Finding
                     continue
                 message = f"with {name} at its {key} of {limit}, {what}"
                 place = document.place_of(("parameters", name, key))
-                found.append(at(document, place, "parameter.limit", Severity.WARNING, message))
-    return tuple(found)
+                yield at(document, place, "parameter.limit", message)
 
 
 def _late(waits: Iterable[Phase | WaitStep], values: Values) -> Iterator[str]:

@@ -6,7 +6,7 @@ import re
 
 from pirate_sm.checking.exploring.explore import Exploration
 from pirate_sm.checking.exploring.story import story
-from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.findings import Finding, Severity, usual_severity
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
 
@@ -54,21 +54,21 @@ class Places:
         self,
         place: Place,
         code: str,
-        severity: Severity,
         message: str,
         *,
+        severity: Severity | None = None,
         mend: str = "",
         related: tuple[tuple[Place, str], ...] = (),
         happens: tuple[Exploration, int] | None = None,
         playable: bool = True,
     ) -> Finding:
-        """A finding with the line that stands at its place.
+        """Return a finding with the line that stands at its place.
 
         Args:
             place: Where.
-            code: Its code.
-            severity: How surely.
+            code: An entry of the catalogue.
             message: What is wrong.
+            severity: How surely; None: as is usual for the code.
             mend: How to mend it.
             related: Further places.
             happens: The step of an exploration in which it comes about; becomes its story.
@@ -76,10 +76,18 @@ class Places:
         """
         document = self._documents.get(place.file)
         excerpt = document.excerpt(place.line) if document else ""
+        severity = usual_severity(code) if severity is None else severity
         told = story(*happens, self.written) if happens else ()
         found = happens is not None and happens[0].is_playable(happens[1])
         sure = playable and found and severity is not Severity.POSSIBLE
         return Finding(
-            code, severity, place, message, mend=mend, excerpt=excerpt, related=related,
-            story=told, course=(happens,) if happens and sure else (),
-        )  # fmt: skip
+            code,
+            severity,
+            place,
+            message,
+            mend=mend,
+            excerpt=excerpt,
+            related=related,
+            story=told,
+            course=(happens,) if happens and sure else (),
+        )

@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import inf, nan
 
 from pirate_sm.checking.exploring.conditions import Conditions, Fact
-from pirate_sm.checking.exploring.exploration_index import Ledger
+from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.exploring.explore import Exploration
 from pirate_sm.checking.exploring.piecewise_linear import borders, samples, signals
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range, ranges
-from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.engine.mission.program import Branch, TriggerSpec, Wait
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, tree
 from pirate_sm.expressions.vocabulary import change_of
@@ -26,16 +26,9 @@ STILL_M = 0.01
 _JOINT = "Joint"
 
 
-def reach_findings(
-    seen: Sequence[Ledger], loaded: LoadedMission, places: Places
-) -> Iterator[Finding]:
-    """What conditions of the mission's own file wait or ask for in vain.
-
-    Args:
-        seen: What can happen.
-        loaded: The mission.
-        places: Of its parts.
-    """
+def out_of_reach(view: MissionView) -> Iterator[Finding]:
+    """Yield conditions of the mission's own file that wait or ask in vain."""
+    seen, loaded, places = view.seen, view.loaded, view.places
     check = _Reach(seen, loaded)
     told: set[str] = set()
     for wait in loaded.program.instructions:
@@ -49,15 +42,15 @@ def reach_findings(
             found = check.judge(wait, trigger, trigger.condition)
             if found is not None:
                 told.add(trigger.place)
-                code, severity, message = found
-                yield places.finding(place, code, severity, message)
+                code, message = found
+                yield places.finding(place, code, message)
     for branch in loaded.program.instructions:
         if not isinstance(branch, Branch) or branch.place in told:
             continue
         place, message = places.read(branch.place), check.asked(branch.condition)
         if message and place.file == loaded.documents[0].name:
             told.add(branch.place)
-            yield places.finding(place, "condition.beyond", Severity.WARNING, message)
+            yield places.finding(place, "condition.beyond", message)
 
 
 def within_reach(loaded: LoadedMission) -> Conditions:
@@ -69,11 +62,11 @@ def within_reach(loaded: LoadedMission) -> Conditions:
     return Conditions(robot.vocabulary.with_changes, spans, len(robot.regions))
 
 
-_Said = tuple[str, Severity, str]
+_Said = tuple[str, str]
 
 
 class _Reach:
-    def __init__(self, seen: Sequence[Ledger], loaded: LoadedMission) -> None:
+    def __init__(self, seen: Sequence[Explored], loaded: LoadedMission) -> None:
         self._seen, self._loaded, self._robot = seen, loaded, loaded.robot
         numbers = loaded.robot.vocabulary.numbers
         self._odometry = numbers[loaded.robot.odometry] if loaded.robot.odometry >= 0 else ""
@@ -132,7 +125,7 @@ class _Reach:
                 narrower = self._with({name: Range(-most, most)})
                 if not self._possible(wait, [fact], narrower):
                     message = f"'{condition.text}' is out of reach: {why}"
-                    return "condition.beyond", Severity.WARNING, message
+                    return "condition.beyond", message
         return None
 
     def _limits(self, wait: Wait) -> Iterator[tuple[str, float, str]]:
@@ -169,12 +162,12 @@ class _Reach:
             return None
         if ways == {0}:
             message = f"'{condition.text}' does not change: nothing drives in this wait"
-            return "wait.still", Severity.WARNING, message
+            return "wait.still", message
         grows = self._grows(node)
         if len(ways) == 1 and grows and ways == {-grows}:
             how = ("grow", "back") if grows > 0 else ("shrink", "forward")
             message = f"'{condition.text}' waits for {self._odometry} to {how[0]}, and the robot "
-            return "wait.still", Severity.WARNING, f"{message}drives {how[1]}"
+            return "wait.still", f"{message}drives {how[1]}"
         return None
 
     def _not_on(self, wait: Wait, condition: Expression, ways: set[int]) -> _Said | None:
@@ -186,7 +179,7 @@ class _Reach:
         drives = "the robot drives forward" if 1 in ways else "the robot drives back"
         why = drives if {1, -1} & ways else "nothing drives in this wait"
         message = f"'{condition.text}' does not come true: {why}"
-        return "wait.still", Severity.WARNING, message
+        return "wait.still", message
 
     def _way(self, configuration: int) -> int:
         """1 where the configuration drives forward, -1 back, 0 where it drives no wheel."""
@@ -233,7 +226,7 @@ class _Reach:
             said: Fact = tree.Matches(signal, tuple(values)), False
             if not self._possible(wait, [(condition.tree, True), said], self._usual):
                 message = f"'{condition.text}' waits for a bend, and the pipe has none"
-                return "word.never", Severity.ERROR, message
+                return "word.never", message
         return None
 
     def _held(self, wait: Wait, trigger: TriggerSpec, node: tree.Node) -> _Said | None:
@@ -248,7 +241,7 @@ class _Reach:
         if self._possible(wait, [(node, True), known], self._usual):
             return None
         message = f"it must be held for {trigger.held_s:g} s, and a word of the detector is valid "
-        return "word.held", Severity.WARNING, f"{message}for {detector.valid_for:g} s"
+        return "word.held", f"{message}for {detector.valid_for:g} s"
 
 
 def _fastest(loaded: LoadedMission) -> float:

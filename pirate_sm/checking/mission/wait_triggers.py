@@ -6,44 +6,34 @@ from collections.abc import Iterator, Sequence
 
 from pirate_sm.checking.exploring.at_wait_start import at_beginning
 from pirate_sm.checking.exploring.conditions import Conditions, Fact
-from pirate_sm.checking.exploring.exploration_index import Ledger
-from pirate_sm.checking.exploring.signal_ranges import ranges
-from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.checking.exploring.exploration_index import Explored
+from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.mission.explore_mission import conditions_of
+from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.engine.mission.program import Branch, Program, TriggerSpec, Wait
 from pirate_sm.expressions import Expression, Vocabulary, tree
 from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.loading.mission import LoadedMission
 
 
-def wait_findings(
-    books: Sequence[Ledger], seen: Sequence[Ledger], loaded: LoadedMission, places: Places
-) -> Iterator[Finding]:
-    """What is wrong with triggers and with conditions of steps.
-
-    Args:
-        books: What can happen.
-        seen: That, and what can happen once other faults are mended.
-        loaded: The mission.
-        places: Of its parts.
-    """
-    spans = ranges(loaded.loaded_robot.profile, loaded.robot)
-    robot = loaded.robot
-    conditions = Conditions(robot.vocabulary.with_changes, spans, len(robot.regions))
-    judge = _Judge(books, seen, loaded, conditions)
+def wait_triggers(view: MissionView) -> Iterator[Finding]:
+    """Yield what is wrong with triggers and with conditions of steps."""
+    books, seen, loaded, places = view.explored, view.seen, view.loaded, view.places
+    judge = _Judge(books, seen, loaded, conditions_of(loaded))
     told: set[str] = set()
-    if all(book.found.complete for book in seen):
-        for place, (code, severity, message, mend) in judge.triggers().items():
+    if view.complete:
+        for place, (code, message, mend) in judge.triggers().items():
             told.add(place)
-            yield places.finding(places.read(place), code, severity, message, mend=mend)
+            yield places.finding(places.read(place), code, message, mend=mend)
     for place, condition, if_false in _conditions(loaded.program):
         said = judge.constant(condition)
         if said and place not in told:
             yield places.finding(
-                places.read(place), "condition.constant", Severity.WARNING,
+                places.read(place),
+                "condition.constant",
                 f"'{condition.text}' is always {said}",
                 mend="leave the condition out" if said.startswith("true") else if_false,
-            )  # fmt: skip
+            )
 
 
 def _conditions(program: Program) -> Iterator[tuple[str, Expression, str]]:
@@ -57,14 +47,14 @@ def _conditions(program: Program) -> Iterator[tuple[str, Expression, str]]:
                     yield trigger.place, trigger.condition, "leave the trigger out"
 
 
-_Said = tuple[str, Severity, str, str]
+_Said = tuple[str, str, str]
 
 
 class _Judge:
     def __init__(
         self,
-        books: Sequence[Ledger],
-        seen: Sequence[Ledger],
+        books: Sequence[Explored],
+        seen: Sequence[Explored],
         loaded: LoadedMission,
         conditions: Conditions,
     ) -> None:
@@ -114,18 +104,18 @@ class _Judge:
                 return blind
             if at_once == armed or not self._can_be(wait, [(trigger.condition.tree, False)]):
                 message = f"'{trigger.text}' is true already whenever the wait begins"
-                return "trigger.at_once", Severity.WARNING, message, "go there without a wait"
+                return "trigger.at_once", message, "go there without a wait"
             return self._unchanged(wait, trigger, trigger.condition)
         late = self._late(wait, trigger)
         if late:
-            return "trigger.never", Severity.ERROR, f"{late}: it can never fire", ""
+            return "trigger.never", f"{late}: it can never fire", ""
         if trigger.condition is not None and not self._can_be(
             wait, [(trigger.condition.tree, True)]
         ):
             message = f"nothing can make '{trigger.condition.text}' true here"
-            return "trigger.never", Severity.ERROR, message, ""
+            return "trigger.never", message, ""
         message = f"'{trigger.text}' can never fire: {self._ahead(wait, number)} always does"
-        return "trigger.shadowed", Severity.WARNING, message, "list it first, or leave it out"
+        return "trigger.shadowed", message, "list it first, or leave it out"
 
     def _unchanged(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
         """What is to be said of a condition that is true as long as nothing has changed."""
@@ -141,7 +131,7 @@ class _Judge:
             f"{are} known: {' and '.join(map(change_of, names))} {are} 0 then"
         )
         mend = "ask for a change that the wait brings about: one backwards is negative"
-        return "trigger.at_once", Severity.WARNING, message, mend
+        return "trigger.at_once", message, mend
 
     def _blind(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
         """Return what to say of changes of signals that are unknown whenever the wait begins."""
@@ -155,7 +145,7 @@ class _Judge:
         names = " and ".join(unknown)
         are = "is" if len(unknown) == 1 else "are"
         message = f"'{trigger.text}' can never fire: {names} {are} unknown when the wait begins"
-        return "trigger.never", Severity.ERROR, message, ""
+        return "trigger.never", message, ""
 
     def _changed(self, condition: Expression) -> list[str]:
         """Return the names of the signals about whose change the condition is, each once."""

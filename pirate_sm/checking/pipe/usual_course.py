@@ -50,7 +50,7 @@ class Situation(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Course:
+class UsualCourse:
     """What a mission does while nothing goes wrong.
 
     Attributes:
@@ -174,7 +174,7 @@ class _Follower:
         return (step.if_true,) if true else (step.if_false,)
 
 
-def course_of(robot: RobotSpec, program: Program, profile: Profile) -> Course | None:
+def course_of(robot: RobotSpec, program: Program, profile: Profile) -> UsualCourse | None:
     """What the mission does while nothing goes wrong; None when that is too much to look at."""
     bends = Bends(robot, profile)
     follower = _Follower(robot, program, bends)
@@ -191,4 +191,4 @@ def course_of(robot: RobotSpec, program: Program, profile: Profile) -> Course | 
                     return None
     begun = bends.of(configuration)
     made = [(begun, "")] if begun is not None else []
-    return Course(tuple(order), (*made, *follower.made))
+    return UsualCourse(tuple(order), (*made, *follower.made))

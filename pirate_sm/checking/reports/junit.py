@@ -49,15 +49,11 @@ def _case(suite: Element, finding: Finding, fail_on: Severity) -> None:
     place = finding.place
     where = f":{place.line}:{place.column}" if place.line else ""
     name = f"{finding.code}{where} {finding.message}"
-    case = SubElement(
-        suite, "testcase", name=_legal(name), classname=_legal(place.file), time="0"
-    )  # fmt: skip
+    case = SubElement(suite, "testcase", name=_legal(name), classname=_legal(place.file), time="0")
     if finding.allowed:
         SubElement(case, "skipped", message=_legal(f"allowed: {finding.allowed}"))
     elif finding.severity >= fail_on:
-        failure = SubElement(
-            case, "failure", type=finding.code, message=_legal(finding.message)
-        )  # fmt: skip
+        failure = SubElement(case, "failure", type=finding.code, message=_legal(finding.message))
         failure.text = _legal(_body(finding))
     else:
         SubElement(case, "system-out").text = _legal(f"{finding.severity.word}\n{_body(finding)}")

@@ -24,7 +24,7 @@ from dataclasses import dataclass, field
 from itertools import groupby
 from typing import TYPE_CHECKING, NamedTuple
 
-from pirate_sm.checking.findings import Finding, Severity, at
+from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.robot.guard_logic import (
     Reached,
     conjuncts,
@@ -195,9 +195,10 @@ class _Chart:
                 continue
             if all(row[number] == index for index, row in enumerate(self.table.following)):
                 yield self._at(
-                    self.document.place_of((*moves[0].path, "event")), "chart.command_idle",
+                    self.document.place_of((*moves[0].path, "event")),
+                    "chart.command_idle",
                     f"'{command}' changes nothing anywhere: it leads each state back to itself",
-                )  # fmt: skip
+                )
 
     # --- guards and rivals --------------------------------------------------------------------
 
@@ -230,10 +231,11 @@ class _Chart:
             transition.tree,
         )
         return self._at(
-            self._place(transition, blocking), "chart.transition_never",
+            self._place(transition, blocking),
+            "chart.transition_never",
             f"{transition.event} never leads from {transition.source} to {transition.target}:"
             " this is false in every combination that commands lead to",
-        )  # fmt: skip
+        )
 
     def _rivalry(
         self, transition: Transition, earlier: Sequence[Transition]
@@ -263,22 +265,24 @@ class _Chart:
             return None, False
         place = self.document.place_of(first.path)
         finding = self._at(
-            self.document.place_of((*transition.path, "event")), "chart.transition_never",
+            self.document.place_of((*transition.path, "event")),
+            "chart.transition_never",
             f"this is never taken: line {place.line} leads from {transition.source} to"
             f" {first.target} already",
             related=((place, "this is taken"),),
-        )  # fmt: skip
+        )
         return finding, True
 
     def _ambiguous(self, transition: Transition, winner: Transition, always: bool) -> Finding:
         place = self.document.place_of((*winner.path, "event"))
         when = "always" if always else "also"
         return self._at(
-            self.document.place_of((*transition.path, "event")), "chart.ambiguous",
+            self.document.place_of((*transition.path, "event")),
+            "chart.ambiguous",
             f"where {transition.event} can lead from {transition.source} to {transition.target},"
             f" it can {when} lead to {winner.target}, which is taken because it comes first",
             related=((place, "this is taken"),),
-        )  # fmt: skip
+        )
 
     def _chances(self, transition: Transition, part: ast.expr | None = None) -> bool:
         """Whether a reached combination has its state and the guard, or a part of it, true."""
@@ -340,9 +344,10 @@ class _Chart:
         more = f" ({len(stuck)} such combinations)" if len(stuck) > 1 else ""
         beside = f" with {', '.join(others)}" if others else ""
         return self._at(
-            self.document.place_of((*leading.path, "target")), "chart.trap",
+            self.document.place_of((*leading.path, "target")),
+            "chart.trap",
             f"every command is refused in {region}.{state}{beside}{more}",
-        )  # fmt: skip
+        )
 
     # --- places -------------------------------------------------------------------------------
 
@@ -359,9 +364,7 @@ class _Chart:
     def _at(
         self, place: Place, code: str, message: str, *, related: Sequence[tuple[Place, str]] = ()
     ) -> Finding:
-        mild = code in {"chart.trap", "chart.guard_always"}
-        severity = Severity.WARNING if mild else Severity.ERROR
-        return at(self.document, place, code, severity, message, related=related)
+        return at(self.document, place, code, message, related=related)
 
 
 def _is_in(transition: Transition, states: dict[str, str]) -> bool:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from pirate_sm.checking.exploring.conditions import Conditions, Fact
 from pirate_sm.checking.exploring.signal_ranges import ranges
-from pirate_sm.checking.findings import Finding, Severity, finding_of
+from pirate_sm.checking.findings import Finding, finding_of
 from pirate_sm.checking.robot.check_chart import check_chart, cut_off, examine
 from pirate_sm.checking.robot.profile_numbers import check_limits
 from pirate_sm.checking.robot.robot_view import RobotView
@@ -127,7 +127,6 @@ def _asked(view: RobotView) -> Iterator[Finding]:
             yield view.at(
                 ("commands", name, "asks_for"),
                 "robot.asks_for",
-                Severity.WARNING,
                 message,
                 offset=0,
             )
@@ -152,7 +151,7 @@ def _faults(view: RobotView) -> Iterator[Finding]:
             word = "always" if verdict else "never"
             message = f"this can {'only' if verdict else 'never'} be true, so {fault.code} is"
             message += " raised whatever happens" if verdict else " never raised"
-            yield view.at(path, f"robot.fault_{word}", Severity.WARNING, message, offset=0)
+            yield view.at(path, f"robot.fault_{word}", message, offset=0)
             break
 
 

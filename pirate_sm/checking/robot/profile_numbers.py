@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import degrees, inf
 
-from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.engine.robot.criteria import (
     AcceptedSpec,
@@ -44,7 +44,7 @@ def _done(view: RobotView) -> Iterator[Finding]:
         ):
             if why:
                 message = f"{name} can never be done: {why}"
-                yield view.at((*at, key), "robot.never_done", Severity.ERROR, message)
+                yield view.at((*at, key), "robot.never_done", message)
                 break
 
 
@@ -120,10 +120,11 @@ def _nominal(view: RobotView) -> Iterator[Finding]:
     for name, command in view.profile.commands.items():
         if command.nominal > command.timeout and not isinstance(command.done, AcceptedSpec):
             yield view.at(
-                ("commands", name, "nominal"), "robot.nominal", Severity.WARNING,
+                ("commands", name, "nominal"),
+                "robot.nominal",
                 f"on paper {name} takes {command.nominal:g} s, and on the robot it has failed after"
                 f" {command.timeout:g} s",
-            )  # fmt: skip
+            )
 
 
 def _link(view: RobotView) -> Iterator[Finding]:
@@ -137,10 +138,11 @@ def _link(view: RobotView) -> Iterator[Finding]:
     ):
         if limit_s < round_s:
             yield view.at(
-                ("link", key), "robot.link_times", Severity.ERROR,
+                ("link", key),
+                "robot.link_times",
                 f"{what} {limit_s:g} s after its last message, and the next one comes"
                 f" {round_s:.3g} s after it: {messages} messages of {link.cycle:g} s",
-            )  # fmt: skip
+            )
 
 
 def _loops(view: RobotView) -> Iterator[Finding]:
@@ -148,11 +150,11 @@ def _loops(view: RobotView) -> Iterator[Finding]:
         loop = motor.position_loop
         if loop is not None and loop.least_duty > loop.limit:
             yield view.at(
-                ("motors", name, "position_loop", "least_duty"), "robot.position_loop",
-                Severity.WARNING,
+                ("motors", name, "position_loop", "least_duty"),
+                "robot.position_loop",
                 f"the least duty cycle of {loop.least_duty * 100:g} % is more than the limit of"
                 f" {loop.limit * 100:g} %",
-            )  # fmt: skip
+            )
 
 
 def _end_stops(view: RobotView) -> Iterator[Finding]:
@@ -162,10 +164,11 @@ def _end_stops(view: RobotView) -> Iterator[Finding]:
         stop = stops.get(joint, inf)
         if abs(angle_rad) > stop:
             yield view.at(
-                path, "robot.setpoint", Severity.ERROR,
+                path,
+                "robot.setpoint",
                 f"{degrees(angle_rad):.4g} deg is beyond the end stop of '{joint}',"
                 f" {degrees(stop):.4g} deg",
-            )  # fmt: skip
+            )
 
 
 def _sought(view: RobotView) -> Iterator[tuple[str, float, Path]]:
@@ -198,8 +201,9 @@ def _words(view: RobotView) -> Iterator[Finding]:
                 ahead = sign * (wheels.index(rival.wheel) - wheels.index(point.wheel)) <= 0
                 if ahead and rival.passed <= point.passed:
                     yield view.at(
-                        ("detector", "words", name, way), "robot.word_hidden", Severity.WARNING,
+                        ("detector", "words", name, way),
+                        "robot.word_hidden",
                         f"'{name}' is never said on the way {way}: wherever it holds,"
                         f" '{other}' holds too",
-                    )  # fmt: skip
+                    )
                     break

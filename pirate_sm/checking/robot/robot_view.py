@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from pirate_sm.checking.findings import Finding, Severity, at
+from pirate_sm.checking.findings import Finding, at
 from pirate_sm.engine.robot.robot_spec import Write
 from pirate_sm.loading.problems import Path
 from pirate_sm.loading.robot import LoadedRobot
@@ -112,7 +112,6 @@ class RobotView:
         self,
         path: Path,
         code: str,
-        severity: Severity,
         message: str,
         *,
         key: bool = False,
@@ -121,4 +120,4 @@ class RobotView:
         """A finding at a value, or a key, of the profile."""
         document = self.loaded.documents[0]
         place = document.place_of(path, key=key, offset=offset)
-        return at(document, place, code, severity, message)
+        return at(document, place, code, message)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.engine.robot.confirmation_spec import (
     AnglesSpec,
@@ -30,19 +30,19 @@ def _unseen(view: RobotView) -> Iterator[Finding]:
     seen = profile.seen
     if "seen" not in profile.model_fields_set:
         message = "the profile does not say how states show themselves: add `seen`"
-        yield view.at(("robot",), "robot.unseen", Severity.WARNING, message, key=True)
+        yield view.at(("robot",), "robot.unseen", message, key=True)
         return
     for region, states in zip(table.regions, table.states, strict=True):
         missing = [state for state in states if state not in seen.states.get(region, {})]
         if missing:
             path: Path = ("seen", "states", region) if region in seen.states else ("seen",)
             message = f"`seen` says nothing of {region}: {', '.join(missing)}"
-            yield view.at(path, "robot.unseen", Severity.WARNING, message, key=True)
+            yield view.at(path, "robot.unseen", message, key=True)
     parts = [name for name in profile.body.parts if name not in seen.parts]
     if parts:
         message = f"`seen` does not say how a held part shows itself: {', '.join(parts)}"
         path = ("seen", "parts") if seen.parts else ("seen",)
-        yield view.at(path, "robot.unseen", Severity.WARNING, message, key=True)
+        yield view.at(path, "robot.unseen", message, key=True)
 
 
 def _never(view: RobotView) -> Iterator[Finding]:
@@ -66,7 +66,7 @@ def _said(
     for key, why in reasons:
         if why:
             message = f"this can never confirm '{about}': {why}"
-            yield view.at((*path, key), "robot.seen_never", Severity.ERROR, message)
+            yield view.at((*path, key), "robot.seen_never", message)
             return
 
 

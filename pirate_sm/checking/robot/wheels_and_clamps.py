@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import copysign
 
-from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView, Written
 from pirate_sm.engine.robot.criteria import AcceptedSpec, StalledSpec
 
@@ -45,10 +45,11 @@ def _directions(view: RobotView) -> Iterator[Finding]:
             if wheels[other].direction == wheels[apex].direction:
                 said.add(other)
                 yield view.at(
-                    ("body", "wheels", other, "direction"), "robot.direction", Severity.ERROR,
+                    ("body", "wheels", other, "direction"),
+                    "robot.direction",
                     f"'{wheels[other].name}' and '{wheels[apex].name}', the apex beside it, touch"
                     " opposite walls: their directions cannot be equal",
-                )  # fmt: skip
+                )
 
 
 def _mirrors(view: RobotView) -> Iterator[Finding]:
@@ -59,10 +60,10 @@ def _mirrors(view: RobotView) -> Iterator[Finding]:
         if mirrored and not slot.mirrors:
             yield view.at(
                 (*path, "mirrors" if "mirrors" in slot.model_fields_set else "name"),
-                "robot.mirrors", Severity.ERROR,
+                "robot.mirrors",
                 f"'{slot.name}' keeps its sign in mirrored polarity, '{mirrored[0].name}' changes"
                 " it: they work against each other there",
-            )  # fmt: skip
+            )
 
 
 def _holding(view: RobotView, part: int, each: Written) -> bool:
@@ -92,10 +93,11 @@ def _sides(view: RobotView) -> Iterator[Finding]:
             if copysign(1, value) != direction and _holding(view, part, each):
                 side = "A" if value > 0 else "B"
                 yield view.at(
-                    each.path, "robot.clamp_side", Severity.ERROR,
+                    each.path,
+                    "robot.clamp_side",
                     f"this presses '{name}' to side {side}, and its direction of {direction}"
                     " stands for the other side",
-                )  # fmt: skip
+                )
 
 
 def _fights(view: RobotView) -> Iterator[Finding]:
@@ -115,9 +117,10 @@ def _fights(view: RobotView) -> Iterator[Finding]:
                 name = view.profile.slots[each.write.slot].name
                 way = "backward" if most > 0 else "forward"
                 yield view.at(
-                    each.path, "robot.wheels_fight", Severity.ERROR,
+                    each.path,
+                    "robot.wheels_fight",
                     f"'{name}' drives {way} in {state}, the other wheels the other way",
-                )  # fmt: skip
+                )
 
 
 def _safe_clamps(view: RobotView) -> Iterator[Finding]:
@@ -140,9 +143,10 @@ def _safe_clamps(view: RobotView) -> Iterator[Finding]:
         if pressing:
             state = f"{view.loaded.normal.regions[pressing[0].region]}.{pressing[0].state}"
             yield view.at(
-                ("safe_state", "zero", number), "robot.safe_clamp", Severity.ERROR,
+                ("safe_state", "zero", number),
+                "robot.safe_clamp",
                 f"'{name}' holds the part '{part}' in {state}: at zero it lets go of the wall",
-            )  # fmt: skip
+            )
 
 
 def _blind_clamps(view: RobotView) -> Iterator[Finding]:
@@ -165,6 +169,7 @@ def _blind_clamps(view: RobotView) -> Iterator[Finding]:
             continue
         if unseen:
             yield view.at(
-                ("commands", command.name, "done", key), "robot.clamp_blind", Severity.WARNING,
+                ("commands", command.name, "done", key),
+                "robot.clamp_blind",
                 f"{command.name} makes '{min(unseen)}' hold, and is done without any sign of it",
-            )  # fmt: skip
+            )
