@@ -288,9 +288,7 @@ def _handling(go: str) -> str:
 
 
 def _rules(old: Abilities, new: Abilities) -> Iterator[Change]:
-    for kind, message, _, _ in _one_sided(
-        old, new, lambda each: _in_order(each.broken)
-    ):
+    for kind, message, _, _ in _one_sided(old, new, lambda each: _in_order(each.broken)):
         text = f"it can come to this: {message}"
         if kind == "lost":
             text = f"it comes to this no more: {message}"

@@ -1,4 +1,4 @@
-"""Numbers of a profile that contradict each other: what can never be reached, heard or said."""
+"""Rules about the numbers of a profile: none makes another one impossible."""
 
 from __future__ import annotations
 
@@ -21,18 +21,8 @@ from pirate_sm.loading.problems import Path
 from pirate_sm.model.actuation import Target
 
 
-def check_limits(view: RobotView) -> Iterator[Finding]:
-    """Numbers that do not go together."""
-    yield from _done(view)
-    yield from _nominal(view)
-    yield from _link(view)
-    yield from _loops(view)
-    yield from _end_stops(view)
-    yield from _words(view)
-
-
-def _done(view: RobotView) -> Iterator[Finding]:
-    """Commands whose criterion can never be true."""
+def never_done(view: RobotView) -> Iterator[Finding]:
+    """Yield commands whose criterion can never be true."""
     for number, name in enumerate(view.loaded.table.commands):
         spec = view.loaded.normal.commands[number]
         at: Path = ("commands", name, "done")
@@ -56,7 +46,7 @@ def _too_long(done: CriterionSpec, timeout_s: float) -> str:
 
 
 def _unheard(view: RobotView, done: CriterionSpec) -> str:
-    """Why the signals that it needs are never heard; empty when they are."""
+    """Return why the signals that it needs are never heard; empty when they are."""
     robot = view.loaded.normal
     heard = view.heard
     match done:
@@ -80,7 +70,7 @@ def _unheard(view: RobotView, done: CriterionSpec) -> str:
 
 
 def _too_strong(view: RobotView, command: int, done: CriterionSpec) -> str:
-    """Why a joint cannot bear the torque that is asked for; empty when it can."""
+    """Return why a joint cannot bear the torque that is asked for; empty when it can."""
     if not isinstance(done, StalledSpec):
         return ""
     robot = view.loaded.normal
@@ -100,7 +90,7 @@ def _too_strong(view: RobotView, command: int, done: CriterionSpec) -> str:
 
 
 def _too_fast(view: RobotView, command: int, done: CriterionSpec) -> str:
-    """Why no wheel can turn so fast; empty when one can."""
+    """Return why no wheel can turn so fast; empty when one can."""
     if not isinstance(done, TurningSpec):
         return ""
     speeds = [
@@ -116,7 +106,8 @@ def _too_fast(view: RobotView, command: int, done: CriterionSpec) -> str:
     return f"wheels turn with at most {most:.3g} rad/s there, {done.above:.3g} rad/s are asked for"
 
 
-def _nominal(view: RobotView) -> Iterator[Finding]:
+def nominal_times(view: RobotView) -> Iterator[Finding]:
+    """Yield commands that take longer on paper than they may on the robot."""
     for name, command in view.profile.commands.items():
         if command.nominal > command.timeout and not isinstance(command.done, AcceptedSpec):
             yield view.at(
@@ -127,8 +118,8 @@ def _nominal(view: RobotView) -> Iterator[Finding]:
             )
 
 
-def _link(view: RobotView) -> Iterator[Finding]:
-    """Signals that are old, or boards that count as silent, before they can be heard again."""
+def link_times(view: RobotView) -> Iterator[Finding]:
+    """Yield limits that make signals old, or boards silent, before they can be heard again."""
     link = view.profile.link
     messages = view.profile.messages_per_round
     round_s = messages * link.cycle
@@ -145,7 +136,8 @@ def _link(view: RobotView) -> Iterator[Finding]:
             )
 
 
-def _loops(view: RobotView) -> Iterator[Finding]:
+def position_loops(view: RobotView) -> Iterator[Finding]:
+    """Yield position loops whose least duty cycle is more than their limit."""
     for name, motor in view.profile.motors.items():
         loop = motor.position_loop
         if loop is not None and loop.least_duty > loop.limit:
@@ -157,8 +149,8 @@ def _loops(view: RobotView) -> Iterator[Finding]:
             )
 
 
-def _end_stops(view: RobotView) -> Iterator[Finding]:
-    """Angles that a joint cannot come to."""
+def end_stops(view: RobotView) -> Iterator[Finding]:
+    """Yield angles that a joint cannot come to."""
     stops = {joint.name: joint.end_stop for joint in view.profile.body.joints}
     for joint, angle_rad, path in _sought(view):
         stop = stops.get(joint, inf)
@@ -185,8 +177,8 @@ def _sought(view: RobotView) -> Iterator[tuple[str, float, Path]]:
                     yield joints[slot], setpoint.angle_rad, path
 
 
-def _words(view: RobotView) -> Iterator[Finding]:
-    """Words of the detector that are never said, because a later one always holds as well.
+def hidden_words(view: RobotView) -> Iterator[Finding]:
+    """Yield words of the detector that are never said, because a later one always holds as well.
 
     The last of the words that hold is said; forward the first wheel is the farthest along the
     pipe, backward the last one.

@@ -1,4 +1,4 @@
-"""States and parts of which the profile does not say how they show themselves, or says in vain."""
+"""Rules about `seen`: every state and part has a sign, and the sensors can show it."""
 
 from __future__ import annotations
 
@@ -18,14 +18,8 @@ from pirate_sm.engine.robot.criteria import AcceptedSpec
 from pirate_sm.loading.problems import Path
 
 
-def check_sight(view: RobotView) -> Iterator[Finding]:
-    """Find states and parts that are left open at a start, without a reason or in every case."""
-    yield from _unseen(view)
-    yield from _never(view)
-
-
-def _unseen(view: RobotView) -> Iterator[Finding]:
-    """States and parts of which nothing is said."""
+def unseen_states(view: RobotView) -> Iterator[Finding]:
+    """Yield states and parts of which the profile does not say how they show themselves."""
     profile, table = view.profile, view.loaded.table
     seen = profile.seen
     if "seen" not in profile.model_fields_set:
@@ -45,8 +39,8 @@ def _unseen(view: RobotView) -> Iterator[Finding]:
         yield view.at(path, "robot.unseen", message, key=True)
 
 
-def _never(view: RobotView) -> Iterator[Finding]:
-    """Lines whose numbers the sensors can never show, or never for long enough."""
+def impossible_signs(view: RobotView) -> Iterator[Finding]:
+    """Yield lines whose numbers the sensors can never show, or never for long enough."""
     robot = view.loaded.normal
     for number, held in enumerate(robot.sight.parts):
         if held is not None:
@@ -62,7 +56,7 @@ def _never(view: RobotView) -> Iterator[Finding]:
 def _said(
     view: RobotView, path: Path, about: str, reasons: Iterable[tuple[str, str]]
 ) -> Iterator[Finding]:
-    """The first of the reasons, each with the key that it is about."""
+    """Yield the first of the reasons, each with the key that it is about."""
     for key, why in reasons:
         if why:
             message = f"this can never confirm '{about}': {why}"
@@ -105,7 +99,7 @@ def _unheard(view: RobotView, needed: Sequence[int]) -> str:
 
 
 def _too_strong(view: RobotView, part: int, spec: HeldSpec) -> str:
-    """Why a joint cannot bear the torque in any state that holds the part; empty when it can."""
+    """Return why no state that holds the part gives a joint the torque; empty when one does."""
     robot = view.loaded.normal
     holding = [number for number, held in enumerate(robot.held) if part in held]
     for joint in spec.joints:

@@ -1,4 +1,4 @@
-"""Whether wheels and joints of a robot work together: to one side, in one direction, as clamps."""
+"""Rules about wheels and joints: they work in one direction, and clamps press and are confirmed."""
 
 from __future__ import annotations
 
@@ -10,20 +10,8 @@ from pirate_sm.checking.robot.robot_view import RobotView, Written
 from pirate_sm.engine.robot.criteria import AcceptedSpec, StalledSpec
 
 
-def check_parts(view: RobotView) -> Iterator[Finding]:
-    """Wheels and joints that work against each other, and clamps that nothing keeps or shows."""
-    crossed = list(_directions(view))
-    yield from crossed
-    yield from _mirrors(view)
-    if not crossed:  # a wrong direction shows in all of these
-        yield from _sides(view)
-        yield from _fights(view)
-    yield from _safe_clamps(view)
-    yield from _blind_clamps(view)
-
-
 def _apexes(view: RobotView) -> Iterator[tuple[int, int, int]]:
-    """Per part its index, its apex's slot and the index of its apex's wheel."""
+    """Yield per part its index, its apex's slot and the index of its apex's wheel."""
     body = view.profile.body
     wheels = [wheel.name for wheel in body.wheels]
     for number, name in enumerate(view.loaded.normal.parts):
@@ -34,8 +22,17 @@ def _apexes(view: RobotView) -> Iterator[tuple[int, int, int]]:
                 yield number, slot, wheels.index(joint.wheel)
 
 
+def wheel_directions(view: RobotView) -> Iterator[Finding]:
+    """Yield wrong directions; where all are right, states that press or drive to the wrong side."""
+    crossed = list(_directions(view))
+    yield from crossed
+    if not crossed:  # a wrong direction shows in all of these
+        yield from _sides(view)
+        yield from _fights(view)
+
+
 def _directions(view: RobotView) -> Iterator[Finding]:
-    """Neighbours in a V touch opposite walls."""
+    """Yield neighbours in a V that do not touch opposite walls."""
     wheels = view.profile.body.wheels
     said: set[int] = set()
     for _, _, apex in _apexes(view):
@@ -52,8 +49,8 @@ def _directions(view: RobotView) -> Iterator[Finding]:
                 )
 
 
-def _mirrors(view: RobotView) -> Iterator[Finding]:
-    """In mirrored polarity all joints and wheels change their sign, or none does."""
+def mirrored_slots(view: RobotView) -> Iterator[Finding]:
+    """Yield joints and wheels that keep their sign in mirrored polarity while others change it."""
     moving = [(slot, path) for slot, path in view.slots if slot.joint or slot.wheel]
     mirrored = [slot for slot, _ in moving if slot.mirrors]
     for slot, path in moving:
@@ -67,7 +64,7 @@ def _mirrors(view: RobotView) -> Iterator[Finding]:
 
 
 def _holding(view: RobotView, part: int, each: Written) -> bool:
-    """Whether the part is held wherever the state that writes this is active."""
+    """Return whether the part is held wherever the state that writes this is active."""
     robot = view.loaded.normal
     seen = [
         part in held
@@ -78,7 +75,7 @@ def _holding(view: RobotView, part: int, each: Written) -> bool:
 
 
 def _sides(view: RobotView) -> Iterator[Finding]:
-    """A clamp pushes its apex to the wall that the direction of its wheel says.
+    """Yield clamps that push their apex away from the wall that the direction of its wheel says.
 
     A negative angle turns the body on both sides of a joint towards side A, so a negative duty
     cycle pushes the apex to side B, where wheels have the direction -1.
@@ -101,7 +98,7 @@ def _sides(view: RobotView) -> Iterator[Finding]:
 
 
 def _fights(view: RobotView) -> Iterator[Finding]:
-    """No state drives wheels against each other."""
+    """Yield states that drive wheels against each other."""
     wheels = {wheel.name: wheel for wheel in view.profile.body.wheels}
     driven: dict[tuple[int, str, int], list[tuple[int, Written]]] = {}
     for each in view.written:
@@ -123,8 +120,8 @@ def _fights(view: RobotView) -> Iterator[Finding]:
                 )
 
 
-def _safe_clamps(view: RobotView) -> Iterator[Finding]:
-    """The safe state lets go of nothing that presses a held part to the wall."""
+def safe_clamps(view: RobotView) -> Iterator[Finding]:
+    """Yield slots that the safe state sets to zero although they press a held part to the wall."""
     joints = {joint.name: joint.part for joint in view.profile.body.joints}
     parts = view.loaded.normal.parts
     for number, name in enumerate(view.profile.safe_state.zero):
@@ -149,8 +146,8 @@ def _safe_clamps(view: RobotView) -> Iterator[Finding]:
             )
 
 
-def _blind_clamps(view: RobotView) -> Iterator[Finding]:
-    """What makes a part hold is done when something of that part shows it."""
+def unconfirmed_clamps(view: RobotView) -> Iterator[Finding]:
+    """Yield commands that make a part hold and are done without a sign of that part."""
     robot = view.loaded.normal
     own = {joint.torque: joint.part for joint in view.profile.body.joints}
     for number, command in enumerate(robot.commands):
