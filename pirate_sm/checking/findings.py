@@ -12,7 +12,7 @@ from pirate_sm.loading.problems import Locator, Place, Problem
 from pirate_sm.loading.problems import Severity as LoadSeverity
 
 if TYPE_CHECKING:
-    from pirate_sm.checking.exploring.explore import Exploration
+    from pirate_sm.checking.exploring.exploration import Exploration
 
 
 class Severity(IntEnum):

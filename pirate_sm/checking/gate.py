@@ -8,7 +8,7 @@ from pirate_sm.checking.allowances import settle
 from pirate_sm.checking.file_kinds import Kind
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_loaded
-from pirate_sm.checking.project.check_project import CheckedFile, Report
+from pirate_sm.checking.reports.check_report import CheckedFile, Report
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.errors import PirateError
 from pirate_sm.loading.mission import LoadedMission

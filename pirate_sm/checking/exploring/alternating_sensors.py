@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import isfinite, nan
 
-from pirate_sm.checking.exploring.conditions import Conditions, Fact
+from pirate_sm.checking.exploring.answers import Fact
+from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.engine.mission.program import TriggerSpec, Wait
 from pirate_sm.engine.state import EngineState
 

@@ -14,63 +14,29 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from typing import Any, TypeVar
 
-from pirate_sm.checking.exploring.conditions import Answer, Conditions, Fact, together
+from pirate_sm.checking.exploring.answers import (
+    NOWHERE,
+    Answer,
+    Asked,
+    Moment,
+    Related,
+    TooManyQuestionsError,
+    Trigger,
+    together,
+)
+from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.engine.mission.program import Branch, Program, Wait
 from pirate_sm.expressions import Expression, tree
 
 T = TypeVar("T")
 
 
-class Moment(NamedTuple):
-    """What was answered in one run of a step.
-
-    Attributes:
-        answer: Whether that can be, how surely, and signals with which it is so.
-    """
-
-    facts: tuple[Fact, ...]
-    answer: Answer
-
-
-Trigger: TypeAlias = tuple[int, int]
-"""Index of a wait, and number of one of its triggers."""
-
-NOWHERE = -1
-"""Stands for the wait of a result that does not wait."""
-
 _NOTHING_ASKED = Moment((), Answer(True))
 
 MOST_QUESTIONS = 256
 """About different conditions at one moment; who asks more gets no answer."""
-
-
-class TooManyQuestionsError(Exception):
-    """A step of the engine asks about more conditions than can be answered together."""
-
-
-class _Related(NamedTuple):
-    """What has been answered about conditions that share signals, directly or by others.
-
-    Attributes:
-        facts: Numbers of conditions, and whether they are true.
-    """
-
-    names: frozenset[str]
-    facts: tuple[tuple[int, bool], ...]
-    answer: Answer
-
-
-class Asked(NamedTuple):
-    """What a branch has asked.
-
-    Attributes:
-        moved: Whether it is about a state that is another one than at the start.
-    """
-
-    truth: bool
-    moved: bool
 
 
 class Oracle:
@@ -93,7 +59,7 @@ class Oracle:
         self._names: list[frozenset[str]] = []
         self._known: dict[Hashable, tuple[Answer, Answer]] = {}
         self._given: dict[int, bool] = {}
-        self._related: tuple[_Related, ...] = ()
+        self._related: tuple[Related, ...] = ()
         self._choices: list[bool] = []
         self._taken = 0
         self._due: Collection[Trigger] = ()
@@ -250,7 +216,7 @@ class Oracle:
 
     def _about(
         self, condition: int
-    ) -> tuple[frozenset[str], tuple[tuple[int, bool], ...], tuple[_Related, ...]]:
+    ) -> tuple[frozenset[str], tuple[tuple[int, bool], ...], tuple[Related, ...]]:
         """Names and facts that have to do with the condition, and what has nothing to."""
         names = self._names[condition]
         touched = [each for each in self._related if each.names & names]
@@ -265,13 +231,13 @@ class Oracle:
         condition: int,
         names: frozenset[str],
         facts: tuple[tuple[int, bool], ...],
-        kept: tuple[_Related, ...],
+        kept: tuple[Related, ...],
         answer: Answer,
         *,
         truth: bool,
     ) -> None:
         self._given[condition] = truth
-        self._related = (*kept, _Related(names, (*facts, (condition, truth)), answer))
+        self._related = (*kept, Related(names, (*facts, (condition, truth)), answer))
 
     def _ask(
         self, condition: int, facts: tuple[tuple[int, bool], ...], words: Sequence[str | None]

@@ -10,15 +10,13 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import product
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
+from pirate_sm.checking.exploring.answers import Answer, Fact, together
 from pirate_sm.checking.exploring.piecewise_linear import borders, is_linear, samples, signals
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range
 from pirate_sm.engine.robot.chart_table import Configuration
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, Vocabulary, tree
-
-Fact: TypeAlias = tuple[tree.Node, bool]
-"""A condition, and whether it is true; false stands for false and for unknown."""
 
 _Values: TypeAlias = tuple[Mapping[str, tuple[float, ...]], Mapping[str, tuple[str | None, ...]]]
 """Of numeric signals and of words."""
@@ -30,34 +28,6 @@ MOST_ARGUMENTS = 16
 """Of ``min`` and ``max`` in one comparison; where there are more, it counts as not linear."""
 
 _TRUTHS = ("true", "false", None)
-
-
-class Answer(NamedTuple):
-    """Whether it can be so.
-
-    Attributes:
-        sure: False where a *yes* rests on something that is not decided here.
-        numbers: Signals with which it is so; words likewise.
-    """
-
-    possible: bool
-    sure: bool = True
-    numbers: Mapping[str, float] = {}
-    words: Mapping[str, str | None] = {}
-
-
-def together(answers: Iterable[Answer]) -> Answer:
-    """The answer to several questions that have no signal in common."""
-    numbers: dict[str, float] = {}
-    words: dict[str, str | None] = {}
-    sure = True
-    for answer in answers:
-        if not answer.possible:
-            return answer
-        numbers |= answer.numbers
-        words |= answer.words
-        sure = sure and answer.sure
-    return Answer(True, sure, numbers, words)
 
 
 class Conditions:

@@ -6,7 +6,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from pirate_sm.checking.exploring.explore import BEGINS, Exploration, Step
+from pirate_sm.checking.exploring.exploration import BEGINS, Exploration, Step
 from pirate_sm.engine.mission.interpreter import ROUND_AND_ROUND
 from pirate_sm.engine.safety import rules
 from pirate_sm.model.effects import (

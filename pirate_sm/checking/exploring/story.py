@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from math import isnan
 from typing import TypeAlias
 
-from pirate_sm.checking.exploring.explore import Exploration, Step
+from pirate_sm.checking.exploring.exploration import Exploration, Step
 from pirate_sm.expressions import NumberType, Vocabulary
 from pirate_sm.model.effects import (
     CommandStatus,

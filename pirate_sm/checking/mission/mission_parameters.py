@@ -11,8 +11,8 @@ from pydantic import BaseModel
 
 from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.findings import Finding, Severity, at
+from pirate_sm.checking.mission.driving import within_reach
 from pirate_sm.checking.mission.mission_view import MissionView
-from pirate_sm.checking.mission.out_of_reach import within_reach
 from pirate_sm.expressions import ExpressionError, compile_condition
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.parameters import Value, Values, defaults, read_value

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from pirate_sm.checking.exploring.explore import Exploration
+from pirate_sm.checking.exploring.exploration import Exploration
 from pirate_sm.checking.exploring.story import story
 from pirate_sm.checking.findings import Finding, Severity, usual_severity
 from pirate_sm.loading.mission import LoadedMission

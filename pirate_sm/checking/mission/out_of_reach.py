@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from math import inf, nan
 
-from pirate_sm.checking.exploring.conditions import Conditions, Fact
+from pirate_sm.checking.exploring.answers import Fact
+from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.exploration_index import Explored
-from pirate_sm.checking.exploring.explore import Exploration
 from pirate_sm.checking.exploring.piecewise_linear import borders, samples, signals
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range, ranges
 from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.mission.driving import driven_before, fastest_m_s
 from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.engine.mission.program import Branch, TriggerSpec, Wait
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, tree
@@ -53,15 +54,6 @@ def out_of_reach(view: MissionView) -> Iterator[Finding]:
             yield places.finding(place, "condition.beyond", message)
 
 
-def within_reach(loaded: LoadedMission) -> Conditions:
-    """What decides whether conditions can be true on a robot no faster than its motors turn."""
-    robot, most = loaded.robot, _fastest(loaded)
-    spans = dict(ranges(loaded.loaded_robot.profile, robot))
-    if robot.speed >= 0:
-        spans[robot.vocabulary.numbers[robot.speed]] = Range(-most, most)
-    return Conditions(robot.vocabulary.with_changes, spans, len(robot.regions))
-
-
 _Said = tuple[str, str]
 
 
@@ -74,8 +66,8 @@ class _Reach:
         self._speed = numbers[loaded.robot.speed] if loaded.robot.speed >= 0 else ""
         self._spans = dict(ranges(loaded.loaded_robot.profile, loaded.robot))
         self._usual = self._with({})
-        self._fastest = _fastest(loaded)
-        self._driven = [_driven_before(book.found, loaded) for book in seen]
+        self._fastest = fastest_m_s(loaded)
+        self._driven = [driven_before(book.found, loaded) for book in seen]
 
     def _with(self, narrower: Mapping[str, Range]) -> Conditions:
         spans = {**self._spans, **narrower}
@@ -242,39 +234,3 @@ class _Reach:
             return None
         message = f"it must be held for {trigger.held_s:g} s, and a word of the detector is valid "
         return "word.held", f"{message}for {detector.valid_for:g} s"
-
-
-def _fastest(loaded: LoadedMission) -> float:
-    """The speed of the fastest wheel without a load, m/s; infinite where it is not known."""
-    profile = loaded.loaded_robot.profile
-    rates = [
-        profile.motors[slot.motor].no_load_speed
-        for board in profile.boards
-        for slot in board.slots
-        if slot.wheel is not None
-    ]
-    known = [each for each in rates if each is not None]
-    return max(known) * profile.body.wheel_radius if known and len(known) == len(rates) else inf
-
-
-def _driven_before(found: Exploration, loaded: LoadedMission) -> frozenset[str]:
-    """Phases whose wait may begin after the robot has driven in an earlier wait."""
-    instructions, driven = found.program.instructions, loaded.robot.driven
-    after: dict[int, list[int]] = {}
-    begin = []
-    for step in found.steps:
-        if step.source < 0:
-            continue
-        after.setdefault(step.source, []).append(step.target)
-        before = found.nodes[step.source].state
-        waited = isinstance(instructions[before.mission.pc], Wait) and before.mission.begun
-        left = found.nodes[step.target].state.mission.pc != before.mission.pc
-        if waited and left and driven[before.robot.configuration]:
-            begin.append(step.target)
-    reached, waiting = set(begin), begin
-    while waiting:
-        for target in after.get(waiting.pop(), ()):
-            if target not in reached:
-                reached.add(target)
-                waiting.append(target)
-    return frozenset(found.program.phase_of[found.nodes[n].state.mission.pc] for n in reached)

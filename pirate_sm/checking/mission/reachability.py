@@ -6,8 +6,8 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
 
+from pirate_sm.checking.exploring.exploration import MISHAPS, Exploration, Node
 from pirate_sm.checking.exploring.exploration_index import Explored
-from pirate_sm.checking.exploring.explore import MISHAPS, Exploration, Node
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.mission_places import Places
 from pirate_sm.checking.mission.mission_view import MissionView

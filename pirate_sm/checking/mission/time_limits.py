@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from heapq import heappop, heappush
 from math import inf, isinf
 
+from pirate_sm.checking.exploring.exploration import Exploration
 from pirate_sm.checking.exploring.exploration_index import Explored
-from pirate_sm.checking.exploring.explore import Exploration
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.mission_places import Places
 from pirate_sm.checking.mission.mission_view import MissionView

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from pirate_sm.checking.exploring.answers import Fact
 from pirate_sm.checking.exploring.at_wait_start import at_beginning
-from pirate_sm.checking.exploring.conditions import Conditions, Fact
+from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.explore_mission import conditions_of

@@ -15,6 +15,8 @@ from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
 from pirate_sm.checking.mission.mission_parameters import check_settings
 from pirate_sm.checking.mission.rehearsal import Rehearsal, Rehearse, rehearsed
 from pirate_sm.checking.project.find_files import Target, find_targets
+from pirate_sm.checking.project.unique_findings import each_once
+from pirate_sm.checking.reports.check_report import CheckedFile, Report
 from pirate_sm.checking.reports.example_files import Examples
 from pirate_sm.checking.robot.check_robot import check_robot
 from pirate_sm.errors import UsageError
@@ -29,49 +31,6 @@ from pirate_sm.loading.script import read_script
 from pirate_sm.loading.source import LARGEST_FILE, Document, read_document
 from pirate_sm.loading.validate import validate
 from pirate_sm.model.calibration import Calibration
-
-_LONGEST_MESSAGE = 300
-
-
-@dataclass(frozen=True)
-class CheckedFile:
-    """A file that was looked at, as messages name it."""
-
-    name: str
-    kind: Kind
-
-
-@dataclass(frozen=True)
-class Report:
-    """What a check has found.
-
-    Attributes:
-        findings: By place, each once; allowed ones too.
-        files: What was looked at.
-        where: The files and folders that were searched.
-        nothing: Whether there was no file at all to look at.
-        rehearsals: What came of running missions, where that was wanted.
-    """
-
-    findings: tuple[Finding, ...]
-    files: tuple[CheckedFile, ...]
-    rehearsals: tuple[Rehearsal, ...] = ()
-    where: tuple[str, ...] = ()
-    nothing: bool = False
-
-    @property
-    def open(self) -> tuple[Finding, ...]:
-        """The findings that nobody has allowed."""
-        return tuple(each for each in self.findings if not each.allowed)
-
-    @property
-    def allowed(self) -> tuple[Finding, ...]:
-        """The findings that may stay."""
-        return tuple(each for each in self.findings if each.allowed)
-
-    def fails(self, at: Severity) -> bool:
-        """Whether anything was found that is as bad as this, or worse."""
-        return any(each.severity >= at for each in self.open)
 
 
 @dataclass(frozen=True)
@@ -174,7 +133,7 @@ class _Check:
         for name, found in self._unset.items():
             if self._called is not None and name not in self._called:
                 self.findings += found
-        settled = settle(_each_once(self.findings), self._texts)
+        settled = settle(each_once(self.findings), self._texts)
         ordered = sorted(settled, key=lambda each: each.order)
         if self._examples:
             ordered = self._examples.write(ordered)
@@ -317,35 +276,3 @@ def _options(wishes: Wishes, settings: Mapping[str, str]) -> str:
 def _folder(path: Path) -> Path:
     """The folder of a file as the library names it, so that a robot is loaded once."""
     return path.resolve().parent
-
-
-def _each_once(findings: Iterable[Finding]) -> list[Finding]:
-    """The findings without those that say the same of the same place; the worst and shortest."""
-    kept: dict[tuple[str, Place, str], Finding] = {}
-    for finding in map(_short, findings):
-        key = finding.code, finding.place, finding.message
-        before = kept.get(key)
-        if before is None or _weight(finding) > _weight(before):
-            kept[key] = finding
-    return list(kept.values())
-
-
-def _short(finding: Finding) -> Finding:
-    """The finding with a message that can be shown: names in a hostile file can be a megabyte."""
-    if max(map(len, (finding.message, finding.mend, finding.suggestion))) <= _LONGEST_MESSAGE:
-        return finding
-    return replace(
-        finding,
-        message=_cut(finding.message),
-        mend=_cut(finding.mend),
-        suggestion=_cut(finding.suggestion),
-    )
-
-
-def _cut(text: str) -> str:
-    return text if len(text) <= _LONGEST_MESSAGE else f"{text[: _LONGEST_MESSAGE - 1]}…"
-
-
-def _weight(finding: Finding) -> tuple[int, bool, int]:
-    """Sureness first, then that there is a story, then that it is short."""
-    return finding.severity, bool(finding.story), -len(finding.story)

@@ -16,7 +16,7 @@ from typing import Any
 
 import yaml
 
-from pirate_sm.checking.exploring.explore import Exploration, Step
+from pirate_sm.checking.exploring.exploration import Exploration, Step
 from pirate_sm.checking.exploring.possible_events import UNSAID
 from pirate_sm.checking.exploring.story import sentence
 from pirate_sm.checking.findings import Finding

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.project.check_project import Report
+from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.source_lines import end_column
 from pirate_sm.checking.reports.text import summary
 

@@ -90,7 +90,7 @@ class TransitionRules:
             self.silent += [each.transition for each in seen]
 
     def _guard(self, transition: Transition) -> Finding | None:
-        """Return a finding of a guard, or a part of it, that is the same in all thinkable states."""
+        """Return a finding of a guard, or a part of it, that is the same in every state."""
         guard = transition.tree
         assert guard is not None
         for part, value in constant_parts(guard, self._chart.states):
@@ -172,7 +172,7 @@ class TransitionRules:
         )
 
     def _chances(self, transition: Transition, part: ast.expr | None = None) -> bool:
-        """Return whether its state and guard, or a part of it, are true in a reached combination."""
+        """Return whether its state and (a part of) its guard are true where commands lead."""
         node = transition.tree if part is None else part
         if node is None:
             return self._is_reached(transition)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pirate_sm.checking.exploring.conditions import Conditions, Fact
+from pirate_sm.checking.exploring.answers import Fact
+from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.signal_ranges import ranges
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView

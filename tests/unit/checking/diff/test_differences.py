@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.diff.differences import Difference, compare
-from pirate_sm.checking.diff.mission_behaviour import abilities_of
+from pirate_sm.checking.diff.read_behaviour import abilities_of
 from pirate_sm.loading.mission import load_mission
 
 ROOT = Path(__file__).resolve().parents[4]

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from checking.small_missions import checked, only, write
+from pirate_sm.checking.exploring.exploration import Exploration
 from pirate_sm.checking.exploring.exploration_index import Waiting, index_exploration
-from pirate_sm.checking.exploring.explore import Exploration, explore
+from pirate_sm.checking.exploring.explore import explore
 from pirate_sm.checking.exploring.story import story
 from pirate_sm.checking.mission.check_mission import check_mission
 from pirate_sm.checking.mission.explore_mission import conditions_of
