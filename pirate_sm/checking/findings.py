@@ -69,12 +69,12 @@ class Finding:
         return self.place, self.code, self.message
 
     def allow(self, reason: str) -> Finding:
-        """The same finding, allowed."""
+        """Return the same finding, allowed."""
         return replace(self, allowed=reason)
 
 
 def finding_of(problem: Problem) -> Finding:
-    """The finding that says what loading found."""
+    """Return the finding that says what loading found."""
     warning = problem.severity is LoadSeverity.WARNING
     return Finding(
         problem.code,

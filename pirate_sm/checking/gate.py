@@ -27,7 +27,7 @@ class CheckError(PirateError):
 
 
 def pass_or_raise(loaded: LoadedMission) -> MissionCheck:
-    """Nothing is certainly wrong with the mission, but for what its files allow.
+    """Raise an error if a mission is certainly wrong, except for what its files allow.
 
     Returns:
         What was found all the same.

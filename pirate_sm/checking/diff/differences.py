@@ -64,12 +64,12 @@ class Difference:
         return all(each.kind == "renamed" for each in self.changes)
 
     def of(self, kind: Kind) -> tuple[Change, ...]:
-        """The changes of one kind."""
+        """Return the changes of one kind."""
         return tuple(each for each in self.changes if each.kind == kind)
 
 
 def compare(old: Abilities, new: Abilities) -> Difference:
-    """What the new version can do and the old one cannot, and the other way round.
+    """Return what the new version can do and the old one cannot, and the other way round.
 
     A phase or an end that has another name and is the same otherwise has been renamed.
     """
@@ -192,7 +192,7 @@ def _end(name: str) -> str:
 
 
 def _failures(old: Abilities, new: Abilities) -> Iterator[Change]:
-    """Commands whose failure ends otherwise, those together that change alike."""
+    """Yield commands whose failure ends otherwise, those together that change alike."""
     alike: dict[tuple[str, str], dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
     for (phase, name), was, now in _both(old.failures, new.failures):
         alike[_ends(was), _ends(now)][phase].append(name)
@@ -210,7 +210,7 @@ def _ends(names: frozenset[str]) -> str:
 
 
 def _faults(old: Abilities, new: Abilities) -> Iterator[Change]:
-    """Faults that lead elsewhere, phases together in which they change alike."""
+    """Yield faults that lead elsewhere, phases together in which they change alike."""
     kept = [phase for phase in new.phases if phase in old.phases]
     codes = dict.fromkeys(code for _, code in (*old.faults, *new.faults))
     for code in codes:
@@ -271,14 +271,14 @@ def _count(number: int, thing: str) -> str:
 def _one_sided(
     old: Abilities, new: Abilities, part: Callable[[Abilities], Mapping[K, object]]
 ) -> Iterator[tuple[Kind, K, Abilities, Abilities]]:
-    """What only one of them has: whether it is gained, its key, who has it and who has it not."""
+    """Yield what only one version has: whether it is gained, its key, who has it, who has not."""
     before, after = part(old), part(new)
     yield from (("gained", key, new, old) for key in after if key not in before)
     yield from (("lost", key, old, new) for key in before if key not in after)
 
 
 def _both(old: Mapping[K, V], new: Mapping[K, V]) -> Iterator[tuple[K, V, V]]:
-    """What both have, where it differs."""
+    """Yield what both have and where it differs."""
     return ((key, old[key], new[key]) for key in new if key in old and old[key] != new[key])
 
 

@@ -30,7 +30,7 @@ _PLACE = re.compile(r" \([^()]*:\d+:\d+\)")
 
 
 def abilities_of(loaded: LoadedMission) -> Abilities:
-    """What the mission can do is known; it has been explored."""
+    """Explore a mission and return what it can do."""
     program = loaded.program
     found = explore(loaded.robot, program, conditions_of(loaded))
     book, reader = index_exploration(found), _Reader(found)
@@ -66,7 +66,7 @@ def _facts(loaded: LoadedMission) -> dict[str, str]:
 
 
 def _content(loaded: LoadedMission, phase: str) -> Hashable:
-    """What a phase does, without the names of phases and ends."""
+    """Return what a phase does, without the names of phases and ends."""
     program = loaded.program
     return tuple(
         _said(each, loaded.robot)
@@ -94,7 +94,7 @@ def _said(it: steps.Instruction, robot: RobotSpec) -> Hashable:
 
 
 def _terms(it: steps.Do) -> str:
-    """How long a command may take, how often it is tried, whether it may be unneeded."""
+    """Return how long a command may take, how often it is tried, whether it may be unneeded."""
     parts = [] if it.timeout_s is None else [f"timeout {it.timeout_s:g} s"]
     parts += [f"retry {it.retries}"] if it.retries else []
     parts += ["unneeded: skip"] if it.skip_unneeded else []
@@ -112,7 +112,7 @@ class _Reader:
                 self._homes[each.place][home] = _terms(each) if isinstance(each, steps.Do) else ""
 
     def commands(self) -> dict[Given, str]:
-        """Commands that can be given, with their terms."""
+        """Return commands that can be given, with their terms."""
         terms: dict[Given, set[str]] = defaultdict(set)
         for step in self._found.steps:
             for phase, status in self._statuses(step):
@@ -121,7 +121,7 @@ class _Reader:
         return {given: "; ".join(sorted(said)) for given, said in terms.items()}
 
     def failures(self) -> dict[Given, frozenset[str]]:
-        """The ends that can be reached after a command has failed, while all else goes well."""
+        """Return the ends that are reached after a command has failed, while all else goes well."""
         after = self._ends_after()
         ends: dict[Given, set[str]] = defaultdict(set)
         for step in self._found.steps:
@@ -134,7 +134,7 @@ class _Reader:
         return {given: frozenset(names) for given, names in ends.items()}
 
     def _statuses(self, step: Step) -> Iterator[tuple[str, CommandStatus]]:
-        """What happens to commands in a step, each with the phase that it stands in."""
+        """Yield what happens to commands in a step, each with the phase that it stands in."""
         at = self._found.nodes[step.source].state.mission.pc if step.source >= 0 else 0
         phase = self._found.program.phase_of[at]
         for effect in step.effects:
@@ -146,7 +146,7 @@ class _Reader:
                 yield phase if phase in homes else next(iter(homes)), effect
 
     def _ends_after(self) -> list[set[str]]:
-        """Per node the ends that are reached from it while nothing goes wrong."""
+        """Return per node the ends that are reached from it while nothing goes wrong."""
         found = self._found
         before: dict[int, list[int]] = defaultdict(list)
         over: dict[str, set[int]] = defaultdict(set)
@@ -167,7 +167,7 @@ class _Reader:
 
 
 def _ends_of(found: Exploration, step: Step) -> Iterator[tuple[str, str]]:
-    """Outcome and name of the end that a step leads to, if it does."""
+    """Yield outcome and name of the end that a step leads to, if it does."""
     ending = found.nodes[step.target].state.mission.ending
     if ending is not None:
         yield ending.outcome, ending.end
@@ -196,7 +196,7 @@ def _triggers(book: Explored, program: Program) -> dict[tuple[str, str], Trigger
 
 
 def _target(program: Program, index: int, name: str) -> str:
-    """The whole name of the phase or end that stands there; of what follows a call as written."""
+    """Return the whole name of the phase or end that stands there, else the name as written."""
     if not 0 <= index < len(program.instructions):
         return name
     match program.instructions[index]:

@@ -51,7 +51,7 @@ def in_new_names(old: Abilities, names: Mapping[str, str]) -> Abilities:
 
 
 def matched_triggers(old: Triggers, new: Triggers) -> Triggers:
-    """Return the old triggers under the names of the new ones that wait for the same, else as named.
+    """Return the old triggers under the names of new ones that wait for the same, else as named.
 
     A trigger that nobody has named has the name of what it leads to.
     """

@@ -23,7 +23,7 @@ LEAST_RIVALS = 2
 def lasting(
     wait: Wait, state: EngineState, conditions: Conditions
 ) -> Iterator[tuple[EngineState, float]]:
-    """States just before an outcome of the wait, each with the time at which it comes.
+    """Yield states just before an outcome of the wait, each with the time at which it comes.
 
     In one of them a condition has been true all the time, or none has, and no other one for as
     long as it would have to be.
@@ -57,13 +57,9 @@ def _is_held(trigger: TriggerSpec) -> bool:
 
 
 def _can_last(
-    wait: Wait,
-    chosen: int,
-    rivals: list[TriggerSpec],
-    state: EngineState,
-    conditions: Conditions,
+    wait: Wait, chosen: int, rivals: list[TriggerSpec], state: EngineState, conditions: Conditions
 ) -> bool:
-    """Whether each rival can break while the chosen condition is true and nothing else fires."""
+    """Return whether each rival can break while the chosen condition holds and nothing fires."""
     facts: list[Fact] = [
         (each.condition.tree, False)
         for each in wait.triggers

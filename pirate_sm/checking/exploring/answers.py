@@ -26,7 +26,7 @@ class Answer(NamedTuple):
 
 
 def together(answers: Iterable[Answer]) -> Answer:
-    """The answer to several questions that have no signal in common."""
+    """Return the answer to several questions that have no signal in common."""
     numbers: dict[str, float] = {}
     words: dict[str, str | None] = {}
     sure = True

@@ -54,12 +54,12 @@ class Conditions:
         self.tests = 0
 
     def ask(self, facts: Iterable[Fact], states: Sequence[str | None]) -> Answer:
-        """Whether all facts can hold at once with the regions in these states."""
+        """Return whether all facts can hold at once with the regions in these states."""
         answers = (self._ask(group, states) for group in self._groups(dict.fromkeys(facts)))
         return together(answers)
 
     def anywhere(self, facts: Sequence[Fact], configurations: Iterable[Configuration]) -> bool:
-        """Whether all facts can hold at once in one of the configurations."""
+        """Return whether all facts can hold at once in one of the configurations."""
         regions = {region for node, _ in facts for region in self.regions(node)}
         asked: set[tuple[str, ...]] = set()
         for states in configurations:
@@ -73,11 +73,11 @@ class Conditions:
         return False
 
     def free(self, node: tree.Node) -> frozenset[str]:
-        """Names of what the condition depends on beside the states."""
+        """Return names of what the condition depends on beside the states."""
         return self._look(node)[0]
 
     def regions(self, node: tree.Node) -> tuple[int, ...]:
-        """Indexes of the regions that the condition depends on."""
+        """Return indexes of the regions that the condition depends on."""
         return self._look(node)[1]
 
     def _look(self, node: tree.Node) -> tuple[frozenset[str], tuple[int, ...]]:
@@ -91,7 +91,7 @@ class Conditions:
         return seen
 
     def _groups(self, facts: Iterable[Fact]) -> list[tuple[Fact, ...]]:
-        """Facts that share signals together: each group can be answered for itself."""
+        """Return facts that share signals in groups, each of which is answered by itself."""
         groups: list[tuple[frozenset[str], tuple[Fact, ...]]] = []
         for fact in facts:
             names: frozenset[str] = self.free(fact[0])
@@ -118,7 +118,7 @@ class Conditions:
         return answer
 
     def _ask_group(self, facts: tuple[Fact, ...], states: tuple[str | None, ...]) -> Answer:
-        """Values with which it is so; failing that, whether it is so with free truths."""
+        """Return values with which it is so; failing that, whether it is so with free truths."""
         found, tried = self._witness(facts, states)
         if found.possible:
             return found
@@ -133,7 +133,7 @@ class Conditions:
     def _witness(
         self, facts: tuple[Fact, ...], states: tuple[str | None, ...], free: int = 0
     ) -> tuple[Answer, bool]:
-        """Values with which the facts hold, and whether all that count have been tried.
+        """Return values with which the facts hold, and whether all that count have been tried.
 
         Args:
             facts: The facts.
@@ -164,14 +164,14 @@ class Conditions:
         return Answer(False), True
 
     def _values(self, nodes: tuple[tree.Node, ...]) -> _Values:
-        """What signals are worth trying with, whatever the states are."""
+        """Return what signals are worth trying with, whatever the states are."""
         values = self._tried.get(nodes)
         if values is None:
             values = self._tried[nodes] = self._numeric(nodes), self._verbal(nodes)
         return values
 
     def _numeric(self, nodes: Sequence[tree.Node]) -> dict[str, tuple[float, ...]]:
-        """Per signal the values that are worth trying; unknown is one of them."""
+        """Return per signal the values that are worth trying; unknown is one of them."""
         marks: dict[str, set[float]] = {}
         for node in nodes:
             for each in tree.walk(node):
@@ -188,7 +188,7 @@ class Conditions:
         }
 
     def _verbal(self, nodes: Sequence[tree.Node]) -> dict[str, tuple[str | None, ...]]:
-        """Per word that is not a state's, what it can be."""
+        """Return per word that is not a state's, what it can be."""
         names = dict.fromkeys(
             each.name
             for node in nodes
@@ -212,14 +212,14 @@ def _compiled(node: tree.Node) -> Expression:
 
 @lru_cache(maxsize=4096)
 def _is_decided(node: tree.Compare) -> bool:
-    """Whether a comparison changes only where its one signal has a border."""
+    """Return whether a comparison changes only where its one signal has a border."""
     arguments = sum(len(each.arguments) for each in tree.walk(node) if isinstance(each, tree.Call))
     linear = is_linear(node.left) and is_linear(node.right)
     return len(signals(node)) == 1 and linear and arguments <= MOST_ARGUMENTS
 
 
 def _without_opaque(node: tree.Node, opaque: dict[tree.Node, int], first: int) -> tree.Node:
-    """The condition with each comparison that is not decided here as a free truth."""
+    """Return the condition with each comparison that is not decided here as a free truth."""
     match node:
         case tree.Compare():
             if _is_decided(node) or not signals(node):

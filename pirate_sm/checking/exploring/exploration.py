@@ -91,7 +91,7 @@ class Exploration:
     _mishaps: list[int] = field(default_factory=list)
 
     def path(self, step: int) -> list[Step]:
-        """The shortest course of events that ends with this step, from the start on."""
+        """Return the shortest course of events that ends with this step, from the start on."""
         found = []
         while step >= 0:
             found.append(self.steps[step])
@@ -100,7 +100,7 @@ class Exploration:
         return found[::-1]
 
     def mishaps(self, step: int) -> int:
-        """How many things must go wrong, at least, before and in this step."""
+        """Return how many things must go wrong, at least, before and in this step."""
         if not self._mishaps:
             self._mishaps = fewest_mishaps([(e.source, e.target, e.went_wrong) for e in self.steps])
         here = self.steps[step]
@@ -108,5 +108,5 @@ class Exploration:
         return before + here.went_wrong
 
     def is_playable(self, step: int) -> bool:
-        """Whether a course of single events, one after the other, leads there."""
+        """Return whether a course of single events, one after the other, leads there."""
         return all(each.move.kind != "lasting" for each in self.path(step))

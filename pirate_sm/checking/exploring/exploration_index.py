@@ -80,12 +80,12 @@ class Explored:
     round_and_round: list[int] = field(default_factory=list)
 
     def sure(self, step: int) -> bool:
-        """Whether a step comes about without what the check cannot decide."""
+        """Return whether a step comes about without what the check cannot decide."""
         return self.found.steps[step].sure
 
 
 def index_exploration(found: Exploration) -> Explored:
-    """Every step of the exploration has been entered where it belongs."""
+    """Enter every step of an exploration at its place in the mission and return the index."""
     book = Explored(found)
     for number, step in enumerate(found.steps):
         _enter(book, number, step)

@@ -53,7 +53,7 @@ def explore(
     body: RobotState | None = None,
     most_work: float = MOST_WORK,
 ) -> Exploration:
-    """Everything that can happen to the mission has been tried once, unless that is too much.
+    """Try everything that can happen to the mission once, unless that is too much.
 
     What is sure is explored first, so that nothing is called unsure that also comes about
     without what cannot be decided.
@@ -83,7 +83,7 @@ def explore(
 
 
 def _telling(program: Program) -> Program:
-    """The same program; it also tells when a call begins, which nothing else would show."""
+    """Return the program with a log line where a call begins, which nothing else would show."""
     instructions = [*program.instructions]
     said: list[tuple[Say, int]] = []
     for index, each in enumerate(program.instructions):
@@ -131,7 +131,7 @@ class _Walk:
                 return
 
     def _outlast(self) -> bool:
-        """Whether a wait has come to something new while sensors showed now this and now that."""
+        """Try sensors that alternate, and return whether a wait has come to something new."""
         steps = len(self.found.steps) + len(self._held_back)
         fired: dict[Any, set[str]] = defaultdict(set)
         for done in self.found.steps:
@@ -163,12 +163,12 @@ class _Walk:
             self._try(index, move, partial(self.engine.step, state, move.event, move.at_s), due)
 
     def _wait_of(self, state: EngineState) -> Wait | None:
-        """The wait that it has come to."""
+        """Return the wait that it has come to."""
         it = self.engine.program.instructions[state.mission.pc]
         return it if state.mission.begun and isinstance(it, Wait) else None
 
     def _waits(self, result: tuple[EngineState, tuple[Effect, ...]]) -> int:
-        """Index of the wait that it has come to."""
+        """Return index of the wait that it has come to."""
         return NOWHERE if self._wait_of(result[0]) is None else result[0].mission.pc
 
     def _try(
@@ -179,7 +179,7 @@ class _Walk:
         due: Collection[Trigger] = (),
         known: Collection[str] | None = None,
     ) -> None:
-        """The results of the step have been reached, as far as they are not too much.
+        """Enter the results of a step of the engine, as far as they are not too much.
 
         Args:
             source: Index of the node before.
@@ -242,7 +242,7 @@ class _Walk:
 
 
 def _due(wait: Wait, state: EngineState, now: float) -> Collection[Trigger]:
-    """Triggers that fire now if their condition is still true."""
+    """Return triggers that fire now if their condition is still true."""
     mission = state.mission
     return [
         (mission.pc, number)

@@ -36,7 +36,7 @@ def branches(view: MissionView) -> Iterator[Finding]:
 
 
 def _decided(seen: Sequence[Explored], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
-    """What has been asked and was the same each time."""
+    """Yield conditions that were the same each time they were asked."""
     truths: dict[str, set[bool]] = defaultdict(set)
     guards = set[str]()
     for book in seen:
@@ -69,7 +69,7 @@ def _decided(seen: Sequence[Explored], loaded: LoadedMission, places: Places) ->
 
 
 def _conditions(loaded: LoadedMission) -> dict[str, Expression]:
-    """The conditions of steps and arms by their places."""
+    """Return the conditions of steps and arms by their places."""
     return {
         each.place: each.condition
         for each in loaded.program.instructions
@@ -78,7 +78,7 @@ def _conditions(loaded: LoadedMission) -> dict[str, Expression]:
 
 
 def _arms(loaded: LoadedMission, places: Places) -> Iterator[Finding]:
-    """Arms of a `choose`, and an `else`, for which the arms before leave nothing."""
+    """Yield arms of a `choose`, and an `else`, for which the arms before leave nothing."""
     asked, conditions = _conditions(loaded), within_reach(loaded)
     every = loaded.robot.table.configurations
     for step, path in _chooses(loaded.mission):
@@ -104,7 +104,7 @@ def _arms(loaded: LoadedMission, places: Places) -> Iterator[Finding]:
 
 
 def _chooses(mission: Mission) -> Iterator[tuple[ChooseStep, Path]]:
-    """Every `choose` of a mission, with where it stands."""
+    """Yield every `choose` of a mission, with where it stands."""
     for name, phase in mission.phases.items():
         yield from _among(phase.do, ("phases", name, "do"))
 

@@ -51,7 +51,7 @@ def check_mission(
     start_phase: str | None = None,
     states: Mapping[str, str] | None = None,
 ) -> MissionCheck:
-    """Everything that is wrong with the mission is known.
+    """Return everything that is wrong with a mission.
 
     Args:
         path: The mission's file.

@@ -12,7 +12,7 @@ from pirate_sm.loading.mission import LoadedMission
 
 
 def within_reach(loaded: LoadedMission) -> Conditions:
-    """What decides whether conditions can be true on a robot no faster than its motors turn."""
+    """Return what can be true on a robot that is no faster than its motors turn."""
     robot, most = loaded.robot, fastest_m_s(loaded)
     spans = dict(ranges(loaded.loaded_robot.profile, robot))
     if robot.speed >= 0:
@@ -21,7 +21,7 @@ def within_reach(loaded: LoadedMission) -> Conditions:
 
 
 def fastest_m_s(loaded: LoadedMission) -> float:
-    """The speed of the fastest wheel without a load, m/s; infinite where it is not known."""
+    """Return the speed of the fastest wheel without a load, m/s; infinite where it is not known."""
     profile = loaded.loaded_robot.profile
     rates = [
         profile.motors[slot.motor].no_load_speed
@@ -34,7 +34,7 @@ def fastest_m_s(loaded: LoadedMission) -> float:
 
 
 def driven_before(found: Exploration, loaded: LoadedMission) -> frozenset[str]:
-    """Phases whose wait may begin after the robot has driven in an earlier wait."""
+    """Return phases whose wait may begin after the robot has driven in an earlier wait."""
     instructions, driven = found.program.instructions, loaded.robot.driven
     after: dict[int, list[int]] = {}
     begin = []

@@ -17,13 +17,13 @@ MOST_ASSUMPTIONS = 20
 
 
 def conditions_of(loaded: LoadedMission) -> Conditions:
-    """What decides whether conditions on the mission's robot can be true."""
+    """Return what decides whether conditions on the mission's robot can be true."""
     spans = ranges(loaded.loaded_robot.profile, loaded.robot)
     return Conditions(loaded.robot.vocabulary.with_changes, spans, len(loaded.robot.regions))
 
 
 def explore_mission(loaded: LoadedMission) -> list[Explored]:
-    """What can happen; and again with the steps left out that can never run, until there are none.
+    """Explore a mission, and again without the steps that can never run, until there are none.
 
     After a certain refusal the check goes on as if the step were not there, so that later faults
     show as well. All of it together may take as much as one exploration.
@@ -49,7 +49,7 @@ def explore_mission(loaded: LoadedMission) -> list[Explored]:
 
 
 def _without(program: Program, places: set[str]) -> Program:
-    """The program with the steps at these places left out; of a call all that it does."""
+    """Return the program with the steps at these places left out; of a call all that it does."""
     instructions = tuple(
         Require((), "", _after(program, index), each.failed, "")
         if isinstance(each, Do | Require) and each.place in places
@@ -60,7 +60,7 @@ def _without(program: Program, places: set[str]) -> Program:
 
 
 def _after(program: Program, index: int) -> int:
-    """Where it goes on after a step; a call is followed by what each of its ends leads to."""
+    """Return where it goes on after a step; after a call, where an end that succeeds leads."""
     step = program.instructions[index]
     assert isinstance(step, Do | Require)
     if isinstance(step, Do):
@@ -74,7 +74,7 @@ def _after(program: Program, index: int) -> int:
 
 
 def explore_mended(explored: Sequence[Explored], loaded: LoadedMission) -> list[Explored]:
-    """What can happen once steps that are refused on some path, and broken rules, are mended.
+    """Explore a mission whose refused steps and broken rules have been mended.
 
     What is reached, needed or fired only then is no fault of its own: it is told of nothing that
     it never is.

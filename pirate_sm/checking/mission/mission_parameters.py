@@ -99,7 +99,7 @@ def parameter_limits(view: MissionView) -> Iterator[Finding]:
 
 
 def _late(waits: Iterable[Phase | WaitStep], values: Values) -> Iterator[str]:
-    """Triggers that with these values can only come after their wait is over."""
+    """Yield triggers that with these values can only come after their wait is over."""
     for wait in waits:
         within_s = inf if wait.within is None else _seconds(wait.within.time, values)
         ends_s = [_seconds(t.after, values) for t in wait.wait if isinstance(t, TimeTrigger)]
@@ -116,7 +116,7 @@ def _late(waits: Iterable[Phase | WaitStep], values: Values) -> Iterator[str]:
 
 
 def _waits(value: object) -> Iterator[Phase | WaitStep]:
-    """The phases and steps of a mission that wait."""
+    """Yield the phases and steps of a mission that wait."""
     if isinstance(value, Phase | WaitStep):
         yield value
     for _, inner in _inside(value):
@@ -128,7 +128,7 @@ def _written(value: float | Parameter) -> str:
 
 
 def _seconds(value: float | Parameter, values: Values) -> float:
-    """The time; NaN where the parameter has no value."""
+    """Return the time; NaN where the parameter has no value."""
     if not isinstance(value, Parameter):
         return value
     return values[value.name].quantity.value if value.name in values else nan
@@ -137,7 +137,7 @@ def _seconds(value: float | Parameter, values: Values) -> float:
 def _never(
     text: str, name: str, values: Values, loaded: LoadedMission, conditions: Conditions
 ) -> bool:
-    """Whether the condition is impossible with these values; not where others are missing."""
+    """Return whether the condition is impossible with these values, if they are all there."""
     if name not in _USE.findall(text) or not set(_USE.findall(text)) <= values.keys():
         return False
     constants = {each: value.quantity for each, value in values.items()}
@@ -149,7 +149,7 @@ def _never(
 
 
 def _conditions(value: object) -> Iterator[str]:
-    """The conditions in a part of a mission."""
+    """Yield the conditions in a part of a mission."""
     for name, inner in _inside(value):
         if name in {"when", "condition"} and isinstance(inner, str):
             yield inner
@@ -158,7 +158,7 @@ def _conditions(value: object) -> Iterator[str]:
 
 
 def _used(value: object) -> Iterator[str]:
-    """The names of parameters in a part of a mission."""
+    """Yield the names of parameters in a part of a mission."""
     if isinstance(value, Parameter):
         yield value.name
     elif isinstance(value, str):
@@ -171,7 +171,7 @@ def _used(value: object) -> Iterator[str]:
 
 
 def _inside(value: object) -> Iterator[tuple[str, object]]:
-    """What a part of a mission is made of, with the field of a model that it stands in."""
+    """Yield what a part of a mission is made of, with the field of a model that it stands in."""
     if isinstance(value, Mapping):
         yield from (("", each) for each in value.values())
     elif isinstance(value, tuple | list):
@@ -181,7 +181,7 @@ def _inside(value: object) -> Iterator[tuple[str, object]]:
 
 
 def _shown(value: BaseModel) -> Iterator[str]:
-    """The names in the texts that a person reads."""
+    """Yield the names in the texts that a person reads."""
     match value:
         case LogStep(log=text) | AskStep(ask=text):
             yield from _FIELD.findall(text)

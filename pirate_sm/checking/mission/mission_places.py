@@ -27,7 +27,7 @@ class Places:
         self._documents = {document.name: document for document in loaded.documents}
 
     def written(self, text: str, command: str) -> str:
-        """A command in the word that the step at ``file:line:col`` has for it."""
+        """Return a command in the word that the step at ``file:line:col`` has for it."""
         others = [alias for alias, name in self._aliases.items() if name == command]
         place = self.read(text)
         if not others or place.file not in self._documents:
@@ -38,16 +38,16 @@ class Places:
         return command if word is None or word[0] == command else f"{word[0]} ({command})"
 
     def read(self, text: str) -> Place:
-        """The place that ``file:line:col`` names."""
+        """Return the place that ``file:line:col`` names."""
         file, line, column = text.rsplit(":", 2)
         return Place(file, int(line), int(column))
 
     def of(self, path: Path, *, key: bool = False) -> Place:
-        """Where a part of the mission's own file stands."""
+        """Return where a part of the mission's own file stands."""
         return self._own.place_of(path, key=key)
 
     def mission(self) -> Place:
-        """Where the mission's name stands."""
+        """Return where the mission's name stands."""
         return self.of(("mission",))
 
     def finding(

@@ -39,26 +39,20 @@ def reachability(view: MissionView) -> Iterator[Finding]:
 def _unreachable(
     seen: Sequence[Explored], loaded: LoadedMission, places: Places
 ) -> Iterator[Finding]:
-    entered = {phase for book in seen for phase in book.phases}
-    for name in loaded.mission.phases:
-        if name not in entered:
-            yield places.finding(
-                places.of(("phases", name), key=True),
-                "phase.unreachable",
-                f"nothing leads to the phase '{name}'",
-            )
+    phases = {phase for book in seen for phase in book.phases}
     ends = {end for book in seen for _, end in book.ends}
-    for name in loaded.mission.ends:
-        if name not in ends:
-            yield places.finding(
-                places.of(("ends", name), key=True),
-                "end.unreachable",
-                f"nothing leads to the end '{name}'",
-            )
+    for code, kind, names, reached in (
+        ("phase.unreachable", "phase", loaded.mission.phases, phases),
+        ("end.unreachable", "end", loaded.mission.ends, ends),
+    ):
+        for name in names:
+            if name not in reached:
+                place = places.of((f"{kind}s", name), key=True)
+                yield places.finding(place, code, f"nothing leads to the {kind} '{name}'")
 
 
 def _endless(books: Sequence[Explored], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
-    """Phases from which no end can be reached, but by a failure, a fault or from outside."""
+    """Yield phases from which no end can be reached, but by a failure, a fault or from outside."""
     found = books[-1].found
     if isfinite(loaded.program.time_limit_s):
         return
@@ -89,7 +83,7 @@ def _endless(books: Sequence[Explored], loaded: LoadedMission, places: Places) -
 
 
 def _cannot_end(found: Exploration) -> set[int]:
-    """Nodes from which only a failure or a fault leads to an end, and not to one that succeeds."""
+    """Return nodes from which no end, or none that succeeds, is reached without a mishap."""
     usual: dict[int, list[int]] = defaultdict(list)
     every: dict[int, list[int]] = defaultdict(list)
     for step in found.steps:
@@ -107,7 +101,7 @@ def _succeeds(node: Node) -> bool:
 
 
 def _leading_to(targets: set[int], before: Mapping[int, Sequence[int]]) -> set[int]:
-    """The nodes from which one of these is reached, and these."""
+    """Return the nodes from which one of these is reached, and these."""
     can, pending = set(targets), list(targets)
     while pending:
         for source in before.get(pending.pop(), ()):

@@ -54,7 +54,7 @@ def refused_steps(view: MissionView) -> Iterator[Finding]:
 
 
 def handler_phases(program: Program) -> frozenset[str]:
-    """Phases that failures and faults lead to."""
+    """Return phases that failures and faults lead to."""
     targets = {
         each.failed
         for each in program.instructions
@@ -67,7 +67,7 @@ def handler_phases(program: Program) -> frozenset[str]:
 
 
 def _phases(program: Program) -> dict[str, set[str]]:
-    """The phases in which the step at each place stands; a called one stands in several."""
+    """Return the phases in which the step at each place stands; a called one stands in several."""
     found: dict[str, set[str]] = defaultdict(set)
     for each, phase in zip(program.instructions, program.phase_of, strict=True):
         if isinstance(each, Do | Require):
@@ -76,7 +76,7 @@ def _phases(program: Program) -> dict[str, set[str]]:
 
 
 def _needed(place: str, seen: Sequence[Explored]) -> bool:
-    """Whether the step is given anywhere."""
+    """Return whether the step is given anywhere."""
     return any(place in book.visits and book.visits[place].given for book in seen)
 
 
@@ -89,7 +89,7 @@ def _judge(
     *,
     handling: bool,
 ) -> tuple[str, Severity, str, int, str] | None:
-    """Code, severity, message, step to be told, and how to mend it; None where all is well."""
+    """Return code, severity, message, step and mend of a finding; None where all is well."""
     complete = book.found.complete
     if isinstance(step, Do) and not visits.given and not visits.refused and complete:
         message = f"{name} is never needed: it is so already whenever its turn comes"
@@ -114,7 +114,7 @@ def _judge(
 
 
 def _unexpected(visits: Visits, step: Do | Require) -> list[int]:
-    """Refusals that nobody has thought of, of a step that is not always refused.
+    """Return the refusals that the mission does not provide for, of a step not always refused.
 
     Where a step itself says where its failures lead, its refusals are thought of. Its phase does
     so for what is impossible; an unneeded step would keep the next ones from being done.
@@ -125,13 +125,13 @@ def _unexpected(visits: Visits, step: Do | Require) -> list[int]:
 
 
 def _first(book: Explored, refused: Sequence[int]) -> int:
-    """The refusal to be told: a sure one if there is, and of these the first."""
+    """Return the refusal to report: the first sure one, or else the first."""
     sure = [each for each in refused if book.sure(each)]
     return min(sure or refused)
 
 
 def _severity(book: Explored, refused: Sequence[int], first: int, *, handling: bool) -> Severity:
-    """A handler that fails only once a second thing has gone wrong is not certainly wrong."""
+    """Return the severity: a handler that fails only after two mishaps is a warning."""
     if not book.sure(first):
         return Severity.POSSIBLE
     again = handling and min(book.found.mishaps(each) for each in refused) > 1
@@ -150,7 +150,7 @@ def _code(visits: Visits, step: Do | Require, first: int, maybe: str, *, handlin
 def _way_to(
     step: Require, book: Explored, first: int, loaded: LoadedMission, *, always: bool
 ) -> str:
-    """How the terms of a call can be met where they are not."""
+    """Return how the terms of a call can be met where they are not."""
     source = book.found.steps[first].source
     body = book.found.nodes[max(source, 0)].state.robot
     commands = way(loaded.robot, body, step.states)
@@ -172,7 +172,7 @@ def _way_to(
 
 
 def _failed(book: Explored, step: int) -> set[str]:
-    """Names of the commands that come to no good end on the way to a step."""
+    """Return names of the commands that come to no good end on the way to a step."""
     return {
         effect.name
         for each in book.found.path(step)

@@ -77,7 +77,7 @@ Rehearse: TypeAlias = Callable[[LoadedMission, Path], Rehearsal]
 def rehearsed(
     check: MissionCheck, path: Path, rehearse: Rehearse
 ) -> tuple[Rehearsal, tuple[Finding, ...]]:
-    """The mission has been run, unless something is certainly wrong with it; and what that shows.
+    """Run a mission that is not certainly wrong, and return what that shows.
 
     Args:
         check: What is known of the mission.

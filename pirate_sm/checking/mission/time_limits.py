@@ -54,7 +54,7 @@ def _timeout(it: Do, loaded: LoadedMission) -> tuple[Severity, str]:
 
 
 def _limit(books: Sequence[Explored], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
-    """A mission that cannot succeed within its limit, if commands take as long as they do."""
+    """Yield a mission that cannot succeed in time if commands take as long as usual."""
     limit_s = loaded.program.time_limit_s
     if isinf(limit_s) or not books[-1].found.complete:
         return
@@ -69,7 +69,7 @@ def _limit(books: Sequence[Explored], loaded: LoadedMission, places: Places) -> 
 
 
 def _shortest_s(found: Exploration) -> float:
-    """How long an end that succeeds takes at least, with commands of nominal duration."""
+    """Return how long an end that succeeds takes at least, with commands of nominal duration."""
     after: list[list[tuple[int, float]]] = [[] for _ in found.nodes]
     waiting: list[tuple[float, int]] = []
     for step in found.steps:

@@ -19,8 +19,8 @@ from pirate_sm.loading.mission import LoadedMission
 
 def wait_triggers(view: MissionView) -> Iterator[Finding]:
     """Yield what is wrong with triggers and with conditions of steps."""
-    books, seen, loaded, places = view.explored, view.seen, view.loaded, view.places
-    judge = _Judge(books, seen, loaded, conditions_of(loaded))
+    loaded, places = view.loaded, view.places
+    judge = _Judge(view)
     told: set[str] = set()
     if view.complete:
         for place, (code, message, mend) in judge.triggers().items():
@@ -29,16 +29,13 @@ def wait_triggers(view: MissionView) -> Iterator[Finding]:
     for place, condition, if_false in _conditions(loaded.program):
         said = judge.constant(condition)
         if said and place not in told:
-            yield places.finding(
-                places.read(place),
-                "condition.constant",
-                f"'{condition.text}' is always {said}",
-                mend="leave the condition out" if said.startswith("true") else if_false,
-            )
+            message = f"'{condition.text}' is always {said}"
+            mend = "leave the condition out" if said.startswith("true") else if_false
+            yield places.finding(places.read(place), "condition.constant", message, mend=mend)
 
 
 def _conditions(program: Program) -> Iterator[tuple[str, Expression, str]]:
-    """Place and condition of what is asked, and how to mend one that is never true."""
+    """Yield place and condition of what is asked, and how to mend one that is never true."""
     for each in program.instructions:
         if isinstance(each, Branch):
             yield each.place, each.condition, "leave the step out"
@@ -52,23 +49,16 @@ _Said = tuple[str, str, str]
 
 
 class _Judge:
-    def __init__(
-        self,
-        books: Sequence[Explored],
-        seen: Sequence[Explored],
-        loaded: LoadedMission,
-        conditions: Conditions,
-    ) -> None:
-        self._books = books
-        self._seen = seen
-        self._table = loaded.robot.table
-        self._program = loaded.program
-        self._conditions = conditions
+    def __init__(self, view: MissionView) -> None:
+        loaded = view.loaded
+        self._books, self._seen = view.explored, view.seen
+        self._table, self._program = loaded.robot.table, loaded.program
+        self._conditions = conditions_of(loaded)
         self._changes = {change_of(name): name for name in loaded.robot.vocabulary.numbers}
         self._constant: dict[tree.Node, str] = {}
 
     def triggers(self) -> dict[str, _Said]:
-        """What is to be said of a trigger, by its place; nothing where it is ever of use."""
+        """Return what is to be said of a trigger, by its place; nothing where it is ever of use."""
         fine: set[str] = set()
         found: dict[str, _Said] = {}
         for wait in self._program.instructions:
@@ -119,7 +109,7 @@ class _Judge:
         return "trigger.shadowed", message, "list it first, or leave it out"
 
     def _unchanged(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
-        """What is to be said of a condition that is true as long as nothing has changed."""
+        """Return what is to be said of a condition that is true as long as nothing has changed."""
         at_first = at_beginning(condition.tree, self._changes.keys())
         if at_first == condition.tree or self._can_be(wait, [(at_first, False)]):
             return None
@@ -165,7 +155,7 @@ class _Judge:
                 yield self._conditions.ask((*step.moment.facts, *facts), states).possible
 
     def _ahead(self, wait: Wait, number: int) -> str:
-        """What fires wherever this trigger would."""
+        """Return what fires wherever this trigger would."""
         own = wait.triggers[number].condition
         for trigger in wait.triggers[:number]:
             if own is None or trigger.condition is None:
@@ -176,7 +166,7 @@ class _Judge:
 
     @staticmethod
     def _late(wait: Wait, trigger: TriggerSpec) -> str:
-        """Why the trigger would come only after the wait is over; empty: it need not."""
+        """Return why the trigger would come only after the wait is over; empty: it need not."""
         limits = [(wait.within_s, "`within`")]
         limits += [
             (each.after_s, f"'{each.text}'")
@@ -191,7 +181,7 @@ class _Judge:
         return f"it {took} {own_s:g} s, and {what} ends the wait after {least_s:g} s"
 
     def _can_be(self, wait: Wait, facts: Sequence[Fact]) -> bool:
-        """Whether all of this can be so in a configuration of the wait."""
+        """Return whether all of this can be so in a configuration of the wait."""
         reached = {
             self._table.configurations[configuration]
             for book in self._seen
@@ -200,7 +190,7 @@ class _Judge:
         return self._conditions.anywhere(facts, reached)
 
     def constant(self, condition: Expression) -> str:
-        """``true`` or ``false`` where the condition is that in every configuration.
+        """Return ``true`` or ``false`` where the condition is that in every configuration.
 
         What is true of every value of its signals counts as true: asking whether they are known
         is :class:`~pirate_sm.expressions.tree.Known`'s.
@@ -227,7 +217,7 @@ def _signal(vocabulary: Vocabulary, name: str) -> tree.Signal:
 
 
 def _numbers(node: tree.Node) -> list[tree.Signal]:
-    """The numeric signals of a condition that is about their values."""
+    """Return the numeric signals of a condition that is about their values."""
     parts = dict.fromkeys(tree.walk(node))
     if any(isinstance(each, tree.Known) for each in parts):
         return []

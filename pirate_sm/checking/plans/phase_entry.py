@@ -13,7 +13,7 @@ from pirate_sm.loading.mission import LoadedMission
 
 
 def why_not_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
-    """What would go wrong if the mission went on with the phase; empty: nothing.
+    """Return what would go wrong if the mission went on with the phase; empty: nothing.
 
     Args:
         loaded: The mission.
@@ -37,7 +37,7 @@ def why_not_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
 
 
 def _refused(book: Explored, instructions: tuple[object, ...]) -> str:
-    """The first refusal that its step does not expect."""
+    """Return the first refusal that its step does not expect."""
     expected = {each.place for each in instructions if isinstance(each, Do) and each.expected}
     places = {each.place for each in instructions if isinstance(each, Do | Require)}
     found = [

@@ -64,7 +64,7 @@ def restoring(
 
 
 def _never(loaded: LoadedMission, phase: str, configurations: Collection[int]) -> bool:
-    """Whether the phase cannot go well even in the configurations in which it begins."""
+    """Return whether the phase cannot go well even in the configurations in which it begins."""
     return all(
         why_not_from(loaded, phase, at_rest_in(loaded.robot, each)) for each in configurations
     )

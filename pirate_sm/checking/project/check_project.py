@@ -17,7 +17,7 @@ from pirate_sm.checking.mission.rehearsal import Rehearsal, Rehearse, rehearsed
 from pirate_sm.checking.project.find_files import Target, find_targets
 from pirate_sm.checking.project.unique_findings import each_once
 from pirate_sm.checking.reports.check_report import CheckedFile, Report
-from pirate_sm.checking.reports.example_files import Examples
+from pirate_sm.checking.reports.counterexamples import Examples
 from pirate_sm.checking.robot.check_robot import check_robot
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, references
@@ -63,7 +63,7 @@ Progress = Callable[[int, int, str], None]
 def check_paths(
     paths: Iterable[str] = (), wishes: Wishes | None = None, progress: Progress | None = None
 ) -> Report:
-    """What is wrong with these files, folders and what lies in them.
+    """Check files and folders and all that lies in them, and return a report.
 
     Args:
         paths: Files, folders or names of what is shipped; none means the working directory.
@@ -105,7 +105,7 @@ class _Check:
         self._examples = wishes.counterexamples and Examples(wishes.counterexamples)
 
     def take(self, target: Target) -> None:
-        """What is wrong with a file has been added."""
+        """Check one file and add what is wrong with it."""
         name = shown(target.path)
         if target.kind is Kind.CHART and name in self._texts:
             return  # it was judged with its robot
@@ -124,7 +124,7 @@ class _Check:
             self._add("check.failed", name, message)
 
     def report(self) -> Report:
-        """Everything that was found, each once, and held against what is allowed."""
+        """Return everything that was found, each once, with what is allowed marked."""
         unused = self._wishes.settings.keys() - self._set
         if unused:
             raise UsageError(f"no mission here has a parameter '{min(unused)}'")
@@ -140,7 +140,7 @@ class _Check:
         return Report(tuple(ordered), tuple(self._files), tuple(self._rehearsals))
 
     def robot(self, target: Target) -> None:
-        """A robot: its profile and its chart."""
+        """Check a robot: its profile and its chart."""
         if target.path.name != PROFILE_FILE:
             message = f"the profile of a robot is named {PROFILE_FILE} and has a folder of its own"
             self._add("check.kind", shown(target.path), message)
@@ -151,14 +151,14 @@ class _Check:
         self.findings += checked.findings
 
     def chart(self, target: Target) -> None:
-        """A chart that no robot here uses: its form."""
+        """Check the form of a chart that no robot here uses."""
         document = self._document(target)
         problems = Problems(document)
         outline_chart(document, problems)
         self.findings += map(finding_of, problems.all)
 
     def pipe(self, target: Target) -> None:
-        """A pipe by itself; whether a robot fits it is said of the missions that use it."""
+        """Check a pipe by itself; the missions that use it say whether a robot fits."""
         pipe, document = load_pipe(target.path)
         self._keep([document])
         problems = Problems(document)
@@ -166,7 +166,7 @@ class _Check:
         self.findings += map(finding_of, problems.all)
 
     def mission(self, target: Target) -> None:
-        """A mission, with its robot, its pipe and what it calls."""
+        """Check a mission with its robot, its pipe and what it calls."""
         settings = self._settings(target)
         checked = check_mission(
             target.path, robot=self._wishes.robot, pipe=self._wishes.pipe, settings=settings
@@ -182,7 +182,7 @@ class _Check:
             self.findings += found
 
     def _remember(self, checked: MissionCheck, name: str, settings: Mapping[str, str]) -> None:
-        """What nothing sets is known, and what this mission calls."""
+        """Note what nothing sets, and what this mission calls."""
         if checked.loaded is None:
             self._called = None
             return
@@ -192,7 +192,7 @@ class _Check:
             self._called |= {each.name for each in checked.documents} - {name}
 
     def calibration(self, target: Target) -> None:
-        """A calibration, held against its robot where that is known."""
+        """Check a calibration against its robot where that is known."""
         document = self._document(target)
         calibration = validate(document, Calibration)
         folder = _folder(target.path)
@@ -210,18 +210,18 @@ class _Check:
         load_calibration(target.path, robot)
 
     def script(self, target: Target) -> None:
-        """A trace script: its form; what its names mean is the mission's that it is for."""
+        """Check the form of a trace script; its names belong to the mission that it is for."""
         read_script(self._document(target))
 
     def other(self, target: Target) -> None:
-        """None of our files: wrong only if somebody meant it to be one."""
+        """Report a file that is none of ours, if somebody meant it to be one."""
         if target.kind is Kind.UNREADABLE or target.path.suffix in library.SUFFIXES:
             self._document(target)
         message = "this is no robot, mission, pipe, calibration or trace script"
         self._add("check.kind", shown(target.path), message)
 
     def _settings(self, target: Target) -> dict[str, str]:
-        """The settings that are about parameters of this mission."""
+        """Return the settings that are about parameters of this mission."""
         wanted = self._wishes.settings
         if not wanted:
             return {}
@@ -241,7 +241,7 @@ class _Check:
             self._texts[document.name] = document.text
 
     def _read(self, name: str) -> None:
-        """The text of a file that could not be used is known, for what is allowed in it."""
+        """Read the text of a file that could not be used, for what is allowed in it."""
         if name in self._texts:
             return
         with suppress(OSError, ValueError):
@@ -266,7 +266,7 @@ _CHECKS: Mapping[Kind, Callable[[_Check, Target], None]] = {
 
 
 def _options(wishes: Wishes, settings: Mapping[str, str]) -> str:
-    """The options of a run that is as a mission was checked."""
+    """Return the options of a run that is as a mission was checked."""
     named = (("--robot", wishes.robot), ("--pipe", wishes.pipe))
     options = [part for option, value in named if value is not None for part in (option, value)]
     options += [part for name, value in settings.items() for part in ("--set", f"{name}={value}")]
@@ -274,5 +274,5 @@ def _options(wishes: Wishes, settings: Mapping[str, str]) -> str:
 
 
 def _folder(path: Path) -> Path:
-    """The folder of a file as the library names it, so that a robot is loaded once."""
+    """Return the folder of a file as the library names it, so that a robot is loaded once."""
     return path.resolve().parent

@@ -12,7 +12,7 @@ _LONGEST_MESSAGE = 300
 
 
 def each_once(findings: Iterable[Finding]) -> list[Finding]:
-    """The findings without those that say the same of the same place; the worst and shortest."""
+    """Return one finding per code, place and message: the worst, and of these the shortest."""
     kept: dict[tuple[str, Place, str], Finding] = {}
     for finding in map(_short, findings):
         key = finding.code, finding.place, finding.message
@@ -23,7 +23,7 @@ def each_once(findings: Iterable[Finding]) -> list[Finding]:
 
 
 def _short(finding: Finding) -> Finding:
-    """The finding with a message that can be shown: names in a hostile file can be a megabyte."""
+    """Return the finding with a message that can be shown: names in a file can be a megabyte."""
     if max(map(len, (finding.message, finding.mend, finding.suggestion))) <= _LONGEST_MESSAGE:
         return finding
     return replace(
@@ -39,5 +39,5 @@ def _cut(text: str) -> str:
 
 
 def _weight(finding: Finding) -> tuple[int, bool, int]:
-    """Sureness first, then that there is a story, then that it is short."""
+    """Return how findings are ranked: by severity, then with a story, then the shortest."""
     return finding.severity, bool(finding.story), -len(finding.story)

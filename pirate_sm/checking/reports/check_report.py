@@ -46,5 +46,5 @@ class Report:
         return tuple(each for each in self.findings if each.allowed)
 
     def fails(self, at: Severity) -> bool:
-        """Whether anything was found that is as bad as this, or worse."""
+        """Return whether anything was found that is as bad as this, or worse."""
         return any(each.severity >= at for each in self.open)

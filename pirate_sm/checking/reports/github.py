@@ -12,7 +12,7 @@ _COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.POSS
 
 
 def github_report(report: Report) -> str:
-    """One command for each finding that is not allowed, then the summary."""
+    """Return one command for each finding that is not allowed, then the summary."""
     return "\n".join([*map(_command, report.open), _data(summary(report))])
 
 
@@ -42,7 +42,7 @@ def _message(finding: Finding) -> str:
 
 
 def _data(text: str) -> str:
-    """A message as a command carries it: it cannot begin a command of its own."""
+    """Return a message escaped so that it cannot begin a command of its own."""
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 

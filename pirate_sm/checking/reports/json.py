@@ -18,7 +18,7 @@ FORMAT = 1
 
 
 def json_report(report: Report) -> str:
-    """The whole report as one JSON object, in ASCII."""
+    """Return the whole report as one JSON object, in ASCII."""
     counts = {
         each.word: sum(found.severity is each for found in report.open)
         for each in sorted(Severity, reverse=True)

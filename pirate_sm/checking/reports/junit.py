@@ -13,7 +13,7 @@ from pirate_sm.visible import visible
 
 
 def junit_report(report: Report, fail_on: Severity) -> str:
-    """Suites that fail where the check fails.
+    """Return the report as suites that fail where the check fails.
 
     Args:
         report: What was found.
@@ -75,5 +75,5 @@ def _sums(suites: Iterable[Element]) -> dict[str, str]:
 
 
 def _legal(text: str) -> str:
-    """The text with what XML cannot hold, and what nobody could see, written out."""
+    """Return the text with what XML cannot hold, and what nobody could see, written out."""
     return visible(text, lines=True)

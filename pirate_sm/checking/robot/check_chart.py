@@ -68,7 +68,7 @@ def examine(document: Document, outline: ChartOutline, table: ChartTable) -> Cha
 
 
 def cut_off(outline: ChartOutline, silent: Sequence[Transition]) -> frozenset[tuple[str, str]]:
-    """States, by region, that no commands lead to because these transitions are never taken.
+    """Return states, by region, that no commands lead to because these transitions are never taken.
 
     Only of use for states that are not reached: it follows transitions wherever they lead.
     """

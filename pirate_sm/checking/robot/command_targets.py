@@ -27,9 +27,4 @@ def command_targets(view: RobotView) -> Iterator[Finding]:
                 states = ", ".join(f"{region} {state}" for region, state in pairs)
                 message = f"{name} leads to {states}, which is not what it asks for"
         if message:
-            yield view.at(
-                ("commands", name, "asks_for"),
-                "robot.asks_for",
-                message,
-                offset=0,
-            )
+            yield view.at(("commands", name, "asks_for"), "robot.asks_for", message, offset=0)

@@ -109,13 +109,7 @@ class RobotView:
         return list(found.values())
 
     def at(
-        self,
-        path: Path,
-        code: str,
-        message: str,
-        *,
-        key: bool = False,
-        offset: int | None = None,
+        self, path: Path, code: str, message: str, *, key: bool = False, offset: int | None = None
     ) -> Finding:
         """Return a finding at a value, or a key, of the profile."""
         document = self.loaded.documents[0]
