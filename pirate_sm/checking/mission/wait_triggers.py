@@ -6,15 +6,12 @@ from collections.abc import Iterator, Sequence
 
 from pirate_sm.checking.exploring.answers import Fact
 from pirate_sm.checking.exploring.at_wait_start import at_beginning
-from pirate_sm.checking.exploring.conditions import Conditions
-from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.engine.mission.program import Branch, Program, TriggerSpec, Wait
 from pirate_sm.expressions import Expression, Vocabulary, tree
 from pirate_sm.expressions.vocabulary import change_of
-from pirate_sm.loading.mission import LoadedMission
 
 
 def wait_triggers(view: MissionView) -> Iterator[Finding]:

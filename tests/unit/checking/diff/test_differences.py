@@ -152,6 +152,16 @@ def test_backwards_what_was_gained_is_lost(tmp_path: Path) -> None:
     assert len(forth.changes) == len(back.changes)
 
 
+def test_rules_come_in_the_order_of_their_names(tmp_path: Path) -> None:
+    compared(tmp_path)
+    old = abilities_of(load_mission(tmp_path / "old.yaml"))
+    names = [f"rule_{number}" for number in range(9)]
+
+    changes = compare(old, replace(old, rules=frozenset(names))).of("gained")
+
+    assert [each.name for each in changes] == names
+
+
 def test_what_was_cut_off_is_said(tmp_path: Path) -> None:
     compared(tmp_path)
     whole = abilities_of(load_mission(tmp_path / "old.yaml"))
