@@ -11,7 +11,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from pirate_sm.checking.exploring.explore import explore
-from pirate_sm.checking.mission.check_mission import check_loaded, conditions_of
+from pirate_sm.checking.mission.check_mission import check_loaded
+from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 

@@ -62,7 +62,7 @@ ALPHABETS = {
         "| Finish",
         "NewInstruction(NamedTuple)",
         (
-            "checking/diff/mission_behaviour.py",
+            "checking/diff/read_behaviour.py",
             "checking/pipe/usual_course.py",
             "console/waits_before.py",
             "engine/mission/interpreter.py",

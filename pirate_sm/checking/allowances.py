@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import yaml
 
 from pirate_sm.checking import catalogue
-from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.findings import Finding, usual_severity
 from pirate_sm.loading.problems import Place
 from pirate_sm.loading.source import LARGEST_FILE
 
@@ -44,7 +44,7 @@ class Allowance:
 
 
 def allowances(name: str, text: str) -> tuple[Allowance, ...]:
-    """Every allowance in a file.
+    """Return every allowance in a file.
 
     Args:
         name: What the file is called in findings.
@@ -64,7 +64,7 @@ def allowances(name: str, text: str) -> tuple[Allowance, ...]:
 
 
 def settle(found: Iterable[Finding], files: Mapping[str, str]) -> tuple[Finding, ...]:
-    """The findings, those that are allowed marked so, and what is wrong with the allowances.
+    """Mark the findings that are allowed, and add what is wrong with the allowances.
 
     Args:
         found: All findings, each once.
@@ -88,7 +88,7 @@ def settle(found: Iterable[Finding], files: Mapping[str, str]) -> tuple[Finding,
 
 
 def _allowing(finding: Finding, known: Iterable[Allowance]) -> Allowance | None:
-    """The allowance that is about a finding and may be."""
+    """Return the allowance that is about a finding and may be."""
     for allowance in known:
         if finding.code == allowance.code and finding.place.line in allowance.lines:
             return allowance if finding.code in catalogue.allowable() else None
@@ -96,28 +96,28 @@ def _allowing(finding: Finding, known: Iterable[Allowance]) -> Allowance | None:
 
 
 def _faults(allowance: Allowance, used: bool) -> Iterator[Finding]:
-    """What is wrong with an allowance."""
+    """Yield what is wrong with an allowance."""
     code = allowance.code
     if not allowance.reason:
         message = (
             f"'{code}' is allowed here without a reason" if code else "no code is allowed here"
         )
-        yield _finding(allowance, "allow.reason", Severity.ERROR, message)
+        yield _finding(allowance, "allow.reason", message)
     elif code not in catalogue.entries():
         close = catalogue.nearest_code(code) or ""
         message = f"there is no code '{code}'"
-        fault = _finding(allowance, "allow.unused", Severity.WARNING, message)
+        fault = _finding(allowance, "allow.unused", message)
         yield replace(fault, suggestion=close)
     elif code not in catalogue.allowable():
         message = f"'{code}' cannot be allowed: it keeps the file from being used"
-        yield _finding(allowance, "allow.unused", Severity.WARNING, message)
+        yield _finding(allowance, "allow.unused", message)
     elif not used:
         message = f"'{code}' is allowed here and was not found"
-        yield _finding(allowance, "allow.unused", Severity.WARNING, message)
+        yield _finding(allowance, "allow.unused", message)
 
 
-def _finding(allowance: Allowance, code: str, severity: Severity, message: str) -> Finding:
-    return Finding(code, severity, allowance.place, message, excerpt=allowance.excerpt)
+def _finding(allowance: Allowance, code: str, message: str) -> Finding:
+    return Finding(code, usual_severity(code), allowance.place, message, excerpt=allowance.excerpt)
 
 
 def _begins_comment(line: str, start: int) -> bool:
@@ -127,7 +127,7 @@ def _begins_comment(line: str, start: int) -> bool:
 def _said(
     name: str, number: int, line: str, mark: re.Match[str], texts: _Texts
 ) -> Iterator[Allowance]:
-    """What a comment allows; one allowance without a code where it names none."""
+    """Yield what a comment allows; one allowance without a code where it names none."""
     codes, _, reason = mark["said"].partition(":")
     lines = texts.under(number)
     named = list(_CODE.finditer(codes))
@@ -154,11 +154,11 @@ class _Texts:
             return  # what cannot be read has findings of its own
 
     def hold(self, position: int) -> bool:
-        """Whether a character of the file is inside of a text."""
+        """Return whether a character of the file is inside of a text."""
         return any(start <= position < end for start, end in self._spans)
 
     def under(self, line: int) -> range:
-        """The lines that a comment on this line is about."""
+        """Return the lines that a comment on this line is about."""
         return self._blocks.get(line, range(line, line + 1))
 
     def _take(self, token: yaml.ScalarToken, text: str) -> None:

@@ -47,13 +47,13 @@ _IN_BRACES = re.compile(r"""[\s{,]["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:""")
 
 
 def kind_of(path: Path) -> Kind:
-    """What the file is."""
+    """Return what the file is."""
     text = _beginning(path)
     return Kind.UNREADABLE if text is None else kind_of_text(text)
 
 
 def kind_of_text(text: str) -> Kind:
-    """What a file with this text is."""
+    """Return what a file with this text is."""
     text = "\n".join(text.splitlines())  # a line may end in CR alone, which `^` does not know
     first = next((each for each in _CONTENT.finditer(text) if each[2].rstrip() != "---"), None)
     if first is None:
@@ -74,13 +74,13 @@ def kind_of_text(text: str) -> Kind:
 
 
 def _lists_triggers(text: str) -> bool:
-    """Whether a file that holds a list is a trace script."""
+    """Return whether a file that holds a list is a trace script."""
     keys = {key for key in _ENTRY if re.search(rf"""\b{key}["']?[ \t]*:""", text)}
     return "trigger" in keys or len(keys) > 1
 
 
 def _beginning(path: Path) -> str | None:
-    """As much of the file as any of ours has, or None when it cannot be read."""
+    """Return as much of the file as any of ours has, or None when it cannot be read."""
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             return None

@@ -7,11 +7,12 @@ from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from typing import TYPE_CHECKING
 
+from pirate_sm.checking import catalogue
 from pirate_sm.loading.problems import Locator, Place, Problem
 from pirate_sm.loading.problems import Severity as LoadSeverity
 
 if TYPE_CHECKING:
-    from pirate_sm.checking.exploring.explore import Exploration
+    from pirate_sm.checking.exploring.exploration import Exploration
 
 
 class Severity(IntEnum):
@@ -68,12 +69,12 @@ class Finding:
         return self.place, self.code, self.message
 
     def allow(self, reason: str) -> Finding:
-        """The same finding, allowed."""
+        """Return the same finding, allowed."""
         return replace(self, allowed=reason)
 
 
 def finding_of(problem: Problem) -> Finding:
-    """The finding that says what loading found."""
+    """Return the finding that says what loading found."""
     warning = problem.severity is LoadSeverity.WARNING
     return Finding(
         problem.code,
@@ -86,19 +87,34 @@ def finding_of(problem: Problem) -> Finding:
     )
 
 
+def usual_severity(code: str) -> Severity:
+    """Return the severity that the catalogue gives to a code."""
+    return Severity[catalogue.entry_of(code).severity.upper()]
+
+
 def at(
     document: Locator,
     place: Place,
     code: str,
-    severity: Severity,
     message: str,
     *,
+    severity: Severity | None = None,
     mend: str = "",
     related: Iterable[tuple[Place, str]] = (),
-    story: Iterable[str] = (),
 ) -> Finding:
-    """A finding at a place of a document, with the line that stands there."""
+    """Return a finding at a place of a document, with the line that stands there.
+
+    Args:
+        document: The file.
+        place: Where in it.
+        code: An entry of the catalogue.
+        message: What is wrong, in one sentence.
+        severity: None: the usual one of the code.
+        mend: How to mend it, where this is more than the catalogue says.
+        related: Further places with what they have to do with it.
+    """
+    severity = usual_severity(code) if severity is None else severity
+    excerpt = document.excerpt(place.line)
     return Finding(
-        code, severity, place, message, mend=mend, excerpt=document.excerpt(place.line),
-        related=tuple(related), story=tuple(story),
-    )  # fmt: skip
+        code, severity, place, message, mend=mend, excerpt=excerpt, related=tuple(related)
+    )

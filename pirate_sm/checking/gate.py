@@ -8,7 +8,7 @@ from pirate_sm.checking.allowances import settle
 from pirate_sm.checking.file_kinds import Kind
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_loaded
-from pirate_sm.checking.project.check_project import CheckedFile, Report
+from pirate_sm.checking.reports.check_report import CheckedFile, Report
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.errors import PirateError
 from pirate_sm.loading.mission import LoadedMission
@@ -27,7 +27,7 @@ class CheckError(PirateError):
 
 
 def pass_or_raise(loaded: LoadedMission) -> MissionCheck:
-    """Nothing is certainly wrong with the mission, but for what its files allow.
+    """Raise an error if a mission is certainly wrong, except for what its files allow.
 
     Returns:
         What was found all the same.

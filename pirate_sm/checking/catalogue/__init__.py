@@ -17,9 +17,17 @@ from pirate_sm.spelling import nearest
 
 _HERE = Path(__file__).parent
 _FILES = (
-    "missions", "geometry", "rehearsal", "names", "charts", "robots", "robot_sense", "pipes",
-    "form", "project",
-)  # fmt: skip
+    "missions",
+    "geometry",
+    "rehearsal",
+    "names",
+    "charts",
+    "robots",
+    "robot_sense",
+    "pipes",
+    "form",
+    "project",
+)
 
 
 class Entry(Frozen):
@@ -61,32 +69,32 @@ class Group(Frozen):
 
 @cache
 def groups() -> tuple[Group, ...]:
-    """Every group with its entries, those of missions first."""
+    """Return every group with its entries, those of missions first."""
     files = [_HERE / f"{name}.yaml" for name in _FILES]
     return tuple(validate(read_document(file, file.name), Group) for file in files)
 
 
 @cache
 def entries() -> Mapping[str, Entry]:
-    """Every entry by its code."""
+    """Return every entry by its code."""
     return {code: entry for group in groups() for code, entry in group.codes.items()}
 
 
 def entry_of(code: str) -> Entry:
-    """The entry of a code; one that says little where there is none."""
+    """Return the entry of a code; where there is none, one that only names the code."""
     return entries().get(code) or Entry(
         severity="error", title=code, why="", mend="", wrong="", right=""
     )
 
 
 def nearest_code(word: str) -> str | None:
-    """The code that a misspelt one most likely stands for, if one is close."""
+    """Return the code that a misspelt one most likely stands for, if one is close."""
     return nearest(word, entries())
 
 
 @cache
 def allowable() -> frozenset[str]:
-    """The codes that a comment with a reason can allow."""
+    """Return the codes that a comment with a reason can allow."""
     return frozenset(
         code
         for group in groups()

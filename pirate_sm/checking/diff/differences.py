@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, TypeVar
 
@@ -15,12 +15,11 @@ from pirate_sm.checking.diff.mission_behaviour import (
     Success,
     Trigger,
 )
-from pirate_sm.checking.exploring.explore import WITHIN
+from pirate_sm.checking.diff.renamed_parts import in_new_names, matched_triggers, renamed
+from pirate_sm.checking.exploring.exploration import WITHIN
 
 K = TypeVar("K")
 V = TypeVar("V")
-
-Triggers: TypeAlias = Mapping[tuple[str, str], Trigger]
 
 Kind: TypeAlias = Literal["gained", "lost", "changed", "renamed"]
 About: TypeAlias = Literal[
@@ -65,70 +64,41 @@ class Difference:
         return all(each.kind == "renamed" for each in self.changes)
 
     def of(self, kind: Kind) -> tuple[Change, ...]:
-        """The changes of one kind."""
+        """Return the changes of one kind."""
         return tuple(each for each in self.changes if each.kind == kind)
 
 
 def compare(old: Abilities, new: Abilities) -> Difference:
-    """What the new version can do and the old one cannot, and the other way round.
+    """Return what the new version can do and the old one cannot, and the other way round.
 
     A phase or an end that has another name and is the same otherwise has been renamed.
     """
-    phases, ends = _renamed(old.phases, new.phases), _renamed(old.outcomes, new.outcomes)
-    renamed = [
-        *(_rename("phase", before, after) for before, after in phases.items()),
-        *(_rename("outcome", before, after) for before, after in ends.items()),
+    phases, ends = renamed(old.phases, new.phases), renamed(old.outcomes, new.outcomes)
+    renamings = [
+        *(_renaming("phase", before, after) for before, after in phases.items()),
+        *(_renaming("outcome", before, after) for before, after in ends.items()),
     ]
-    was = _in_new_names(old, {**ends, **phases})
+    was = in_new_names(old, {**ends, **phases})
     changes = [
-        *_facts(was, new), *_phases(was, new), *_commands(was, new), *_triggers(was, new),
-        *_outcomes(was, new), *_failures(was, new), *_faults(was, new), *_rules(was, new),
-        *_success(was.success, new.success), *renamed,
-    ]  # fmt: skip
+        *_facts(was, new),
+        *_phases(was, new),
+        *_commands(was, new),
+        *_triggers(was, new),
+        *_outcomes(was, new),
+        *_failures(was, new),
+        *_faults(was, new),
+        *_rules(was, new),
+        *_success(was.success, new.success),
+        *renamings,
+    ]
     cut_off: list[Literal["old", "new"]] = ["old"] if not old.complete else []
     return Difference(tuple(changes), tuple(cut_off + (["new"] if not new.complete else [])))
 
 
-def _renamed(old: Mapping[str, Hashable], new: Mapping[str, Hashable]) -> dict[str, str]:
-    """New names by old ones, of what is there once before and once after."""
-    lost = {name: content for name, content in old.items() if name not in new}
-    gained = {name: content for name, content in new.items() if name not in old}
-    there, here = Counter(lost.values()), Counter(gained.values())
-    by_content = {content: name for name, content in gained.items()}
-    return {
-        name: by_content[content]
-        for name, content in lost.items()
-        if content != () and there[content] == here[content] == 1
-    }
-
-
-def _rename(about: About, before: str, after: str) -> Change:
+def _renaming(about: About, before: str, after: str) -> Change:
     thing = "phase" if about == "phase" else "end"
     text = f"the {thing} '{before}' is called '{after}' now"
     return Change("renamed", about, text, after, "", before, after)
-
-
-def _in_new_names(old: Abilities, names: Mapping[str, str]) -> Abilities:
-    def new(name: str) -> str:
-        return names.get(name, name)
-
-    facts = {name: new(value) for name, value in old.facts.items()}
-    return replace(
-        old,
-        facts=facts,
-        phases={new(name): content for name, content in old.phases.items()},
-        commands={(new(phase), name): terms for (phase, name), terms in old.commands.items()},
-        triggers={
-            (new(phase), new(name)): Trigger(each.text, tuple(map(new, each.go)))
-            for (phase, name), each in old.triggers.items()
-        },
-        outcomes={new(name): outcome for name, outcome in old.outcomes.items()},
-        failures={
-            (new(phase), name): frozenset(map(new, ends))
-            for (phase, name), ends in old.failures.items()
-        },
-        faults={(new(phase), code): new(go) for (phase, code), go in old.faults.items()},
-    )
 
 
 def _facts(old: Abilities, new: Abilities) -> Iterator[Change]:
@@ -169,7 +139,7 @@ def _commands(old: Abilities, new: Abilities) -> Iterator[Change]:
 
 
 def _triggers(old: Abilities, new: Abilities) -> Iterator[Change]:
-    old = replace(old, triggers=_matched(old.triggers, new.triggers))
+    old = replace(old, triggers=matched_triggers(old.triggers, new.triggers))
     for kind, (phase, name), here, there in _one_sided(old, new, lambda each: each.triggers):
         if phase not in there.phases:
             continue
@@ -187,24 +157,6 @@ def _triggers(old: Abilities, new: Abilities) -> Iterator[Change]:
             what, leads = _by(name, now), _list(now.go)
             text = f"in '{phase}' {what} leads to {leads}; before to {_list(was.go)}"
         yield Change("changed", "trigger", text, name, phase, before, after)
-
-
-def _matched(old: Triggers, new: Triggers) -> Triggers:
-    """The old triggers under the names of the new ones: of what waits for the same, else as named.
-
-    A trigger that nobody has named has the name of what it leads to.
-    """
-    alike = {(phase, each.text): (phase, name) for (phase, name), each in new.items()}
-    found: dict[tuple[str, str], Trigger] = {}
-    others = []
-    for (phase, name), each in old.items():
-        if (phase, each.text) in alike:
-            found[alike[phase, each.text]] = each
-        else:
-            others.append((phase, name, each))
-    for phase, name, each in others:
-        found[(phase, each.text) if (phase, name) in found else (phase, name)] = each
-    return found
 
 
 def _trigger(name: str, trigger: Trigger) -> str:
@@ -240,7 +192,7 @@ def _end(name: str) -> str:
 
 
 def _failures(old: Abilities, new: Abilities) -> Iterator[Change]:
-    """Commands whose failure ends otherwise, those together that change alike."""
+    """Yield commands whose failure ends otherwise, those together that change alike."""
     alike: dict[tuple[str, str], dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
     for (phase, name), was, now in _both(old.failures, new.failures):
         alike[_ends(was), _ends(now)][phase].append(name)
@@ -258,7 +210,7 @@ def _ends(names: frozenset[str]) -> str:
 
 
 def _faults(old: Abilities, new: Abilities) -> Iterator[Change]:
-    """Faults that lead elsewhere, phases together in which they change alike."""
+    """Yield faults that lead elsewhere, phases together in which they change alike."""
     kept = [phase for phase in new.phases if phase in old.phases]
     codes = dict.fromkeys(code for _, code in (*old.faults, *new.faults))
     for code in codes:
@@ -281,14 +233,19 @@ def _handling(go: str) -> str:
 
 
 def _rules(old: Abilities, new: Abilities) -> Iterator[Change]:
-    for kind, message, _, _ in _one_sided(old, new, lambda each: dict.fromkeys(each.broken)):
+    for kind, message, _, _ in _one_sided(old, new, lambda each: _in_order(each.broken)):
         text = f"it can come to this: {message}"
         if kind == "lost":
             text = f"it comes to this no more: {message}"
         yield Change(kind, "rule", text, message)
-    for kind, name, _, _ in _one_sided(old, new, lambda each: dict.fromkeys(each.rules)):
+    for kind, name, _, _ in _one_sided(old, new, lambda each: _in_order(each.rules)):
         text = f"the rule {name} is watched" + " no more" * (kind == "lost")
         yield Change(kind, "rule", text, name)
+
+
+def _in_order(names: Iterable[str]) -> Mapping[str, None]:
+    """Return the names as keys, in an order that does not change from run to run."""
+    return dict.fromkeys(sorted(names))
 
 
 def _success(old: Success | None, new: Success | None) -> Iterator[Change]:
@@ -314,14 +271,14 @@ def _count(number: int, thing: str) -> str:
 def _one_sided(
     old: Abilities, new: Abilities, part: Callable[[Abilities], Mapping[K, object]]
 ) -> Iterator[tuple[Kind, K, Abilities, Abilities]]:
-    """What only one of them has: whether it is gained, its key, who has it and who has it not."""
+    """Yield what only one version has: whether it is gained, its key, who has it, who has not."""
     before, after = part(old), part(new)
     yield from (("gained", key, new, old) for key in after if key not in before)
     yield from (("lost", key, old, new) for key in before if key not in after)
 
 
 def _both(old: Mapping[K, V], new: Mapping[K, V]) -> Iterator[tuple[K, V, V]]:
-    """What both have, where it differs."""
+    """Yield what both have and where it differs."""
     return ((key, old[key], new[key]) for key in new if key in old and old[key] != new[key])
 
 

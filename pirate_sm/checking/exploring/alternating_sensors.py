@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import isfinite, nan
 
-from pirate_sm.checking.exploring.conditions import Conditions, Fact
+from pirate_sm.checking.exploring.answers import Fact
+from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.engine.mission.program import TriggerSpec, Wait
 from pirate_sm.engine.state import EngineState
 
@@ -22,7 +23,7 @@ LEAST_RIVALS = 2
 def lasting(
     wait: Wait, state: EngineState, conditions: Conditions
 ) -> Iterator[tuple[EngineState, float]]:
-    """States just before an outcome of the wait, each with the time at which it comes.
+    """Yield states just before an outcome of the wait, each with the time at which it comes.
 
     In one of them a condition has been true all the time, or none has, and no other one for as
     long as it would have to be.
@@ -40,9 +41,10 @@ def lasting(
         rivals = [
             each
             for number, each in enumerate(wait.triggers)
-            if _is_held(each) and number != chosen
+            if _is_held(each)
+            and number != chosen
             and (each.held_s, number) < (after_s, len(wait.triggers) if chosen < 0 else chosen)
-        ]  # fmt: skip
+        ]
         if len(rivals) < LEAST_RIVALS or not _can_last(wait, chosen, rivals, state, conditions):
             continue
         armed_s = state.mission.armed_s
@@ -55,13 +57,9 @@ def _is_held(trigger: TriggerSpec) -> bool:
 
 
 def _can_last(
-    wait: Wait,
-    chosen: int,
-    rivals: list[TriggerSpec],
-    state: EngineState,
-    conditions: Conditions,
+    wait: Wait, chosen: int, rivals: list[TriggerSpec], state: EngineState, conditions: Conditions
 ) -> bool:
-    """Whether each rival can break while the chosen condition is true and nothing else fires."""
+    """Return whether each rival can break while the chosen condition holds and nothing fires."""
     facts: list[Fact] = [
         (each.condition.tree, False)
         for each in wait.triggers

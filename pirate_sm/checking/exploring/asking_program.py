@@ -14,63 +14,29 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from typing import Any, TypeVar
 
-from pirate_sm.checking.exploring.conditions import Answer, Conditions, Fact, together
+from pirate_sm.checking.exploring.answers import (
+    NOWHERE,
+    Answer,
+    Asked,
+    Moment,
+    Related,
+    TooManyQuestionsError,
+    Trigger,
+    together,
+)
+from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.engine.mission.program import Branch, Program, Wait
 from pirate_sm.expressions import Expression, tree
 
 T = TypeVar("T")
 
 
-class Moment(NamedTuple):
-    """What was answered in one run of a step.
-
-    Attributes:
-        answer: Whether that can be, how surely, and signals with which it is so.
-    """
-
-    facts: tuple[Fact, ...]
-    answer: Answer
-
-
-Trigger: TypeAlias = tuple[int, int]
-"""Index of a wait, and number of one of its triggers."""
-
-NOWHERE = -1
-"""Stands for the wait of a result that does not wait."""
-
 _NOTHING_ASKED = Moment((), Answer(True))
 
 MOST_QUESTIONS = 256
 """About different conditions at one moment; who asks more gets no answer."""
-
-
-class TooManyQuestionsError(Exception):
-    """A step of the engine asks about more conditions than can be answered together."""
-
-
-class _Related(NamedTuple):
-    """What has been answered about conditions that share signals, directly or by others.
-
-    Attributes:
-        facts: Numbers of conditions, and whether they are true.
-    """
-
-    names: frozenset[str]
-    facts: tuple[tuple[int, bool], ...]
-    answer: Answer
-
-
-class Asked(NamedTuple):
-    """What a branch has asked.
-
-    Attributes:
-        moved: Whether it is about a state that is another one than at the start.
-    """
-
-    truth: bool
-    moved: bool
 
 
 class Oracle:
@@ -93,7 +59,7 @@ class Oracle:
         self._names: list[frozenset[str]] = []
         self._known: dict[Hashable, tuple[Answer, Answer]] = {}
         self._given: dict[int, bool] = {}
-        self._related: tuple[_Related, ...] = ()
+        self._related: tuple[Related, ...] = ()
         self._choices: list[bool] = []
         self._taken = 0
         self._due: Collection[Trigger] = ()
@@ -102,7 +68,7 @@ class Oracle:
         self._words: Sequence[str | None] = ()
 
     def program(self, program: Program) -> Program:
-        """The same program, asking."""
+        """Return the program with conditions that ask for their answers."""
         instructions = tuple(
             self._asking(index, each) if isinstance(each, Branch | Wait) else each
             for index, each in enumerate(program.instructions)
@@ -115,7 +81,7 @@ class Oracle:
         waits: Callable[[T], int] = lambda _: NOWHERE,
         due: Collection[Trigger] = (),
     ) -> Iterator[tuple[T, Moment]]:
-        """The result of the step for everything that its conditions can be.
+        """Yield the result of the step for everything that its conditions can be.
 
         Args:
             step: Is run as often as need be.
@@ -153,7 +119,7 @@ class Oracle:
     def _beginnings(
         self, step: Callable[[], T], result: T, held: tuple[int, ...]
     ) -> Iterator[tuple[T, Moment]]:
-        """The result with none of the conditions true that must be held, and with each of them."""
+        """Yield the result with no condition true that must be held, and with each of them true."""
         choices, given, related, words = self._choices, self._given, self._related, self._words
         seen: set[tuple[bool, ...]] = set()
         for begins in (None, *held):
@@ -177,7 +143,7 @@ class Oracle:
         self._choices = choices
 
     def _take(self, condition: int, words: Sequence[str | None], *, wanted: bool) -> bool:
-        """Whether the condition is so, from now on if nothing speaks against it."""
+        """Fix the answer to a condition and return whether nothing speaks against it."""
         if condition in self._given:
             return self._given[condition] is wanted
         names, facts, kept = self._about(condition)
@@ -203,7 +169,7 @@ class Oracle:
         return it._replace(triggers=triggers)
 
     def _noting(self, asking: Expression, place: str) -> Expression:
-        """The condition of a branch, whose answers are known afterwards."""
+        """Return the condition of a branch, recording its answers."""
         answers = self.branches.setdefault(place, set())
         ask, regions = asking.evaluate, self._conditions.regions(asking.tree)
 
@@ -218,7 +184,7 @@ class Oracle:
         return asking
 
     def _expression(self, real: Expression, held: Trigger | None) -> Expression:
-        """The condition, asking; ``held`` is the trigger for which it must be held."""
+        """Return the condition, asking; ``held`` is the trigger that wants it held."""
         asking = Expression(real.text, real.type, real.tree)
         number = self._numbers.setdefault(real.tree, len(self._nodes))
         if number == len(self._nodes):
@@ -236,7 +202,7 @@ class Oracle:
         return asking
 
     def _answer(self, condition: int, words: Sequence[str | None]) -> bool:
-        """Whether the condition is true now; false stands for unknown too."""
+        """Return whether the condition is true now; false stands for unknown too."""
         given = self._given.get(condition)
         if given is not None:
             return given
@@ -250,8 +216,8 @@ class Oracle:
 
     def _about(
         self, condition: int
-    ) -> tuple[frozenset[str], tuple[tuple[int, bool], ...], tuple[_Related, ...]]:
-        """Names and facts that have to do with the condition, and what has nothing to."""
+    ) -> tuple[frozenset[str], tuple[tuple[int, bool], ...], tuple[Related, ...]]:
+        """Return names and facts that have to do with the condition, and what has nothing to."""
         names = self._names[condition]
         touched = [each for each in self._related if each.names & names]
         if not touched:
@@ -265,18 +231,18 @@ class Oracle:
         condition: int,
         names: frozenset[str],
         facts: tuple[tuple[int, bool], ...],
-        kept: tuple[_Related, ...],
+        kept: tuple[Related, ...],
         answer: Answer,
         *,
         truth: bool,
     ) -> None:
         self._given[condition] = truth
-        self._related = (*kept, _Related(names, (*facts, (condition, truth)), answer))
+        self._related = (*kept, Related(names, (*facts, (condition, truth)), answer))
 
     def _ask(
         self, condition: int, facts: tuple[tuple[int, bool], ...], words: Sequence[str | None]
     ) -> tuple[Answer, Answer]:
-        """Whether the condition can be true beside the facts, and whether it can be false."""
+        """Return whether the condition can be true beside the facts, and whether false."""
         key = condition, facts, tuple(words[: self._conditions.region_count])
         if key not in self._known:
             node = self._nodes[condition]

@@ -8,7 +8,7 @@ from pirate_sm.expressions import tree
 
 
 def at_beginning(node: tree.Node, changes: Set[str]) -> tree.Node:
-    """The condition with 0 for each change of a signal.
+    """Return the condition with 0 for each change of a signal.
 
     Whether a change is known is left as it is: a signal may be unknown as the wait begins.
 

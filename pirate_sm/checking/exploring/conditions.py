@@ -10,15 +10,13 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import product
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
+from pirate_sm.checking.exploring.answers import Answer, Fact, together
 from pirate_sm.checking.exploring.piecewise_linear import borders, is_linear, samples, signals
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range
 from pirate_sm.engine.robot.chart_table import Configuration
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, Vocabulary, tree
-
-Fact: TypeAlias = tuple[tree.Node, bool]
-"""A condition, and whether it is true; false stands for false and for unknown."""
 
 _Values: TypeAlias = tuple[Mapping[str, tuple[float, ...]], Mapping[str, tuple[str | None, ...]]]
 """Of numeric signals and of words."""
@@ -30,34 +28,6 @@ MOST_ARGUMENTS = 16
 """Of ``min`` and ``max`` in one comparison; where there are more, it counts as not linear."""
 
 _TRUTHS = ("true", "false", None)
-
-
-class Answer(NamedTuple):
-    """Whether it can be so.
-
-    Attributes:
-        sure: False where a *yes* rests on something that is not decided here.
-        numbers: Signals with which it is so; words likewise.
-    """
-
-    possible: bool
-    sure: bool = True
-    numbers: Mapping[str, float] = {}
-    words: Mapping[str, str | None] = {}
-
-
-def together(answers: Iterable[Answer]) -> Answer:
-    """The answer to several questions that have no signal in common."""
-    numbers: dict[str, float] = {}
-    words: dict[str, str | None] = {}
-    sure = True
-    for answer in answers:
-        if not answer.possible:
-            return answer
-        numbers |= answer.numbers
-        words |= answer.words
-        sure = sure and answer.sure
-    return Answer(True, sure, numbers, words)
 
 
 class Conditions:
@@ -84,12 +54,12 @@ class Conditions:
         self.tests = 0
 
     def ask(self, facts: Iterable[Fact], states: Sequence[str | None]) -> Answer:
-        """Whether all facts can hold at once with the regions in these states."""
+        """Return whether all facts can hold at once with the regions in these states."""
         answers = (self._ask(group, states) for group in self._groups(dict.fromkeys(facts)))
         return together(answers)
 
     def anywhere(self, facts: Sequence[Fact], configurations: Iterable[Configuration]) -> bool:
-        """Whether all facts can hold at once in one of the configurations."""
+        """Return whether all facts can hold at once in one of the configurations."""
         regions = {region for node, _ in facts for region in self.regions(node)}
         asked: set[tuple[str, ...]] = set()
         for states in configurations:
@@ -103,11 +73,11 @@ class Conditions:
         return False
 
     def free(self, node: tree.Node) -> frozenset[str]:
-        """Names of what the condition depends on beside the states."""
+        """Return names of what the condition depends on beside the states."""
         return self._look(node)[0]
 
     def regions(self, node: tree.Node) -> tuple[int, ...]:
-        """Indexes of the regions that the condition depends on."""
+        """Return indexes of the regions that the condition depends on."""
         return self._look(node)[1]
 
     def _look(self, node: tree.Node) -> tuple[frozenset[str], tuple[int, ...]]:
@@ -121,7 +91,7 @@ class Conditions:
         return seen
 
     def _groups(self, facts: Iterable[Fact]) -> list[tuple[Fact, ...]]:
-        """Facts that share signals together: each group can be answered for itself."""
+        """Return facts that share signals in groups, each of which is answered by itself."""
         groups: list[tuple[frozenset[str], tuple[Fact, ...]]] = []
         for fact in facts:
             names: frozenset[str] = self.free(fact[0])
@@ -148,7 +118,7 @@ class Conditions:
         return answer
 
     def _ask_group(self, facts: tuple[Fact, ...], states: tuple[str | None, ...]) -> Answer:
-        """Values with which it is so; failing that, whether it is so with free truths."""
+        """Return values with which it is so; failing that, whether it is so with free truths."""
         found, tried = self._witness(facts, states)
         if found.possible:
             return found
@@ -163,7 +133,7 @@ class Conditions:
     def _witness(
         self, facts: tuple[Fact, ...], states: tuple[str | None, ...], free: int = 0
     ) -> tuple[Answer, bool]:
-        """Values with which the facts hold, and whether all that count have been tried.
+        """Return values with which the facts hold, and whether all that count have been tried.
 
         Args:
             facts: The facts.
@@ -194,14 +164,14 @@ class Conditions:
         return Answer(False), True
 
     def _values(self, nodes: tuple[tree.Node, ...]) -> _Values:
-        """What signals are worth trying with, whatever the states are."""
+        """Return what signals are worth trying with, whatever the states are."""
         values = self._tried.get(nodes)
         if values is None:
             values = self._tried[nodes] = self._numeric(nodes), self._verbal(nodes)
         return values
 
     def _numeric(self, nodes: Sequence[tree.Node]) -> dict[str, tuple[float, ...]]:
-        """Per signal the values that are worth trying; unknown is one of them."""
+        """Return per signal the values that are worth trying; unknown is one of them."""
         marks: dict[str, set[float]] = {}
         for node in nodes:
             for each in tree.walk(node):
@@ -218,7 +188,7 @@ class Conditions:
         }
 
     def _verbal(self, nodes: Sequence[tree.Node]) -> dict[str, tuple[str | None, ...]]:
-        """Per word that is not a state's, what it can be."""
+        """Return per word that is not a state's, what it can be."""
         names = dict.fromkeys(
             each.name
             for node in nodes
@@ -242,14 +212,14 @@ def _compiled(node: tree.Node) -> Expression:
 
 @lru_cache(maxsize=4096)
 def _is_decided(node: tree.Compare) -> bool:
-    """Whether a comparison changes only where its one signal has a border."""
+    """Return whether a comparison changes only where its one signal has a border."""
     arguments = sum(len(each.arguments) for each in tree.walk(node) if isinstance(each, tree.Call))
     linear = is_linear(node.left) and is_linear(node.right)
     return len(signals(node)) == 1 and linear and arguments <= MOST_ARGUMENTS
 
 
 def _without_opaque(node: tree.Node, opaque: dict[tree.Node, int], first: int) -> tree.Node:
-    """The condition with each comparison that is not decided here as a free truth."""
+    """Return the condition with each comparison that is not decided here as a free truth."""
     match node:
         case tree.Compare():
             if _is_decided(node) or not signals(node):

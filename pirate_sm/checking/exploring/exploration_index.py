@@ -6,7 +6,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from pirate_sm.checking.exploring.explore import BEGINS, Exploration, Step
+from pirate_sm.checking.exploring.exploration import BEGINS, Exploration, Step
 from pirate_sm.engine.mission.interpreter import ROUND_AND_ROUND
 from pirate_sm.engine.safety import rules
 from pirate_sm.model.effects import (
@@ -62,7 +62,7 @@ class Waiting:
 
 
 @dataclass
-class Ledger:
+class Explored:
     """All of it.
 
     Attributes:
@@ -80,19 +80,19 @@ class Ledger:
     round_and_round: list[int] = field(default_factory=list)
 
     def sure(self, step: int) -> bool:
-        """Whether a step comes about without what the check cannot decide."""
+        """Return whether a step comes about without what the check cannot decide."""
         return self.found.steps[step].sure
 
 
-def ledger(found: Exploration) -> Ledger:
-    """Every step of the exploration has been entered where it belongs."""
-    book = Ledger(found)
+def index_exploration(found: Exploration) -> Explored:
+    """Enter every step of an exploration at its place in the mission and return the index."""
+    book = Explored(found)
     for number, step in enumerate(found.steps):
         _enter(book, number, step)
     return book
 
 
-def _enter(book: Ledger, number: int, step: Step) -> None:
+def _enter(book: Explored, number: int, step: Step) -> None:
     _waited(book, number, step)
     for effect in step.effects:
         match effect:
@@ -113,7 +113,7 @@ def _enter(book: Ledger, number: int, step: Step) -> None:
         _end(book, number, state.ending.outcome, state.ending.end, state.ending.message)
 
 
-def _waited(book: Ledger, number: int, step: Step) -> None:
+def _waited(book: Explored, number: int, step: Step) -> None:
     armed: WaitKey | None = None
     for effect in step.effects:
         match effect:
@@ -132,13 +132,13 @@ def _waited(book: Ledger, number: int, step: Step) -> None:
                 pass
 
 
-def _end(book: Ledger, number: int, outcome: str, end: str, message: str) -> None:
+def _end(book: Explored, number: int, outcome: str, end: str, message: str) -> None:
     book.ends.setdefault((outcome, end), number)
     if message == ROUND_AND_ROUND:
         book.round_and_round.append(number)
 
 
-def _begun(book: Ledger, number: int, line: str) -> None:
+def _begun(book: Explored, number: int, line: str) -> None:
     if line.startswith(BEGINS):
         book.visits[line.removeprefix(BEGINS)].given.append(number)
 

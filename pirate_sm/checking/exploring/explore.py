@@ -8,24 +8,19 @@ What is found first is therefore reached by the fewest events.
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, isnan
-from typing import Any, NamedTuple
+from typing import Any
 
 from pirate_sm.checking.exploring.alternating_sensors import lasting
-from pirate_sm.checking.exploring.asking_program import (
-    NOWHERE,
-    Asked,
-    Moment,
-    Oracle,
-    TooManyQuestionsError,
-    Trigger,
-)
+from pirate_sm.checking.exploring.answers import NOWHERE, Moment, TooManyQuestionsError, Trigger
+from pirate_sm.checking.exploring.asking_program import Oracle
 from pirate_sm.checking.exploring.conditions import Conditions
+from pirate_sm.checking.exploring.exploration import BEGINS, Exploration, Node, Step
 from pirate_sm.checking.exploring.possible_events import Move, Moves
-from pirate_sm.checking.exploring.state_keys import fewest_mishaps, key_of, key_of_wait
+from pirate_sm.checking.exploring.state_keys import key_of, key_of_wait
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Program, Require, Say, Wait
@@ -45,106 +40,9 @@ _EFFECTS_A_STEP = 20
 _TESTS_A_STEP = 20
 """So many take about as long as a step that has no more to do."""
 
-BEGINS = "\0begins "
-"""Before the place of a call, in a line of the log that tells that its terms are met."""
-
-MISHAPS = frozenset({"rejected", "failed", "fault"})
-"""Kinds of moves that nobody plans for."""
-
-WITHIN = "within"
-"""The name under which the limit of a wait stands among its triggers."""
-
 START = Move("start", Tick(), 0.0)
 
 _QUIET = frozenset({Setpoints, StateChange, WakeAt})
-
-
-class Node(NamedTuple):
-    """A state of the engine, reached for the first time.
-
-    Attributes:
-        step: Index of the step that led here.
-        sure: Whether it is reached without what the check cannot decide.
-    """
-
-    state: EngineState
-    now: float
-    step: int
-    sure: bool
-
-    @property
-    def over(self) -> bool:
-        """Whether the run is ending here."""
-        return self.state.mission.ended or self.state.mission.ending is not None
-
-
-class Step(NamedTuple):
-    """Something happened.
-
-    Attributes:
-        source: Index of the node before, -1 before the start.
-        target: Index of the node after it.
-        effects: What followed, without setpoints.
-        moment: What sensors must have shown.
-    """
-
-    source: int
-    target: int
-    move: Move
-    effects: tuple[Effect, ...]
-    moment: Moment
-    sure: bool
-
-    @property
-    def in_vain(self) -> bool:
-        """Whether a wait has lasted too long."""
-        return any(isinstance(e, TriggerFired) and e.trigger == WITHIN for e in self.effects)
-
-    @property
-    def went_wrong(self) -> bool:
-        """Whether it is a mishap, or a wait that has lasted too long."""
-        return self.move.kind in MISHAPS or self.in_vain
-
-
-@dataclass
-class Exploration:
-    """All that can happen.
-
-    Attributes:
-        complete: False when there was too much of it.
-        work: How much of ``MOST_WORK`` it took.
-        branches: By the place of each branch what its condition has been.
-    """
-
-    program: Program
-    robot: RobotSpec
-    nodes: list[Node] = field(default_factory=list)
-    steps: list[Step] = field(default_factory=list)
-    complete: bool = True
-    work: float = 0.0
-    branches: Mapping[str, set[Asked]] = field(default_factory=dict)
-    _mishaps: list[int] = field(default_factory=list)
-
-    def path(self, step: int) -> list[Step]:
-        """The shortest course of events that ends with this step, from the start on."""
-        found = []
-        while step >= 0:
-            found.append(self.steps[step])
-            source = self.steps[step].source
-            step = self.nodes[source].step if source >= 0 else -1
-        return found[::-1]
-
-    def mishaps(self, step: int) -> int:
-        """How many things must go wrong, at least, before and in this step."""
-        if not self._mishaps:
-            self._mishaps = fewest_mishaps([(e.source, e.target, e.went_wrong) for e in self.steps])
-        here = self.steps[step]
-        before = self._mishaps[here.source] if here.source >= 0 else 0
-        return before + here.went_wrong
-
-    def is_playable(self, step: int) -> bool:
-        """Whether a course of single events, one after the other, leads there."""
-        return all(each.move.kind != "lasting" for each in self.path(step))
 
 
 def explore(
@@ -155,7 +53,7 @@ def explore(
     body: RobotState | None = None,
     most_work: float = MOST_WORK,
 ) -> Exploration:
-    """Everything that can happen to the mission has been tried once, unless that is too much.
+    """Try everything that can happen to the mission once, unless that is too much.
 
     What is sure is explored first, so that nothing is called unsure that also comes about
     without what cannot be decided.
@@ -185,7 +83,7 @@ def explore(
 
 
 def _telling(program: Program) -> Program:
-    """The same program; it also tells when a call begins, which nothing else would show."""
+    """Return the program with a log line where a call begins, which nothing else would show."""
     instructions = [*program.instructions]
     said: list[tuple[Say, int]] = []
     for index, each in enumerate(program.instructions):
@@ -233,7 +131,7 @@ class _Walk:
                 return
 
     def _outlast(self) -> bool:
-        """Whether a wait has come to something new while sensors showed now this and now that."""
+        """Try sensors that alternate, and return whether a wait has come to something new."""
         steps = len(self.found.steps) + len(self._held_back)
         fired: dict[Any, set[str]] = defaultdict(set)
         for done in self.found.steps:
@@ -265,12 +163,12 @@ class _Walk:
             self._try(index, move, partial(self.engine.step, state, move.event, move.at_s), due)
 
     def _wait_of(self, state: EngineState) -> Wait | None:
-        """The wait that it has come to."""
+        """Return the wait that it has come to."""
         it = self.engine.program.instructions[state.mission.pc]
         return it if state.mission.begun and isinstance(it, Wait) else None
 
     def _waits(self, result: tuple[EngineState, tuple[Effect, ...]]) -> int:
-        """Index of the wait that it has come to."""
+        """Return index of the wait that it has come to."""
         return NOWHERE if self._wait_of(result[0]) is None else result[0].mission.pc
 
     def _try(
@@ -281,7 +179,7 @@ class _Walk:
         due: Collection[Trigger] = (),
         known: Collection[str] | None = None,
     ) -> None:
-        """The results of the step have been reached, as far as they are not too much.
+        """Enter the results of a step of the engine, as far as they are not too much.
 
         Args:
             source: Index of the node before.
@@ -344,7 +242,7 @@ class _Walk:
 
 
 def _due(wait: Wait, state: EngineState, now: float) -> Collection[Trigger]:
-    """Triggers that fire now if their condition is still true."""
+    """Return triggers that fire now if their condition is still true."""
     mission = state.mission
     return [
         (mission.pc, number)

@@ -14,17 +14,14 @@ _FAR = 1e9
 """Stands for infinity where a range has no end; no signal of a robot comes near, in SI."""
 
 
-def signals(node: tree.Node) -> frozenset[str]:
-    """Names of the numeric signals in a node."""
-    return frozenset(
-        each.name
-        for each in tree.walk(node)
-        if isinstance(each, tree.Signal) and each.kind == "number"
-    )
+def signals(node: tree.Node) -> tuple[str, ...]:
+    """Return the names of the numeric signals in a node, each once, in the order of the text."""
+    found = (each for each in tree.walk(node) if isinstance(each, tree.Signal))
+    return tuple(dict.fromkeys(each.name for each in found if each.kind == "number"))
 
 
 def is_linear(node: tree.Node) -> bool:
-    """Whether a number is made of its signals piece by linear piece."""
+    """Return whether a number is made of its signals piece by linear piece."""
     match node:
         case tree.Arithmetic("*", left, right):
             linear = not (signals(left) and signals(right))
@@ -36,7 +33,7 @@ def is_linear(node: tree.Node) -> bool:
 
 
 def value(node: tree.Node, x: float) -> float:
-    """The number with its one signal at ``x``."""
+    """Return the number with its one signal at ``x``."""
     match node:
         case tree.Number(number):
             return number
@@ -69,7 +66,7 @@ def _arithmetic(operator: tree.ArithmeticOperator, left: float, right: float) ->
 
 
 def _kinks(node: tree.Node, span: Range) -> set[float]:
-    """Where the slope of the number may change."""
+    """Return where the slope of the number may change."""
     found: set[float] = set()
     for child in tree.children(node):
         found |= _kinks(child, span)
@@ -83,7 +80,7 @@ def _kinks(node: tree.Node, span: Range) -> set[float]:
 
 
 def _roots(node: tree.Node, kinks: Iterable[float], span: Range) -> set[float]:
-    """Where the number is 0, exactly, between the kinks that are known."""
+    """Return where the number is 0, exactly, between the kinks that are known."""
     points = sorted({max(span.low, -_FAR), min(span.high, _FAR), *kinks})
     found = set()
     for a, b in pairwise(points):
@@ -99,7 +96,7 @@ def _roots(node: tree.Node, kinks: Iterable[float], span: Range) -> set[float]:
 
 @lru_cache(maxsize=4096)
 def borders(compare: tree.Compare, span: Range) -> frozenset[float]:
-    """Values of the one signal at which the comparison may change."""
+    """Return values of the one signal at which the comparison may change."""
     difference = tree.Arithmetic("-", compare.left, compare.right)
     kinks = _kinks(difference, span)
     found = kinks | _roots(difference, kinks, span)
@@ -110,7 +107,7 @@ def borders(compare: tree.Compare, span: Range) -> frozenset[float]:
 
 
 def samples(marks: Iterable[float], span: Range) -> tuple[float, ...]:
-    """One value on each border, one on either side of it, inside the range."""
+    """Return one value on each border, one on either side of it, inside the range."""
     inside = sorted({mark for mark in marks if span.low <= mark <= span.high})
     low, high = max(span.low, -_FAR), min(span.high, _FAR)
     if not inside:
@@ -122,5 +119,5 @@ def samples(marks: Iterable[float], span: Range) -> tuple[float, ...]:
 
 
 def _step(near: float) -> float:
-    """A step beyond the outermost border that stays a sensible value."""
+    """Return a step beyond the outermost border that stays a sensible value."""
     return max(abs(near), 0.1)

@@ -11,14 +11,7 @@ from pirate_sm.engine.mission.program import HandlerSpec, Program, Question, Wai
 from pirate_sm.engine.robot import robot_state
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
-from pirate_sm.model.events import (
-    Answer,
-    CommandFailed,
-    Event,
-    FaultReport,
-    SubmitResult,
-    Tick,
-)
+from pirate_sm.model.events import Answer, CommandFailed, Event, FaultReport, SubmitResult, Tick
 
 Kind: TypeAlias = Literal[
     "start", "accepted", "rejected", "time", "lasting", "failed", "sensors", "answer", "fault"
@@ -69,7 +62,7 @@ class Moves:
         self._reports: dict[_Situation, tuple[FaultReport, ...]] = {}
 
     def of(self, state: EngineState, now: float) -> Iterator[Move]:
-        """Everything that can happen next, in the order in which stories are told."""
+        """Yield everything that can happen next, in the order of the engine."""
         mission, body = state.mission, state.robot
         if body.flight is not None:
             number = body.flight.setpoint_id
@@ -87,7 +80,7 @@ class Moves:
             yield from self._faults(state, now)
 
     def _spoken(self, state: EngineState, now: float) -> Iterator[Move]:
-        """What a wait or a question listens to."""
+        """Yield what a wait or a question listens to."""
         it = self._program.instructions[state.mission.pc]
         if isinstance(it, Wait):
             if any(trigger.condition is not None for trigger in it.triggers):
@@ -104,7 +97,7 @@ class Moves:
             yield Move("time", Tick(), state.wake_at_s)
 
     def _faults(self, state: EngineState, now: float) -> Iterator[Move]:
-        """One fault for each handler in force that can be needed, and for each clamp it denies."""
+        """Yield one fault for each handler that can be needed, and for each clamp it denies."""
         robot = self._robot
         situation = (
             self._program.handlers[state.mission.pc],

@@ -25,7 +25,7 @@ ANYTHING = Range()
 
 
 def ranges(profile: model.Profile, robot: RobotSpec) -> Mapping[str, Range]:
-    """The range of each numeric signal of the robot; one that is not in it can be anything."""
+    """Return the range of each numeric signal; one that is not in it can be anything."""
     names = robot.vocabulary.numbers
     found: dict[str, Range] = {}
     for board in robot.boards.values():

@@ -11,17 +11,21 @@ from pirate_sm.engine.state import EngineState
 
 
 def key_of(state: EngineState) -> Any:
-    """What of a state decides how it can go on."""
+    """Return what of a state decides how it can go on."""
     mission, body = state.mission, state.robot
     flight, motion = body.flight, body.motion
     if mission.diverting is not None:  # where the fault came up matters no more
         where = mission.diverting.go, mission.diverting.go_name, mission.stopped, mission.handling
         return (
-            where, body.configuration, body.marks, body.values, body.seeking,
+            where,
+            body.configuration,
+            body.marks,
+            body.values,
+            body.seeking,
             flight and (flight.purpose, flight.values),
             motion and (motion.command, bool(motion.place), motion.stage, isnan(motion.accepted_s)),
             state.rules,
-        )  # fmt: skip
+        )
     return (
         mission.pc,
         mission.begun,
@@ -42,12 +46,12 @@ def key_of(state: EngineState) -> Any:
 
 
 def key_of_wait(state: EngineState) -> Any:
-    """The same, whichever conditions have begun to hold."""
+    """Return the same without regard to which conditions have begun to hold."""
     return key_of(state._replace(mission=state.mission._replace(since=())))
 
 
 def fewest_mishaps(steps: Sequence[tuple[int, int, bool]]) -> list[int]:
-    """Per node, how many mishaps must have come about before it at least.
+    """Return per node, how many mishaps must have come about before it at least.
 
     Args:
         steps: Source (-1 before the start) and target of each, and whether it is a mishap.

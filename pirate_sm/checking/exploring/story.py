@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from math import isnan
 from typing import TypeAlias
 
-from pirate_sm.checking.exploring.explore import Exploration, Step
+from pirate_sm.checking.exploring.exploration import Exploration, Step
 from pirate_sm.expressions import NumberType, Vocabulary
 from pirate_sm.model.effects import (
     CommandStatus,
@@ -28,12 +28,12 @@ def _as_it_is(place: str, command: str) -> str:
 
 
 def story(found: Exploration, step: int, written: Written = _as_it_is) -> tuple[str, ...]:
-    """How this step of the exploration comes about."""
+    """Return how this step of the exploration comes about."""
     return tuple(sentence(found, each, written) for each in found.path(step))
 
 
 def sentence(found: Exploration, step: Step, written: Written = _as_it_is) -> str:
-    """What happens in a step, and what follows."""
+    """Return what happens in a step, and what follows."""
     said = [_what(found, step, written), *_consequences(step.effects, written)]
     shown = _shown(
         found.robot.vocabulary.with_changes, step.moment.answer.numbers, step.moment.answer.words
@@ -44,7 +44,7 @@ def sentence(found: Exploration, step: Step, written: Written = _as_it_is) -> st
 
 
 def _what(found: Exploration, step: Step, written: Written) -> str:
-    """The event itself."""
+    """Return the event itself as a sentence."""
     state = found.nodes[step.source].state if step.source >= 0 else None
     motion = state.robot.motion if state else None
     name = written(motion.place, found.robot.commands[motion.command].name) if motion else ""
@@ -103,7 +103,7 @@ def _consequences(effects: Iterable[Effect], written: Written) -> Iterable[str]:
 def _shown(
     vocabulary: Vocabulary, numbers: Mapping[str, float], words: Mapping[str, str | None]
 ) -> str:
-    """Signals that the course of events needs, in words."""
+    """Return signals that the course of events needs, in words."""
     parts = [f"{name} = {_quantity(vocabulary, name, value)}" for name, value in numbers.items()]
     parts += [f"{name} = {word or 'unknown'}" for name, word in words.items()]
     return ", ".join(parts)

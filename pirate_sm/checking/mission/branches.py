@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 
-from pirate_sm.checking.exploring.conditions import Fact
-from pirate_sm.checking.exploring.exploration_index import Ledger
-from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.exploring.answers import Fact
+from pirate_sm.checking.exploring.exploration_index import Explored
+from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.mission.driving import within_reach
 from pirate_sm.checking.mission.mission_places import Places
-from pirate_sm.checking.mission.out_of_reach import within_reach
+from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.engine.mission.program import Branch
 from pirate_sm.expressions import Expression
 from pirate_sm.loading.mission import LoadedMission
@@ -17,31 +18,25 @@ from pirate_sm.loading.problems import Path, Place
 from pirate_sm.model.mission import ChooseStep, Mission, RepeatStep, Step
 
 
-def branch_findings(
-    seen: Sequence[Ledger], loaded: LoadedMission, places: Places
-) -> Iterator[Finding]:
-    """What is decided already wherever it is asked, in the mission's own file.
+def branches(view: MissionView) -> Iterator[Finding]:
+    """Yield what is decided already wherever it is asked, in the mission's own file.
 
     A called mission is judged by itself: it may be called from elsewhere too. What asks for
     states that no command has changed yet guards against another beginning, and is no fault where
     the mission may begin in others; nor is what asks again for what a trigger has just seen.
-
-    Args:
-        seen: What can happen.
-        loaded: The mission.
-        places: Of its parts.
     """
+    seen, loaded, places = view.seen, view.loaded, view.places
     told = set[Place]()
     for finding in _arms(loaded, places):
         told.add(finding.place)
         yield finding
-    if all(book.found.complete for book in seen):
+    if view.complete:
         found = _decided(seen, loaded, places)
         yield from (each for each in found if each.place not in told)
 
 
-def _decided(seen: Sequence[Ledger], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
-    """What has been asked and was the same each time."""
+def _decided(seen: Sequence[Explored], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
+    """Yield conditions that were the same each time they were asked."""
     truths: dict[str, set[bool]] = defaultdict(set)
     guards = set[str]()
     for book in seen:
@@ -59,18 +54,22 @@ def _decided(seen: Sequence[Ledger], loaded: LoadedMission, places: Places) -> I
             continue
         if True in truths[where]:
             yield places.finding(
-                place, "branch.always", Severity.WARNING,
-                f"'{text}' is true whenever it is asked", mend="leave the condition out",
-            )  # fmt: skip
+                place,
+                "branch.always",
+                f"'{text}' is true whenever it is asked",
+                mend="leave the condition out",
+            )
         else:
             yield places.finding(
-                place, "branch.never", Severity.WARNING,
-                f"'{text}' is never true when it is asked", mend="leave the steps out",
-            )  # fmt: skip
+                place,
+                "branch.never",
+                f"'{text}' is never true when it is asked",
+                mend="leave the steps out",
+            )
 
 
 def _conditions(loaded: LoadedMission) -> dict[str, Expression]:
-    """The conditions of steps and arms by their places."""
+    """Return the conditions of steps and arms by their places."""
     return {
         each.place: each.condition
         for each in loaded.program.instructions
@@ -79,7 +78,7 @@ def _conditions(loaded: LoadedMission) -> dict[str, Expression]:
 
 
 def _arms(loaded: LoadedMission, places: Places) -> Iterator[Finding]:
-    """Arms of a `choose`, and an `else`, for which the arms before leave nothing."""
+    """Yield arms of a `choose`, and an `else`, for which the arms before leave nothing."""
     asked, conditions = _conditions(loaded), within_reach(loaded)
     every = loaded.robot.table.configurations
     for step, path in _chooses(loaded.mission):
@@ -95,17 +94,17 @@ def _arms(loaded: LoadedMission, places: Places) -> Iterator[Finding]:
             if others and shadowed and conditions.anywhere(own, every):
                 message = f"an earlier arm is taken wherever '{condition.text}' is true"
                 mend = "put it first, or leave it out"
-                yield places.finding(place, "branch.never", Severity.WARNING, message, mend=mend)
+                yield places.finding(place, "branch.never", message, mend=mend)
             others.append((node, False))
         else:
             if step.otherwise and len(others) > 1 and not conditions.anywhere(others, every):
                 message = "one of the arms is always taken: nothing is left for `else`"
                 place = places.of((*path, "else"))
-                yield places.finding(place, "branch.never", Severity.WARNING, message)
+                yield places.finding(place, "branch.never", message)
 
 
 def _chooses(mission: Mission) -> Iterator[tuple[ChooseStep, Path]]:
-    """Every `choose` of a mission, with where it stands."""
+    """Yield every `choose` of a mission, with where it stands."""
     for name, phase in mission.phases.items():
         yield from _among(phase.do, ("phases", name, "do"))
 

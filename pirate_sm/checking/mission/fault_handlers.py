@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pirate_sm.checking.findings import Finding, Severity, at
-from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.checking.findings import Finding, at
+from pirate_sm.checking.mission.mission_view import MissionView
 
 
-def handler_findings(loaded: LoadedMission) -> Iterator[Finding]:
-    """A finding for each fault that `on_fault` has named before."""
+def fault_handlers(view: MissionView) -> Iterator[Finding]:
+    """Yield a finding for each fault that an earlier line of `on_fault` has named."""
+    loaded = view.loaded
     document, handled = loaded.documents[0], dict[str, int]()
     for number, handler in enumerate(loaded.mission.on_fault):
         for place, code in enumerate(handler.fault):
@@ -20,4 +21,4 @@ def handler_findings(loaded: LoadedMission) -> Iterator[Finding]:
             else:
                 continue
             where = document.place_of(("on_fault", number, "fault", place))
-            yield at(document, where, "handler.twice", Severity.ERROR, message)
+            yield at(document, where, "handler.twice", message)

@@ -11,6 +11,8 @@ from pydantic import BaseModel
 
 from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.findings import Finding, Severity, at
+from pirate_sm.checking.mission.driving import within_reach
+from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.expressions import ExpressionError, compile_condition
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.parameters import Value, Values, defaults, read_value
@@ -27,24 +29,27 @@ _PROSE = {"description", "log", "ask", "succeed", "fail"}
 """Texts in which `$name` means nothing."""
 
 
-def check_parameters(mission: Mission, document: Document) -> tuple[Finding, ...]:
-    """A warning for each parameter that is used in no condition, time, count, text or argument."""
+def unused_parameters(view: MissionView) -> Iterator[Finding]:
+    """Yield parameters that no condition, time, count, text or argument uses."""
+    yield from unused_in(view.loaded.mission, view.loaded.documents[0])
+
+
+def unused_in(mission: Mission, document: Document) -> Iterator[Finding]:
+    """Yield the same of a mission that need not be loaded."""
     used = set(_used(mission))
-    found = []
     for name in mission.parameters:
         if name not in used:
             place = document.place_of(("parameters", name), key=True)
             message = f"nothing in this mission uses the parameter '{name}'"
-            found.append(at(document, place, "parameter.unused", Severity.WARNING, message))
-    return tuple(found)
+            yield at(document, place, "parameter.unused", message)
 
 
 def check_settings(
     mission: Mission, document: Document, settings: Collection[str]
 ) -> tuple[Finding, ...]:
-    """A warning for each parameter without a default that the settings leave without a value.
+    """Return parameters without a default that the settings leave without a value.
 
-    It is of use only where no other mission calls this one.
+    This is of use only where no other mission calls this one.
     """
     found = []
     for name, definition in mission.parameters.items():
@@ -53,23 +58,26 @@ def check_settings(
             message = f"nothing sets the parameter '{name}'"
             mend = f"give it a default, or run the mission with --set {name}=…"
             found.append(
-                at(document, place, "mission.parameter", Severity.WARNING, message, mend=mend)
+                at(
+                    document,
+                    place,
+                    "mission.parameter",
+                    message,
+                    severity=Severity.WARNING,
+                    mend=mend,
+                )
             )
     return tuple(found)
 
 
-def check_limits(loaded: LoadedMission, conditions: Conditions) -> tuple[Finding, ...]:
-    """A warning for each limit of a parameter with which a trigger or a condition never comes true.
-
-    Args:
-        loaded: The mission.
-        conditions: What can be true on its robot.
-    """
+def parameter_limits(view: MissionView) -> Iterator[Finding]:
+    """Yield limits of parameters with which a trigger or a condition never comes true."""
+    loaded, conditions = view.loaded, within_reach(view.loaded)
     mission, document = loaded.mission, loaded.documents[0]
     problems = Problems(document)
     values = defaults(mission.parameters, problems)
     texts = [text for text in _conditions(mission) if "$" in text]
-    waits, found = tuple(_waits(mission)), []
+    waits = tuple(_waits(mission))
     for name, definition in mission.parameters.items():
         for key in ("min", "max"):
             limit = getattr(definition, key)
@@ -87,12 +95,11 @@ def check_limits(loaded: LoadedMission, conditions: Conditions) -> tuple[Finding
                     continue
                 message = f"with {name} at its {key} of {limit}, {what}"
                 place = document.place_of(("parameters", name, key))
-                found.append(at(document, place, "parameter.limit", Severity.WARNING, message))
-    return tuple(found)
+                yield at(document, place, "parameter.limit", message)
 
 
 def _late(waits: Iterable[Phase | WaitStep], values: Values) -> Iterator[str]:
-    """Triggers that with these values can only come after their wait is over."""
+    """Yield triggers that with these values can only come after their wait is over."""
     for wait in waits:
         within_s = inf if wait.within is None else _seconds(wait.within.time, values)
         ends_s = [_seconds(t.after, values) for t in wait.wait if isinstance(t, TimeTrigger)]
@@ -109,7 +116,7 @@ def _late(waits: Iterable[Phase | WaitStep], values: Values) -> Iterator[str]:
 
 
 def _waits(value: object) -> Iterator[Phase | WaitStep]:
-    """The phases and steps of a mission that wait."""
+    """Yield the phases and steps of a mission that wait."""
     if isinstance(value, Phase | WaitStep):
         yield value
     for _, inner in _inside(value):
@@ -121,7 +128,7 @@ def _written(value: float | Parameter) -> str:
 
 
 def _seconds(value: float | Parameter, values: Values) -> float:
-    """The time; NaN where the parameter has no value."""
+    """Return the time; NaN where the parameter has no value."""
     if not isinstance(value, Parameter):
         return value
     return values[value.name].quantity.value if value.name in values else nan
@@ -130,7 +137,7 @@ def _seconds(value: float | Parameter, values: Values) -> float:
 def _never(
     text: str, name: str, values: Values, loaded: LoadedMission, conditions: Conditions
 ) -> bool:
-    """Whether the condition is impossible with these values; not where others are missing."""
+    """Return whether the condition is impossible with these values, if they are all there."""
     if name not in _USE.findall(text) or not set(_USE.findall(text)) <= values.keys():
         return False
     constants = {each: value.quantity for each, value in values.items()}
@@ -142,7 +149,7 @@ def _never(
 
 
 def _conditions(value: object) -> Iterator[str]:
-    """The conditions in a part of a mission."""
+    """Yield the conditions in a part of a mission."""
     for name, inner in _inside(value):
         if name in {"when", "condition"} and isinstance(inner, str):
             yield inner
@@ -151,7 +158,7 @@ def _conditions(value: object) -> Iterator[str]:
 
 
 def _used(value: object) -> Iterator[str]:
-    """The names of parameters in a part of a mission."""
+    """Yield the names of parameters in a part of a mission."""
     if isinstance(value, Parameter):
         yield value.name
     elif isinstance(value, str):
@@ -164,7 +171,7 @@ def _used(value: object) -> Iterator[str]:
 
 
 def _inside(value: object) -> Iterator[tuple[str, object]]:
-    """What a part of a mission is made of, with the field of a model that it stands in."""
+    """Yield what a part of a mission is made of, with the field of a model that it stands in."""
     if isinstance(value, Mapping):
         yield from (("", each) for each in value.values())
     elif isinstance(value, tuple | list):
@@ -174,7 +181,7 @@ def _inside(value: object) -> Iterator[tuple[str, object]]:
 
 
 def _shown(value: BaseModel) -> Iterator[str]:
-    """The names in the texts that a person reads."""
+    """Yield the names in the texts that a person reads."""
     match value:
         case LogStep(log=text) | AskStep(ask=text):
             yield from _FIELD.findall(text)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 
-from pirate_sm.checking.exploring.explore import Exploration
+from pirate_sm.checking.exploring.exploration import Exploration
 from pirate_sm.checking.exploring.story import story
-from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.findings import Finding, Severity, usual_severity
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
 
@@ -27,7 +27,7 @@ class Places:
         self._documents = {document.name: document for document in loaded.documents}
 
     def written(self, text: str, command: str) -> str:
-        """A command in the word that the step at ``file:line:col`` has for it."""
+        """Return a command in the word that the step at ``file:line:col`` has for it."""
         others = [alias for alias, name in self._aliases.items() if name == command]
         place = self.read(text)
         if not others or place.file not in self._documents:
@@ -38,37 +38,37 @@ class Places:
         return command if word is None or word[0] == command else f"{word[0]} ({command})"
 
     def read(self, text: str) -> Place:
-        """The place that ``file:line:col`` names."""
+        """Return the place that ``file:line:col`` names."""
         file, line, column = text.rsplit(":", 2)
         return Place(file, int(line), int(column))
 
     def of(self, path: Path, *, key: bool = False) -> Place:
-        """Where a part of the mission's own file stands."""
+        """Return where a part of the mission's own file stands."""
         return self._own.place_of(path, key=key)
 
     def mission(self) -> Place:
-        """Where the mission's name stands."""
+        """Return where the mission's name stands."""
         return self.of(("mission",))
 
     def finding(
         self,
         place: Place,
         code: str,
-        severity: Severity,
         message: str,
         *,
+        severity: Severity | None = None,
         mend: str = "",
         related: tuple[tuple[Place, str], ...] = (),
         happens: tuple[Exploration, int] | None = None,
         playable: bool = True,
     ) -> Finding:
-        """A finding with the line that stands at its place.
+        """Return a finding with the line that stands at its place.
 
         Args:
             place: Where.
-            code: Its code.
-            severity: How surely.
+            code: An entry of the catalogue.
             message: What is wrong.
+            severity: How surely; None: as is usual for the code.
             mend: How to mend it.
             related: Further places.
             happens: The step of an exploration in which it comes about; becomes its story.
@@ -76,10 +76,18 @@ class Places:
         """
         document = self._documents.get(place.file)
         excerpt = document.excerpt(place.line) if document else ""
+        severity = usual_severity(code) if severity is None else severity
         told = story(*happens, self.written) if happens else ()
         found = happens is not None and happens[0].is_playable(happens[1])
         sure = playable and found and severity is not Severity.POSSIBLE
         return Finding(
-            code, severity, place, message, mend=mend, excerpt=excerpt, related=related,
-            story=told, course=(happens,) if happens and sure else (),
-        )  # fmt: skip
+            code,
+            severity,
+            place,
+            message,
+            mend=mend,
+            excerpt=excerpt,
+            related=related,
+            story=told,
+            course=(happens,) if happens and sure else (),
+        )

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from math import inf, nan
 
-from pirate_sm.checking.exploring.conditions import Conditions, Fact
-from pirate_sm.checking.exploring.exploration_index import Ledger
-from pirate_sm.checking.exploring.explore import Exploration
+from pirate_sm.checking.exploring.answers import Fact
+from pirate_sm.checking.exploring.conditions import Conditions
+from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.exploring.piecewise_linear import borders, samples, signals
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range, ranges
-from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.mission.driving import driven_before, fastest_m_s
+from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.engine.mission.program import Branch, TriggerSpec, Wait
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, tree
 from pirate_sm.expressions.vocabulary import change_of
@@ -26,16 +27,9 @@ STILL_M = 0.01
 _JOINT = "Joint"
 
 
-def reach_findings(
-    seen: Sequence[Ledger], loaded: LoadedMission, places: Places
-) -> Iterator[Finding]:
-    """What conditions of the mission's own file wait or ask for in vain.
-
-    Args:
-        seen: What can happen.
-        loaded: The mission.
-        places: Of its parts.
-    """
+def out_of_reach(view: MissionView) -> Iterator[Finding]:
+    """Yield conditions of the mission's own file that wait or ask in vain."""
+    seen, loaded, places = view.seen, view.loaded, view.places
     check = _Reach(seen, loaded)
     told: set[str] = set()
     for wait in loaded.program.instructions:
@@ -49,31 +43,22 @@ def reach_findings(
             found = check.judge(wait, trigger, trigger.condition)
             if found is not None:
                 told.add(trigger.place)
-                code, severity, message = found
-                yield places.finding(place, code, severity, message)
+                code, message = found
+                yield places.finding(place, code, message)
     for branch in loaded.program.instructions:
         if not isinstance(branch, Branch) or branch.place in told:
             continue
         place, message = places.read(branch.place), check.asked(branch.condition)
         if message and place.file == loaded.documents[0].name:
             told.add(branch.place)
-            yield places.finding(place, "condition.beyond", Severity.WARNING, message)
+            yield places.finding(place, "condition.beyond", message)
 
 
-def within_reach(loaded: LoadedMission) -> Conditions:
-    """What decides whether conditions can be true on a robot no faster than its motors turn."""
-    robot, most = loaded.robot, _fastest(loaded)
-    spans = dict(ranges(loaded.loaded_robot.profile, robot))
-    if robot.speed >= 0:
-        spans[robot.vocabulary.numbers[robot.speed]] = Range(-most, most)
-    return Conditions(robot.vocabulary.with_changes, spans, len(robot.regions))
-
-
-_Said = tuple[str, Severity, str]
+_Said = tuple[str, str]
 
 
 class _Reach:
-    def __init__(self, seen: Sequence[Ledger], loaded: LoadedMission) -> None:
+    def __init__(self, seen: Sequence[Explored], loaded: LoadedMission) -> None:
         self._seen, self._loaded, self._robot = seen, loaded, loaded.robot
         numbers = loaded.robot.vocabulary.numbers
         self._odometry = numbers[loaded.robot.odometry] if loaded.robot.odometry >= 0 else ""
@@ -81,19 +66,19 @@ class _Reach:
         self._speed = numbers[loaded.robot.speed] if loaded.robot.speed >= 0 else ""
         self._spans = dict(ranges(loaded.loaded_robot.profile, loaded.robot))
         self._usual = self._with({})
-        self._fastest = _fastest(loaded)
-        self._driven = [_driven_before(book.found, loaded) for book in seen]
+        self._fastest = fastest_m_s(loaded)
+        self._driven = [driven_before(book.found, loaded) for book in seen]
 
     def _with(self, narrower: Mapping[str, Range]) -> Conditions:
         spans = {**self._spans, **narrower}
         return Conditions(self._robot.vocabulary.with_changes, spans, len(self._robot.regions))
 
     def states(self, wait: Wait) -> set[int]:
-        """Configurations in which the wait is come to."""
+        """Return configurations in which the wait is come to."""
         return {each for book in self._seen for each in book.waits[wait.phase, wait.place].states}
 
     def judge(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
-        """What is wrong with a trigger, nothing where it can fire or never could anywhere."""
+        """Return what is wrong with a trigger; None where it can fire or never could anywhere."""
         node = condition.tree
         if not self._possible(wait, [(node, True)], self._usual):
             return None  # which is said there
@@ -105,7 +90,7 @@ class _Reach:
         )
 
     def asked(self, condition: Expression) -> str:
-        """Why the condition of a step asks for what is out of reach; empty: it does not."""
+        """Return why the condition of a step asks for what is out of reach; empty: it does not."""
         facts: list[Fact] = [(condition.tree, True)]
         every = self._robot.table.configurations
         for name, most, why in self._lasting():
@@ -132,11 +117,11 @@ class _Reach:
                 narrower = self._with({name: Range(-most, most)})
                 if not self._possible(wait, [fact], narrower):
                     message = f"'{condition.text}' is out of reach: {why}"
-                    return "condition.beyond", Severity.WARNING, message
+                    return "condition.beyond", message
         return None
 
     def _limits(self, wait: Wait) -> Iterator[tuple[str, float, str]]:
-        """Signals, how large they come to be in a wait at the most, and why."""
+        """Yield signals, how large they come to be in a wait at the most, and why."""
         for name, most, why in self._lasting():
             yield name, most, why
             yield name and change_of(name), 2 * most if name == self._speed else most, why
@@ -147,7 +132,7 @@ class _Reach:
             yield self._odometry, self._fastest * (ends_s + BEGINNING_S), why
 
     def _lasting(self) -> Iterator[tuple[str, float, str]]:
-        """The same, of what is so wherever it is asked."""
+        """Yield the same for what holds wherever a condition is asked."""
         fastest, pipe = self._fastest, self._loaded.pipe
         yield self._speed, fastest, f"without a load the robot drives {fastest:.3g} m/s"
         if pipe is not None:
@@ -157,7 +142,7 @@ class _Reach:
     # --- the wrong way ----------------------------------------------------------------------
 
     def _still(self, wait: Wait, condition: Expression) -> _Said | None:
-        """A condition on odometry alone that what drives cannot make true."""
+        """Return a finding of a condition on odometry alone that what drives cannot make true."""
         node = condition.tree
         free = self._usual.free(node)
         if not self._odometry or not {self._odometry, self._changed} & free:
@@ -169,16 +154,16 @@ class _Reach:
             return None
         if ways == {0}:
             message = f"'{condition.text}' does not change: nothing drives in this wait"
-            return "wait.still", Severity.WARNING, message
+            return "wait.still", message
         grows = self._grows(node)
         if len(ways) == 1 and grows and ways == {-grows}:
             how = ("grow", "back") if grows > 0 else ("shrink", "forward")
             message = f"'{condition.text}' waits for {self._odometry} to {how[0]}, and the robot "
-            return "wait.still", Severity.WARNING, f"{message}drives {how[1]}"
+            return "wait.still", f"{message}drives {how[1]}"
         return None
 
     def _not_on(self, wait: Wait, condition: Expression, ways: set[int]) -> _Said | None:
-        """A condition on the way since the wait began that what drives cannot make true."""
+        """Return a finding of a condition on the way driven in the wait that cannot come true."""
         back, on = (-inf if -1 in ways else -STILL_M), (inf if 1 in ways else STILL_M)
         narrower = self._with({self._changed: Range(back, on)})
         if self._possible(wait, [(condition.tree, True)], narrower):
@@ -186,10 +171,10 @@ class _Reach:
         drives = "the robot drives forward" if 1 in ways else "the robot drives back"
         why = drives if {1, -1} & ways else "nothing drives in this wait"
         message = f"'{condition.text}' does not come true: {why}"
-        return "wait.still", Severity.WARNING, message
+        return "wait.still", message
 
     def _way(self, configuration: int) -> int:
-        """1 where the configuration drives forward, -1 back, 0 where it drives no wheel."""
+        """Return 1 where the configuration drives forward, -1 back, 0 where it drives no wheel."""
         table, total = self._robot.table, 0.0
         metres = {wheel.slot: wheel.metres_per_rad for wheel in self._robot.wheels}
         for region, slots in self._robot.driven[configuration].items():
@@ -200,7 +185,7 @@ class _Reach:
         return (total > 0) - (total < 0)
 
     def _grows(self, node: tree.Node) -> int:
-        """1 where the condition becomes true as odometry grows, -1 as it shrinks, else 0."""
+        """Return 1 where the condition becomes true as odometry grows, -1 as it shrinks, else 0."""
         place = self._robot.odometry
         span = self._spans.get(self._odometry, ANYTHING)
         marks: set[float] = set()
@@ -220,7 +205,7 @@ class _Reach:
     # --- words ------------------------------------------------------------------------------
 
     def _word(self, wait: Wait, condition: Expression) -> _Said | None:
-        """A word that nothing in this pipe brings about."""
+        """Return a finding of a word that nothing in this pipe brings about."""
         pipe = self._loaded.pipe
         if pipe is None or pipe.route().crossings_m:
             return None
@@ -233,11 +218,11 @@ class _Reach:
             said: Fact = tree.Matches(signal, tuple(values)), False
             if not self._possible(wait, [(condition.tree, True), said], self._usual):
                 message = f"'{condition.text}' waits for a bend, and the pipe has none"
-                return "word.never", Severity.ERROR, message
+                return "word.never", message
         return None
 
     def _held(self, wait: Wait, trigger: TriggerSpec, node: tree.Node) -> _Said | None:
-        """A word that must hold for longer than one is valid."""
+        """Return a finding of a word that must hold for longer than one is valid."""
         detector = self._loaded.loaded_robot.profile.detector
         if trigger.held_s <= detector.valid_for:
             return None
@@ -248,40 +233,4 @@ class _Reach:
         if self._possible(wait, [(node, True), known], self._usual):
             return None
         message = f"it must be held for {trigger.held_s:g} s, and a word of the detector is valid "
-        return "word.held", Severity.WARNING, f"{message}for {detector.valid_for:g} s"
-
-
-def _fastest(loaded: LoadedMission) -> float:
-    """The speed of the fastest wheel without a load, m/s; infinite where it is not known."""
-    profile = loaded.loaded_robot.profile
-    rates = [
-        profile.motors[slot.motor].no_load_speed
-        for board in profile.boards
-        for slot in board.slots
-        if slot.wheel is not None
-    ]
-    known = [each for each in rates if each is not None]
-    return max(known) * profile.body.wheel_radius if known and len(known) == len(rates) else inf
-
-
-def _driven_before(found: Exploration, loaded: LoadedMission) -> frozenset[str]:
-    """Phases whose wait may begin after the robot has driven in an earlier wait."""
-    instructions, driven = found.program.instructions, loaded.robot.driven
-    after: dict[int, list[int]] = {}
-    begin = []
-    for step in found.steps:
-        if step.source < 0:
-            continue
-        after.setdefault(step.source, []).append(step.target)
-        before = found.nodes[step.source].state
-        waited = isinstance(instructions[before.mission.pc], Wait) and before.mission.begun
-        left = found.nodes[step.target].state.mission.pc != before.mission.pc
-        if waited and left and driven[before.robot.configuration]:
-            begin.append(step.target)
-    reached, waiting = set(begin), begin
-    while waiting:
-        for target in after.get(waiting.pop(), ()):
-            if target not in reached:
-                reached.add(target)
-                waiting.append(target)
-    return frozenset(found.program.phase_of[found.nodes[n].state.mission.pc] for n in reached)
+        return "word.held", f"{message}for {detector.valid_for:g} s"

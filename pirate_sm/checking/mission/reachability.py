@@ -6,26 +6,19 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
 
-from pirate_sm.checking.exploring.exploration_index import Ledger
-from pirate_sm.checking.exploring.explore import MISHAPS, Exploration, Node
+from pirate_sm.checking.exploring.exploration import MISHAPS, Exploration, Node
+from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import PhaseChange
 
 
-def flow_findings(
-    books: Sequence[Ledger], seen: Sequence[Ledger], loaded: LoadedMission, places: Places
-) -> Iterator[Finding]:
-    """What is wrong with the ways through the mission.
-
-    Args:
-        books: What can happen.
-        seen: That, and what can happen once other faults are mended.
-        loaded: The mission.
-        places: Of its parts.
-    """
-    if not all(book.found.complete for book in seen):
+def reachability(view: MissionView) -> Iterator[Finding]:
+    """Yield what is wrong with the ways through the mission."""
+    books, seen, loaded, places = view.explored, view.seen, view.loaded, view.places
+    if not view.complete:
         yield from _round_and_round(books, loaded, places)
         yield from _rules(books, places)
         return
@@ -39,31 +32,27 @@ def flow_findings(
         message = "no path leads to an end that succeeds"
         if not succeeds:
             message = "it has no end that succeeds"
-        yield places.finding(places.mission(), "mission.no_success", Severity.ERROR, message)
+        yield places.finding(places.mission(), "mission.no_success", message)
     yield from _rules(books, places)
 
 
 def _unreachable(
-    seen: Sequence[Ledger], loaded: LoadedMission, places: Places
+    seen: Sequence[Explored], loaded: LoadedMission, places: Places
 ) -> Iterator[Finding]:
-    entered = {phase for book in seen for phase in book.phases}
-    for name in loaded.mission.phases:
-        if name not in entered:
-            yield places.finding(
-                places.of(("phases", name), key=True), "phase.unreachable", Severity.WARNING,
-                f"nothing leads to the phase '{name}'",
-            )  # fmt: skip
+    phases = {phase for book in seen for phase in book.phases}
     ends = {end for book in seen for _, end in book.ends}
-    for name in loaded.mission.ends:
-        if name not in ends:
-            yield places.finding(
-                places.of(("ends", name), key=True), "end.unreachable", Severity.WARNING,
-                f"nothing leads to the end '{name}'",
-            )  # fmt: skip
+    for code, kind, names, reached in (
+        ("phase.unreachable", "phase", loaded.mission.phases, phases),
+        ("end.unreachable", "end", loaded.mission.ends, ends),
+    ):
+        for name in names:
+            if name not in reached:
+                place = places.of((f"{kind}s", name), key=True)
+                yield places.finding(place, code, f"nothing leads to the {kind} '{name}'")
 
 
-def _endless(books: Sequence[Ledger], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
-    """Phases from which no end can be reached, but by a failure, a fault or from outside."""
+def _endless(books: Sequence[Explored], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
+    """Yield phases from which no end can be reached, but by a failure, a fault or from outside."""
     found = books[-1].found
     if isfinite(loaded.program.time_limit_s):
         return
@@ -82,16 +71,19 @@ def _endless(books: Sequence[Ledger], loaded: LoadedMission, places: Places) -> 
         - {own, ""}
     )
     also = f" (nor from {', '.join(others)})" if others else ""
+    place = places.of(("phases", own), key=True)
     yield places.finding(
-        places.of(("phases", own), key=True), "loop.endless",
-        Severity.ERROR if sure else Severity.POSSIBLE,
+        place,
+        "loop.endless",
         f"from the phase '{own}' no end can be reached{also} unless something fails",
-        happens=(found, found.nodes[first].step), playable=len(books) == 1,
-    )  # fmt: skip
+        severity=None if sure else Severity.POSSIBLE,
+        happens=(found, found.nodes[first].step),
+        playable=len(books) == 1,
+    )
 
 
 def _cannot_end(found: Exploration) -> set[int]:
-    """Nodes from which only a failure or a fault leads to an end, and not to one that succeeds."""
+    """Return nodes from which no end, or none that succeeds, is reached without a mishap."""
     usual: dict[int, list[int]] = defaultdict(list)
     every: dict[int, list[int]] = defaultdict(list)
     for step in found.steps:
@@ -109,7 +101,7 @@ def _succeeds(node: Node) -> bool:
 
 
 def _leading_to(targets: set[int], before: Mapping[int, Sequence[int]]) -> set[int]:
-    """The nodes from which one of these is reached, and these."""
+    """Return the nodes from which one of these is reached, and these."""
     can, pending = set(targets), list(targets)
     while pending:
         for source in before.get(pending.pop(), ()):
@@ -120,7 +112,7 @@ def _leading_to(targets: set[int], before: Mapping[int, Sequence[int]]) -> set[i
 
 
 def _round_and_round(
-    books: Sequence[Ledger], loaded: LoadedMission, places: Places
+    books: Sequence[Explored], loaded: LoadedMission, places: Places
 ) -> Iterator[Finding]:
     for book in books:
         if not book.round_and_round:
@@ -132,15 +124,13 @@ def _round_and_round(
         phase = first.split("/", 1)[0]
         path = ("phases", phase) if phase in loaded.mission.phases else ("phases",)
         way = " → ".join([*circle[circle.index(first) :], *circle[: circle.index(first)], first])
-        yield places.finding(
-            places.of(path, key=True), "loop.instant",
-            Severity.ERROR if step.sure else Severity.POSSIBLE,
-            f"{way}: this goes round without ever waiting",
-        )  # fmt: skip
+        place, message = places.of(path, key=True), f"{way}: this goes round without ever waiting"
+        severity = None if step.sure else Severity.POSSIBLE
+        yield places.finding(place, "loop.instant", message, severity=severity)
         return
 
 
-def _rules(books: Sequence[Ledger], places: Places) -> Iterator[Finding]:
+def _rules(books: Sequence[Explored], places: Places) -> Iterator[Finding]:
     told: set[str] = set()
     for book in books:
         for message, number in book.broken.items():
@@ -150,7 +140,10 @@ def _rules(books: Sequence[Ledger], places: Places) -> Iterator[Finding]:
             state = book.found.nodes[book.found.steps[number].target].state.mission
             at = getattr(book.found.program.instructions[state.pc], "place", "")
             yield places.finding(
-                places.read(at) if at else places.mission(), "rule.violated",
-                Severity.ERROR if book.sure(number) else Severity.POSSIBLE, message,
-                happens=(book.found, number), playable=book is books[0],
-            )  # fmt: skip
+                places.read(at) if at else places.mission(),
+                "rule.violated",
+                message,
+                severity=None if book.sure(number) else Severity.POSSIBLE,
+                happens=(book.found, number),
+                playable=book is books[0],
+            )

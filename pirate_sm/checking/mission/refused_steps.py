@@ -5,26 +5,18 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 
-from pirate_sm.checking.exploring.exploration_index import Ledger, Visits
+from pirate_sm.checking.exploring.exploration_index import Explored, Visits
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.checking.mission.shortest_commands import way
 from pirate_sm.engine.mission.program import STOP, Do, Program, Require
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import CommandStatus
 
 
-def refusal_findings(
-    books: Sequence[Ledger], seen: Sequence[Ledger], loaded: LoadedMission, places: Places
-) -> Iterator[Finding]:
-    """One finding for each step that is refused on some path, from where it is first seen.
-
-    Args:
-        books: What can happen.
-        seen: That, and what can happen once other faults are mended.
-        loaded: The mission.
-        places: Of its parts.
-    """
+def refused_steps(view: MissionView) -> Iterator[Finding]:
+    """Yield one finding for each step that is refused on some path, from where it is first seen."""
+    books, seen, loaded, places = view.explored, view.seen, view.loaded, view.places
     steps = {
         each.place: each
         for each in loaded.program.instructions
@@ -51,14 +43,18 @@ def refusal_findings(
             if assumed:
                 message += " (once the step before that cannot run has been mended)"
             yield places.finding(
-                places.read(place), code, severity, message, mend=mend,
+                places.read(place),
+                code,
+                message,
+                severity=severity,
+                mend=mend,
                 happens=(book.found, step_number) if step_number >= 0 else None,
                 playable=not assumed,
-            )  # fmt: skip
+            )
 
 
 def handler_phases(program: Program) -> frozenset[str]:
-    """Phases that failures and faults lead to."""
+    """Return phases that failures and faults lead to."""
     targets = {
         each.failed
         for each in program.instructions
@@ -71,7 +67,7 @@ def handler_phases(program: Program) -> frozenset[str]:
 
 
 def _phases(program: Program) -> dict[str, set[str]]:
-    """The phases in which the step at each place stands; a called one stands in several."""
+    """Return the phases in which the step at each place stands; a called one stands in several."""
     found: dict[str, set[str]] = defaultdict(set)
     for each, phase in zip(program.instructions, program.phase_of, strict=True):
         if isinstance(each, Do | Require):
@@ -79,13 +75,13 @@ def _phases(program: Program) -> dict[str, set[str]]:
     return found
 
 
-def _needed(place: str, seen: Sequence[Ledger]) -> bool:
-    """Whether the step is given anywhere."""
+def _needed(place: str, seen: Sequence[Explored]) -> bool:
+    """Return whether the step is given anywhere."""
     return any(place in book.visits and book.visits[place].given for book in seen)
 
 
 def _judge(
-    book: Ledger,
+    book: Explored,
     visits: Visits,
     name: str,
     step: Do | Require,
@@ -93,7 +89,7 @@ def _judge(
     *,
     handling: bool,
 ) -> tuple[str, Severity, str, int, str] | None:
-    """Code, severity, message, step to be told, and how to mend it; None where all is well."""
+    """Return code, severity, message, step and mend of a finding; None where all is well."""
     complete = book.found.complete
     if isinstance(step, Do) and not visits.given and not visits.refused and complete:
         message = f"{name} is never needed: it is so already whenever its turn comes"
@@ -118,7 +114,7 @@ def _judge(
 
 
 def _unexpected(visits: Visits, step: Do | Require) -> list[int]:
-    """Refusals that nobody has thought of, of a step that is not always refused.
+    """Return the refusals that the mission does not provide for, of a step not always refused.
 
     Where a step itself says where its failures lead, its refusals are thought of. Its phase does
     so for what is impossible; an unneeded step would keep the next ones from being done.
@@ -128,14 +124,14 @@ def _unexpected(visits: Visits, step: Do | Require) -> list[int]:
     return visits.unneeded if step.handled else visits.refused
 
 
-def _first(book: Ledger, refused: Sequence[int]) -> int:
-    """The refusal to be told: a sure one if there is, and of these the first."""
+def _first(book: Explored, refused: Sequence[int]) -> int:
+    """Return the refusal to report: the first sure one, or else the first."""
     sure = [each for each in refused if book.sure(each)]
     return min(sure or refused)
 
 
-def _severity(book: Ledger, refused: Sequence[int], first: int, *, handling: bool) -> Severity:
-    """A handler that fails only once a second thing has gone wrong is not certainly wrong."""
+def _severity(book: Explored, refused: Sequence[int], first: int, *, handling: bool) -> Severity:
+    """Return the severity: a handler that fails only after two mishaps is a warning."""
     if not book.sure(first):
         return Severity.POSSIBLE
     again = handling and min(book.found.mishaps(each) for each in refused) > 1
@@ -151,8 +147,10 @@ def _code(visits: Visits, step: Do | Require, first: int, maybe: str, *, handlin
     return f"step.{maybe}{kind}"
 
 
-def _way_to(step: Require, book: Ledger, first: int, loaded: LoadedMission, *, always: bool) -> str:
-    """How the terms of a call can be met where they are not."""
+def _way_to(
+    step: Require, book: Explored, first: int, loaded: LoadedMission, *, always: bool
+) -> str:
+    """Return how the terms of a call can be met where they are not."""
     source = book.found.steps[first].source
     body = book.found.nodes[max(source, 0)].state.robot
     commands = way(loaded.robot, body, step.states)
@@ -173,8 +171,8 @@ def _way_to(step: Require, book: Ledger, first: int, loaded: LoadedMission, *, a
     return f"{before}, {each}with `unneeded: skip`, or say `on_failure` at the call"
 
 
-def _failed(book: Ledger, step: int) -> set[str]:
-    """Names of the commands that come to no good end on the way to a step."""
+def _failed(book: Explored, step: int) -> set[str]:
+    """Return names of the commands that come to no good end on the way to a step."""
     return {
         effect.name
         for each in book.found.path(step)

@@ -77,7 +77,7 @@ Rehearse: TypeAlias = Callable[[LoadedMission, Path], Rehearsal]
 def rehearsed(
     check: MissionCheck, path: Path, rehearse: Rehearse
 ) -> tuple[Rehearsal, tuple[Finding, ...]]:
-    """The mission has been run, unless something is certainly wrong with it; and what that shows.
+    """Run a mission that is not certainly wrong, and return what that shows.
 
     Args:
         check: What is known of the mission.
@@ -93,11 +93,12 @@ def rehearsed(
     places = Places(check.loaded)
     found = [
         places.finding(
-            places.read(place), "rehearsal.at_once", Severity.WARNING,
+            places.read(place),
+            "rehearsal.at_once",
             f"in the simulator '{text}' was true already as its wait began",
         )
         for place, text in done.at_once
-    ]  # fmt: skip
+    ]
     failed = [run for run in done.runs if not run.succeeded]
     if not failed:
         return done, tuple(found)
@@ -106,5 +107,5 @@ def rehearsed(
     if len(done.runs) > 1:
         seeds = ", ".join(str(run.seed) for run in failed)
         message += f"; {len(failed)} of {len(done.runs)} runs, with the seeds {seeds}"
-    found.append(places.finding(places.mission(), "rehearsal.failed", Severity.ERROR, message))
+    found.append(places.finding(places.mission(), "rehearsal.failed", message))
     return done, tuple(found)

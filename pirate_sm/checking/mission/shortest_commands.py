@@ -13,7 +13,7 @@ from pirate_sm.engine.robot.robot_state import RobotState
 def way(
     robot: RobotSpec, body: RobotState, wanted: Sequence[tuple[int, str]]
 ) -> tuple[str, ...] | None:
-    """Names of the commands, in order, if each is done; None where none lead there.
+    """Return the names of the commands, in order, if each is done; None where none lead there.
 
     No command that lets go of the last clamp is among them. What is not confirmed at the
     beginning counts as confirmed: each command on the way is given by itself.

@@ -6,24 +6,18 @@ from collections.abc import Iterator, Sequence
 from heapq import heappop, heappush
 from math import inf, isinf
 
-from pirate_sm.checking.exploring.exploration_index import Ledger
-from pirate_sm.checking.exploring.explore import Exploration
+from pirate_sm.checking.exploring.exploration import Exploration
+from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.engine.mission.program import Do, Question
 from pirate_sm.loading.mission import LoadedMission
 
 
-def time_findings(
-    books: Sequence[Ledger], loaded: LoadedMission, places: Places
-) -> Iterator[Finding]:
-    """What is wrong with the times of a mission's own file.
-
-    Args:
-        books: What can happen.
-        loaded: The mission.
-        places: Of its parts.
-    """
+def time_limits(view: MissionView) -> Iterator[Finding]:
+    """Yield what is wrong with the times in a mission's own file."""
+    books, loaded, places = view.explored, view.loaded, view.places
     told: set[str] = set()
     for each in loaded.program.instructions:
         if not isinstance(each, Do | Question) or each.place in told:
@@ -31,54 +25,51 @@ def time_findings(
         if places.read(each.place).file != loaded.documents[0].name:
             continue
         told.add(each.place)
-        found = _timeout(each, loaded) if isinstance(each, Do) else _open(each, loaded)
-        if found is not None:
-            code, severity, message = found
-            yield places.finding(places.read(each.place), code, severity, message)
+        place = places.read(each.place)
+        if isinstance(each, Do):
+            severity, message = _timeout(each, loaded)
+            if message:
+                yield places.finding(place, "step.timeout", message, severity=severity)
+        elif isinf(each.timeout_s) and isinf(loaded.program.time_limit_s):
+            message = "neither the question nor the mission has a longest time"
+            yield places.finding(place, "ask.unbounded", message)
     yield from _limit(books, loaded, places)
 
 
-def _timeout(it: Do, loaded: LoadedMission) -> tuple[str, Severity, str] | None:
-    """A command that is given less time than it takes."""
+def _timeout(it: Do, loaded: LoadedMission) -> tuple[Severity, str]:
+    """Return how surely, and why, a command has less time than it takes; an empty text: enough."""
     spec = loaded.robot.commands[it.command]
     for_s = getattr(spec.done, "for_s", 0.0)
     if it.timeout_s is None:
-        return None
+        return Severity.WARNING, ""
     if it.timeout_s <= for_s:
         message = f"{spec.name} is done once its signs have held for {for_s:g} s, and may take "
-        return "step.timeout", Severity.ERROR, f"{message}{it.timeout_s:g} s: it always fails"
+        return Severity.ERROR, f"{message}{it.timeout_s:g} s: it always fails"
     if it.timeout_s < spec.nominal_s:
         message = (
             f"{spec.name} takes {spec.nominal_s:g} s as a rule, and may take {it.timeout_s:g} s"
         )
-        return "step.timeout", Severity.WARNING, message
-    return None
+        return Severity.WARNING, message
+    return Severity.WARNING, ""
 
 
-def _open(it: Question, loaded: LoadedMission) -> tuple[str, Severity, str] | None:
-    """A question that nobody need ever answer."""
-    if not (isinf(it.timeout_s) and isinf(loaded.program.time_limit_s)):
-        return None
-    message = "neither the question nor the mission has a longest time"
-    return "ask.unbounded", Severity.WARNING, message
-
-
-def _limit(books: Sequence[Ledger], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
-    """A mission that cannot succeed within its limit, if commands take as long as they do."""
+def _limit(books: Sequence[Explored], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
+    """Yield a mission that cannot succeed in time if commands take as long as usual."""
     limit_s = loaded.program.time_limit_s
     if isinf(limit_s) or not books[-1].found.complete:
         return
     least_s = _shortest_s(books[-1].found)
     if limit_s < least_s < inf:
         yield places.finding(
-            places.of(("time_limit",)), "limit.too_short", Severity.WARNING,
+            places.of(("time_limit",)),
+            "limit.too_short",
             f"the shortest way to an end that succeeds takes {least_s:.3g} s as a rule, "
             f"and the mission may take {limit_s:g} s",
-        )  # fmt: skip
+        )
 
 
 def _shortest_s(found: Exploration) -> float:
-    """How long an end that succeeds takes at least, with commands of nominal duration."""
+    """Return how long an end that succeeds takes at least, with commands of nominal duration."""
     after: list[list[tuple[int, float]]] = [[] for _ in found.nodes]
     waiting: list[tuple[float, int]] = []
     for step in found.steps:

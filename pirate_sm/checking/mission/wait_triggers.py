@@ -4,50 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from pirate_sm.checking.exploring.answers import Fact
 from pirate_sm.checking.exploring.at_wait_start import at_beginning
-from pirate_sm.checking.exploring.conditions import Conditions, Fact
-from pirate_sm.checking.exploring.exploration_index import Ledger
-from pirate_sm.checking.exploring.signal_ranges import ranges
-from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.mission.explore_mission import conditions_of
+from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.engine.mission.program import Branch, Program, TriggerSpec, Wait
 from pirate_sm.expressions import Expression, Vocabulary, tree
 from pirate_sm.expressions.vocabulary import change_of
-from pirate_sm.loading.mission import LoadedMission
 
 
-def wait_findings(
-    books: Sequence[Ledger], seen: Sequence[Ledger], loaded: LoadedMission, places: Places
-) -> Iterator[Finding]:
-    """What is wrong with triggers and with conditions of steps.
-
-    Args:
-        books: What can happen.
-        seen: That, and what can happen once other faults are mended.
-        loaded: The mission.
-        places: Of its parts.
-    """
-    spans = ranges(loaded.loaded_robot.profile, loaded.robot)
-    robot = loaded.robot
-    conditions = Conditions(robot.vocabulary.with_changes, spans, len(robot.regions))
-    judge = _Judge(books, seen, loaded, conditions)
+def wait_triggers(view: MissionView) -> Iterator[Finding]:
+    """Yield what is wrong with triggers and with conditions of steps."""
+    loaded, places = view.loaded, view.places
+    judge = _Judge(view)
     told: set[str] = set()
-    if all(book.found.complete for book in seen):
-        for place, (code, severity, message, mend) in judge.triggers().items():
+    if view.complete:
+        for place, (code, message, mend) in judge.triggers().items():
             told.add(place)
-            yield places.finding(places.read(place), code, severity, message, mend=mend)
+            yield places.finding(places.read(place), code, message, mend=mend)
     for place, condition, if_false in _conditions(loaded.program):
         said = judge.constant(condition)
         if said and place not in told:
-            yield places.finding(
-                places.read(place), "condition.constant", Severity.WARNING,
-                f"'{condition.text}' is always {said}",
-                mend="leave the condition out" if said.startswith("true") else if_false,
-            )  # fmt: skip
+            message = f"'{condition.text}' is always {said}"
+            mend = "leave the condition out" if said.startswith("true") else if_false
+            yield places.finding(places.read(place), "condition.constant", message, mend=mend)
 
 
 def _conditions(program: Program) -> Iterator[tuple[str, Expression, str]]:
-    """Place and condition of what is asked, and how to mend one that is never true."""
+    """Yield place and condition of what is asked, and how to mend one that is never true."""
     for each in program.instructions:
         if isinstance(each, Branch):
             yield each.place, each.condition, "leave the step out"
@@ -57,27 +42,20 @@ def _conditions(program: Program) -> Iterator[tuple[str, Expression, str]]:
                     yield trigger.place, trigger.condition, "leave the trigger out"
 
 
-_Said = tuple[str, Severity, str, str]
+_Said = tuple[str, str, str]
 
 
 class _Judge:
-    def __init__(
-        self,
-        books: Sequence[Ledger],
-        seen: Sequence[Ledger],
-        loaded: LoadedMission,
-        conditions: Conditions,
-    ) -> None:
-        self._books = books
-        self._seen = seen
-        self._table = loaded.robot.table
-        self._program = loaded.program
-        self._conditions = conditions
+    def __init__(self, view: MissionView) -> None:
+        loaded = view.loaded
+        self._books, self._seen = view.explored, view.seen
+        self._table, self._program = loaded.robot.table, loaded.program
+        self._conditions = conditions_of(loaded)
         self._changes = {change_of(name): name for name in loaded.robot.vocabulary.numbers}
         self._constant: dict[tree.Node, str] = {}
 
     def triggers(self) -> dict[str, _Said]:
-        """What is to be said of a trigger, by its place; nothing where it is ever of use."""
+        """Return what is to be said of a trigger, by its place; nothing where it is ever of use."""
         fine: set[str] = set()
         found: dict[str, _Said] = {}
         for wait in self._program.instructions:
@@ -114,21 +92,21 @@ class _Judge:
                 return blind
             if at_once == armed or not self._can_be(wait, [(trigger.condition.tree, False)]):
                 message = f"'{trigger.text}' is true already whenever the wait begins"
-                return "trigger.at_once", Severity.WARNING, message, "go there without a wait"
+                return "trigger.at_once", message, "go there without a wait"
             return self._unchanged(wait, trigger, trigger.condition)
         late = self._late(wait, trigger)
         if late:
-            return "trigger.never", Severity.ERROR, f"{late}: it can never fire", ""
+            return "trigger.never", f"{late}: it can never fire", ""
         if trigger.condition is not None and not self._can_be(
             wait, [(trigger.condition.tree, True)]
         ):
             message = f"nothing can make '{trigger.condition.text}' true here"
-            return "trigger.never", Severity.ERROR, message, ""
+            return "trigger.never", message, ""
         message = f"'{trigger.text}' can never fire: {self._ahead(wait, number)} always does"
-        return "trigger.shadowed", Severity.WARNING, message, "list it first, or leave it out"
+        return "trigger.shadowed", message, "list it first, or leave it out"
 
     def _unchanged(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
-        """What is to be said of a condition that is true as long as nothing has changed."""
+        """Return what is to be said of a condition that is true as long as nothing has changed."""
         at_first = at_beginning(condition.tree, self._changes.keys())
         if at_first == condition.tree or self._can_be(wait, [(at_first, False)]):
             return None
@@ -141,7 +119,7 @@ class _Judge:
             f"{are} known: {' and '.join(map(change_of, names))} {are} 0 then"
         )
         mend = "ask for a change that the wait brings about: one backwards is negative"
-        return "trigger.at_once", Severity.WARNING, message, mend
+        return "trigger.at_once", message, mend
 
     def _blind(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
         """Return what to say of changes of signals that are unknown whenever the wait begins."""
@@ -155,7 +133,7 @@ class _Judge:
         names = " and ".join(unknown)
         are = "is" if len(unknown) == 1 else "are"
         message = f"'{trigger.text}' can never fire: {names} {are} unknown when the wait begins"
-        return "trigger.never", Severity.ERROR, message, ""
+        return "trigger.never", message, ""
 
     def _changed(self, condition: Expression) -> list[str]:
         """Return the names of the signals about whose change the condition is, each once."""
@@ -174,7 +152,7 @@ class _Judge:
                 yield self._conditions.ask((*step.moment.facts, *facts), states).possible
 
     def _ahead(self, wait: Wait, number: int) -> str:
-        """What fires wherever this trigger would."""
+        """Return what fires wherever this trigger would."""
         own = wait.triggers[number].condition
         for trigger in wait.triggers[:number]:
             if own is None or trigger.condition is None:
@@ -185,7 +163,7 @@ class _Judge:
 
     @staticmethod
     def _late(wait: Wait, trigger: TriggerSpec) -> str:
-        """Why the trigger would come only after the wait is over; empty: it need not."""
+        """Return why the trigger would come only after the wait is over; empty: it need not."""
         limits = [(wait.within_s, "`within`")]
         limits += [
             (each.after_s, f"'{each.text}'")
@@ -200,7 +178,7 @@ class _Judge:
         return f"it {took} {own_s:g} s, and {what} ends the wait after {least_s:g} s"
 
     def _can_be(self, wait: Wait, facts: Sequence[Fact]) -> bool:
-        """Whether all of this can be so in a configuration of the wait."""
+        """Return whether all of this can be so in a configuration of the wait."""
         reached = {
             self._table.configurations[configuration]
             for book in self._seen
@@ -209,7 +187,7 @@ class _Judge:
         return self._conditions.anywhere(facts, reached)
 
     def constant(self, condition: Expression) -> str:
-        """``true`` or ``false`` where the condition is that in every configuration.
+        """Return ``true`` or ``false`` where the condition is that in every configuration.
 
         What is true of every value of its signals counts as true: asking whether they are known
         is :class:`~pirate_sm.expressions.tree.Known`'s.
@@ -236,7 +214,7 @@ def _signal(vocabulary: Vocabulary, name: str) -> tree.Signal:
 
 
 def _numbers(node: tree.Node) -> list[tree.Signal]:
-    """The numeric signals of a condition that is about their values."""
+    """Return the numeric signals of a condition that is about their values."""
     parts = dict.fromkeys(tree.walk(node))
     if any(isinstance(each, tree.Known) for each in parts):
         return []

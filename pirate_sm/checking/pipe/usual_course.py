@@ -50,7 +50,7 @@ class Situation(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Course:
+class UsualCourse:
     """What a mission does while nothing goes wrong.
 
     Attributes:
@@ -79,13 +79,13 @@ class Bends:
         self._always: dict[int, frozenset[int]] = {}
 
     def of(self, configuration: int) -> Bend | None:
-        """The bend of a configuration; None without one."""
+        """Return the bend of a configuration; None without one."""
         if configuration not in self._found:
             self._found[configuration] = self._look(configuration)
         return self._found[configuration]
 
     def always(self, command: int) -> frozenset[int]:
-        """Parts of which a command bends one wherever it leads to anything else; else none."""
+        """Return parts of which a command bends one wherever it changes anything; else none."""
         if command not in self._always:
             table = self._robot.table
             led = {row[command] for n, row in enumerate(table.following) if row[command] != n}
@@ -120,7 +120,7 @@ class _Follower:
     made: dict[tuple[Bend, str], None] = field(default_factory=dict)
 
     def after(self, now: Situation) -> Iterator[Situation]:
-        """The situations that can come next."""
+        """Yield the situations that can come next."""
         if not 0 <= now.at < len(self.program.instructions):
             return
         step = self.program.instructions[now.at]
@@ -142,7 +142,7 @@ class _Follower:
         yield Situation(step.next, after, self.bent(after, now.bent), step.place)
 
     def bent(self, configuration: int, before: tuple[int, ...]) -> tuple[int, ...]:
-        """The parts that have been bent, with that of the configuration."""
+        """Return the parts that have been bent, with that of the configuration."""
         bend = self.bends.of(configuration)
         return before if bend is None or bend.part in before else (*before, bend.part)
 
@@ -164,7 +164,7 @@ class _Follower:
                 return ()
 
     def _branch(self, step: steps.Branch, configuration: int) -> tuple[int, ...]:
-        """Both ways, unless the states alone decide."""
+        """Return both targets, unless the states alone decide."""
         known = step.condition.names <= set(self.robot.regions)
         if not known:
             return (step.if_true, step.if_false)
@@ -174,8 +174,8 @@ class _Follower:
         return (step.if_true,) if true else (step.if_false,)
 
 
-def course_of(robot: RobotSpec, program: Program, profile: Profile) -> Course | None:
-    """What the mission does while nothing goes wrong; None when that is too much to look at."""
+def course_of(robot: RobotSpec, program: Program, profile: Profile) -> UsualCourse | None:
+    """Return what the mission does while nothing goes wrong; None when that is too much."""
     bends = Bends(robot, profile)
     follower = _Follower(robot, program, bends)
     configuration = program.start_configuration
@@ -191,4 +191,4 @@ def course_of(robot: RobotSpec, program: Program, profile: Profile) -> Course | 
                     return None
     begun = bends.of(configuration)
     made = [(begun, "")] if begun is not None else []
-    return Course(tuple(order), (*made, *follower.made))
+    return UsualCourse(tuple(order), (*made, *follower.made))

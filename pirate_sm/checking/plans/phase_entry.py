@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from pirate_sm.checking.exploring.exploration_index import Ledger, ledger
+from pirate_sm.checking.exploring.exploration_index import Explored, index_exploration
 from pirate_sm.checking.exploring.explore import explore
-from pirate_sm.checking.mission.check_mission import conditions_of
+from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.engine.mission.program import Do, Require
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.loading.mission import LoadedMission
 
 
 def why_not_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
-    """What would go wrong if the mission went on with the phase; empty: nothing.
+    """Return what would go wrong if the mission went on with the phase; empty: nothing.
 
     Args:
         loaded: The mission.
@@ -25,7 +25,7 @@ def why_not_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
         return "the mission has no such phase"
     body = body._replace(flight=None, motion=None, loops=())
     program = replace(loaded.program, start=begin)
-    book = ledger(explore(loaded.robot, program, conditions_of(loaded), body=body))
+    book = index_exploration(explore(loaded.robot, program, conditions_of(loaded), body=body))
     if book.broken:
         return next(iter(book.broken))
     refused = _refused(book, program.instructions)
@@ -36,8 +36,8 @@ def why_not_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
     return ""
 
 
-def _refused(book: Ledger, instructions: tuple[object, ...]) -> str:
-    """The first refusal that its step does not expect."""
+def _refused(book: Explored, instructions: tuple[object, ...]) -> str:
+    """Return the first refusal that its step does not expect."""
     expected = {each.place for each in instructions if isinstance(each, Do) and each.expected}
     places = {each.place for each in instructions if isinstance(each, Do | Require)}
     found = [

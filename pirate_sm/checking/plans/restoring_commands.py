@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 
 from pirate_sm.checking.exploring.explore import explore
-from pirate_sm.checking.mission.check_mission import conditions_of
+from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.checking.plans.phase_entry import why_not_from
 from pirate_sm.engine.robot.planning import Plan, RulePlaces, plans
 from pirate_sm.engine.robot.robot_state import RobotState, at_rest_in
@@ -53,9 +53,10 @@ def restoring(
     hopeless = {phase for phase in missing if _never(loaded, phase, missing[phase])}
     found: dict[str, Plan] = {}
     for plan in plans(loaded.robot, loaded.program, body, places):
-        for phase in missing.keys() - found.keys() - hopeless:
-            fits = plan.body.configuration in missing[phase]
-            if fits and not why_not_from(loaded, phase, plan.body):
+        for phase, configurations in missing.items():
+            if phase in found or phase in hopeless or plan.body.configuration not in configurations:
+                continue
+            if not why_not_from(loaded, phase, plan.body):
                 found[phase] = plan
         if len(found) + len(hopeless) == len(missing):
             break
@@ -63,7 +64,7 @@ def restoring(
 
 
 def _never(loaded: LoadedMission, phase: str, configurations: Collection[int]) -> bool:
-    """Whether the phase cannot go well even in the configurations in which it begins."""
+    """Return whether the phase cannot go well even in the configurations in which it begins."""
     return all(
         why_not_from(loaded, phase, at_rest_in(loaded.robot, each)) for each in configurations
     )

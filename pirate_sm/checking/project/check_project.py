@@ -15,7 +15,9 @@ from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
 from pirate_sm.checking.mission.mission_parameters import check_settings
 from pirate_sm.checking.mission.rehearsal import Rehearsal, Rehearse, rehearsed
 from pirate_sm.checking.project.find_files import Target, find_targets
-from pirate_sm.checking.reports.example_files import Examples
+from pirate_sm.checking.project.unique_findings import each_once
+from pirate_sm.checking.reports.check_report import CheckedFile, Report
+from pirate_sm.checking.reports.counterexamples import Examples
 from pirate_sm.checking.robot.check_robot import check_robot
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, references
@@ -29,49 +31,6 @@ from pirate_sm.loading.script import read_script
 from pirate_sm.loading.source import LARGEST_FILE, Document, read_document
 from pirate_sm.loading.validate import validate
 from pirate_sm.model.calibration import Calibration
-
-_LONGEST_MESSAGE = 300
-
-
-@dataclass(frozen=True)
-class CheckedFile:
-    """A file that was looked at, as messages name it."""
-
-    name: str
-    kind: Kind
-
-
-@dataclass(frozen=True)
-class Report:
-    """What a check has found.
-
-    Attributes:
-        findings: By place, each once; allowed ones too.
-        files: What was looked at.
-        where: The files and folders that were searched.
-        nothing: Whether there was no file at all to look at.
-        rehearsals: What came of running missions, where that was wanted.
-    """
-
-    findings: tuple[Finding, ...]
-    files: tuple[CheckedFile, ...]
-    rehearsals: tuple[Rehearsal, ...] = ()
-    where: tuple[str, ...] = ()
-    nothing: bool = False
-
-    @property
-    def open(self) -> tuple[Finding, ...]:
-        """The findings that nobody has allowed."""
-        return tuple(each for each in self.findings if not each.allowed)
-
-    @property
-    def allowed(self) -> tuple[Finding, ...]:
-        """The findings that may stay."""
-        return tuple(each for each in self.findings if each.allowed)
-
-    def fails(self, at: Severity) -> bool:
-        """Whether anything was found that is as bad as this, or worse."""
-        return any(each.severity >= at for each in self.open)
 
 
 @dataclass(frozen=True)
@@ -104,7 +63,7 @@ Progress = Callable[[int, int, str], None]
 def check_paths(
     paths: Iterable[str] = (), wishes: Wishes | None = None, progress: Progress | None = None
 ) -> Report:
-    """What is wrong with these files, folders and what lies in them.
+    """Check files and folders and all that lies in them, and return a report.
 
     Args:
         paths: Files, folders or names of what is shipped; none means the working directory.
@@ -146,7 +105,7 @@ class _Check:
         self._examples = wishes.counterexamples and Examples(wishes.counterexamples)
 
     def take(self, target: Target) -> None:
-        """What is wrong with a file has been added."""
+        """Check one file and add what is wrong with it."""
         name = shown(target.path)
         if target.kind is Kind.CHART and name in self._texts:
             return  # it was judged with its robot
@@ -165,7 +124,7 @@ class _Check:
             self._add("check.failed", name, message)
 
     def report(self) -> Report:
-        """Everything that was found, each once, and held against what is allowed."""
+        """Return everything that was found, each once, with what is allowed marked."""
         unused = self._wishes.settings.keys() - self._set
         if unused:
             raise UsageError(f"no mission here has a parameter '{min(unused)}'")
@@ -174,14 +133,14 @@ class _Check:
         for name, found in self._unset.items():
             if self._called is not None and name not in self._called:
                 self.findings += found
-        settled = settle(_each_once(self.findings), self._texts)
+        settled = settle(each_once(self.findings), self._texts)
         ordered = sorted(settled, key=lambda each: each.order)
         if self._examples:
             ordered = self._examples.write(ordered)
         return Report(tuple(ordered), tuple(self._files), tuple(self._rehearsals))
 
     def robot(self, target: Target) -> None:
-        """A robot: its profile and its chart."""
+        """Check a robot: its profile and its chart."""
         if target.path.name != PROFILE_FILE:
             message = f"the profile of a robot is named {PROFILE_FILE} and has a folder of its own"
             self._add("check.kind", shown(target.path), message)
@@ -192,14 +151,14 @@ class _Check:
         self.findings += checked.findings
 
     def chart(self, target: Target) -> None:
-        """A chart that no robot here uses: its form."""
+        """Check the form of a chart that no robot here uses."""
         document = self._document(target)
         problems = Problems(document)
         outline_chart(document, problems)
         self.findings += map(finding_of, problems.all)
 
     def pipe(self, target: Target) -> None:
-        """A pipe by itself; whether a robot fits it is said of the missions that use it."""
+        """Check a pipe by itself; the missions that use it say whether a robot fits."""
         pipe, document = load_pipe(target.path)
         self._keep([document])
         problems = Problems(document)
@@ -207,7 +166,7 @@ class _Check:
         self.findings += map(finding_of, problems.all)
 
     def mission(self, target: Target) -> None:
-        """A mission, with its robot, its pipe and what it calls."""
+        """Check a mission with its robot, its pipe and what it calls."""
         settings = self._settings(target)
         checked = check_mission(
             target.path, robot=self._wishes.robot, pipe=self._wishes.pipe, settings=settings
@@ -223,7 +182,7 @@ class _Check:
             self.findings += found
 
     def _remember(self, checked: MissionCheck, name: str, settings: Mapping[str, str]) -> None:
-        """What nothing sets is known, and what this mission calls."""
+        """Note what nothing sets, and what this mission calls."""
         if checked.loaded is None:
             self._called = None
             return
@@ -233,7 +192,7 @@ class _Check:
             self._called |= {each.name for each in checked.documents} - {name}
 
     def calibration(self, target: Target) -> None:
-        """A calibration, held against its robot where that is known."""
+        """Check a calibration against its robot where that is known."""
         document = self._document(target)
         calibration = validate(document, Calibration)
         folder = _folder(target.path)
@@ -251,18 +210,18 @@ class _Check:
         load_calibration(target.path, robot)
 
     def script(self, target: Target) -> None:
-        """A trace script: its form; what its names mean is the mission's that it is for."""
+        """Check the form of a trace script; its names belong to the mission that it is for."""
         read_script(self._document(target))
 
     def other(self, target: Target) -> None:
-        """None of our files: wrong only if somebody meant it to be one."""
+        """Report a file that is none of ours, if somebody meant it to be one."""
         if target.kind is Kind.UNREADABLE or target.path.suffix in library.SUFFIXES:
             self._document(target)
         message = "this is no robot, mission, pipe, calibration or trace script"
         self._add("check.kind", shown(target.path), message)
 
     def _settings(self, target: Target) -> dict[str, str]:
-        """The settings that are about parameters of this mission."""
+        """Return the settings that are about parameters of this mission."""
         wanted = self._wishes.settings
         if not wanted:
             return {}
@@ -282,7 +241,7 @@ class _Check:
             self._texts[document.name] = document.text
 
     def _read(self, name: str) -> None:
-        """The text of a file that could not be used is known, for what is allowed in it."""
+        """Read the text of a file that could not be used, for what is allowed in it."""
         if name in self._texts:
             return
         with suppress(OSError, ValueError):
@@ -307,7 +266,7 @@ _CHECKS: Mapping[Kind, Callable[[_Check, Target], None]] = {
 
 
 def _options(wishes: Wishes, settings: Mapping[str, str]) -> str:
-    """The options of a run that is as a mission was checked."""
+    """Return the options of a run that is as a mission was checked."""
     named = (("--robot", wishes.robot), ("--pipe", wishes.pipe))
     options = [part for option, value in named if value is not None for part in (option, value)]
     options += [part for name, value in settings.items() for part in ("--set", f"{name}={value}")]
@@ -315,37 +274,5 @@ def _options(wishes: Wishes, settings: Mapping[str, str]) -> str:
 
 
 def _folder(path: Path) -> Path:
-    """The folder of a file as the library names it, so that a robot is loaded once."""
+    """Return the folder of a file as the library names it, so that a robot is loaded once."""
     return path.resolve().parent
-
-
-def _each_once(findings: Iterable[Finding]) -> list[Finding]:
-    """The findings without those that say the same of the same place; the worst and shortest."""
-    kept: dict[tuple[str, Place, str], Finding] = {}
-    for finding in map(_short, findings):
-        key = finding.code, finding.place, finding.message
-        before = kept.get(key)
-        if before is None or _weight(finding) > _weight(before):
-            kept[key] = finding
-    return list(kept.values())
-
-
-def _short(finding: Finding) -> Finding:
-    """The finding with a message that can be shown: names in a hostile file can be a megabyte."""
-    if max(map(len, (finding.message, finding.mend, finding.suggestion))) <= _LONGEST_MESSAGE:
-        return finding
-    return replace(
-        finding,
-        message=_cut(finding.message),
-        mend=_cut(finding.mend),
-        suggestion=_cut(finding.suggestion),
-    )
-
-
-def _cut(text: str) -> str:
-    return text if len(text) <= _LONGEST_MESSAGE else f"{text[: _LONGEST_MESSAGE - 1]}…"
-
-
-def _weight(finding: Finding) -> tuple[int, bool, int]:
-    """Sureness first, then that there is a story, then that it is short."""
-    return finding.severity, bool(finding.story), -len(finding.story)

@@ -51,7 +51,7 @@ class Found:
 
 
 def find_targets(paths: Iterable[str]) -> Found:
-    """The files to check, each once, robots first because missions build on them.
+    """Return the files to check, each once, robots first because missions build on them.
 
     Args:
         paths: Files, folders, or names of what is shipped; none means the working directory.
@@ -74,7 +74,7 @@ def find_targets(paths: Iterable[str]) -> Found:
 
 
 def _project(findings: list[Finding]) -> list[Path]:
-    """What of the working directory is the project.
+    """Return what of the working directory is the project.
 
     Where it has a folder for missions: that, the one for robots, and what lies beside them. Else
     all of it, since missions may be anywhere.
@@ -87,7 +87,7 @@ def _project(findings: list[Finding]) -> list[Path]:
 
 
 def _existing(name: str) -> Path:
-    """The file or folder of this path, or what is shipped under this name.
+    """Return the file or folder of this path, or what is shipped under this name.
 
     Raises:
         UsageError: There is neither.
@@ -126,7 +126,7 @@ def _targets(path: Path, findings: list[Finding], *, named: bool) -> Iterator[Ta
 
 
 def _files(folder: Path, findings: list[Finding]) -> Iterator[Path]:
-    """Every YAML file below a folder; what is hidden, and links to folders, are left alone."""
+    """Yield every YAML file below a folder, without what is hidden and links to folders."""
     waiting, count = [(folder, 0)], 0
     while waiting:
         current, depth = waiting.pop()
@@ -147,7 +147,7 @@ def _files(folder: Path, findings: list[Finding]) -> Iterator[Path]:
 
 
 def _listing(folder: Path, findings: list[Finding]) -> tuple[list[Path], list[Path]]:
-    """The YAML files and the folders in a folder, by name."""
+    """Return the YAML files and the folders in a folder, by name."""
     try:
         with os.scandir(folder) as entries:
             seen = sorted((e for e in entries if not e.name.startswith(".")), key=lambda e: e.name)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from math import isnan
 from pathlib import Path
@@ -16,11 +16,12 @@ from typing import Any
 
 import yaml
 
-from pirate_sm.checking.exploring.explore import Exploration, Step
+from pirate_sm.checking.exploring.exploration import Exploration, Step
 from pirate_sm.checking.exploring.possible_events import UNSAID
 from pirate_sm.checking.exploring.story import sentence
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.check_mission import MissionCheck
+from pirate_sm.errors import UsageError
 from pirate_sm.expressions import NumberType, Vocabulary
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import TOLERABLE, LoadedMission
@@ -39,7 +40,7 @@ _HAPPENS = {"failed": "not_done"}
 def write_counterexample(
     finding: Finding, check: MissionCheck, folder: Path, name: str, path: Path, options: str = ""
 ) -> Finding:
-    """The finding's course of events stands in files; it names the script as its example.
+    """Write how a finding comes about as files, and return the finding with the script's name.
 
     One that no course of events leads to, or whose mission does not load, is as it was.
 
@@ -77,7 +78,7 @@ def write_counterexample(
 
 
 def usual_name(finding: Finding) -> str:
-    """What the counterexample of a finding is called, unless another one is called so already."""
+    """Return the name of the counterexample of a finding, unless it is taken."""
     place = f"{Path(finding.place.file).stem}-{finding.place.line}-{finding.place.column}"
     return _NO_NAME.sub("_", f"{place}-{finding.code}")
 
@@ -109,7 +110,7 @@ def _signals(
 
 
 def _moved(loaded: LoadedMission, path: Path, folder: Path) -> str:
-    """The mission's text with every file that it names by a path found from the new folder."""
+    """Return the mission's text with paths of other files as seen from the new folder."""
     document = loaded.documents[0]
     beside = path.resolve().parent
     lines = document.text.splitlines(keepends=True)
@@ -128,7 +129,7 @@ def _moved(loaded: LoadedMission, path: Path, folder: Path) -> str:
 def _named(
     document: Document, loaded: LoadedMission, beside: Path
 ) -> Iterator[tuple[At, str, Path]]:
-    """Where the mission names another file, by which name, and that file."""
+    """Yield where the mission names another file, by which name, and that file."""
     data = document.data
     yield ("robot",), data["robot"], loaded.loaded_robot.folder
     if isinstance(data.get("pipe"), str):
@@ -147,3 +148,59 @@ def _calls(data: Any, at: At) -> Iterator[tuple[At, str]]:
     elif isinstance(data, list):
         for number, value in enumerate(data):
             yield from _calls(value, (*at, number))
+
+
+class Examples:
+    """Keeps what counterexamples are made from until it is clear which findings there are.
+
+    Args:
+        folder: Where to write them; made when the first one is written.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._checks: dict[int, tuple[MissionCheck, Path, str]] = {}  # by identity of explorations
+
+    def remember(self, check: MissionCheck, path: Path, options: str) -> None:
+        """Keep what counterexamples of the findings of a mission are made from.
+
+        Args:
+            check: What was found.
+            path: The mission's file.
+            options: That a run needs to be as the check was.
+        """
+        for finding in check.findings:
+            for found, _ in finding.course:
+                self._checks[id(found)] = (check, path, options)
+
+    def write(self, findings: Iterable[Finding]) -> list[Finding]:
+        """Write files for every finding that is not allowed and has a course of events.
+
+        Raises:
+            UsageError: The folder cannot be written.
+        """
+        try:
+            return list(self._written(findings))
+        except OSError as error:
+            raise UsageError(f"'{self._folder}' cannot be written: {error.strerror}") from None
+
+    def _written(self, findings: Iterable[Finding]) -> Iterator[Finding]:
+        taken: set[str] = set()
+        for finding in findings:
+            known = self._checks.get(id(finding.course[0][0])) if finding.course else None
+            if known is None or finding.allowed:
+                yield finding
+                continue
+            check, path, options = known
+            name = _free(usual_name(finding), taken)
+            yield write_counterexample(finding, check, self._folder, name, path, options)
+
+
+def _free(name: str, taken: set[str]) -> str:
+    """Return a name that is not taken, and take it."""
+    free, number = name, 1
+    while free in taken:
+        number += 1
+        free = f"{name}-{number}"
+    taken.add(free)
+    return free

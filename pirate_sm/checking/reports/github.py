@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.project.check_project import Report
+from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.source_lines import end_column
 from pirate_sm.checking.reports.text import summary
 
@@ -12,7 +12,7 @@ _COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.POSS
 
 
 def github_report(report: Report) -> str:
-    """One command for each finding that is not allowed, then the summary."""
+    """Return one command for each finding that is not allowed, then the summary."""
     return "\n".join([*map(_command, report.open), _data(summary(report))])
 
 
@@ -42,7 +42,7 @@ def _message(finding: Finding) -> str:
 
 
 def _data(text: str) -> str:
-    """A message as a command carries it: it cannot begin a command of its own."""
+    """Return a message escaped so that it cannot begin a command of its own."""
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 

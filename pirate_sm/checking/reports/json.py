@@ -10,7 +10,7 @@ from pirate_sm import __version__
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.rehearsal import Rehearsal
-from pirate_sm.checking.project.check_project import Report
+from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.source_lines import end_column, excerpt
 from pirate_sm.loading.problems import Place
 
@@ -18,7 +18,7 @@ FORMAT = 1
 
 
 def json_report(report: Report) -> str:
-    """The whole report as one JSON object, in ASCII."""
+    """Return the whole report as one JSON object, in ASCII."""
     counts = {
         each.word: sum(found.severity is each for found in report.open)
         for each in sorted(Severity, reverse=True)

@@ -7,13 +7,13 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.project.check_project import Report
+from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.source_lines import excerpt
 from pirate_sm.visible import visible
 
 
 def junit_report(report: Report, fail_on: Severity) -> str:
-    """Suites that fail where the check fails.
+    """Return the report as suites that fail where the check fails.
 
     Args:
         report: What was found.
@@ -49,15 +49,11 @@ def _case(suite: Element, finding: Finding, fail_on: Severity) -> None:
     place = finding.place
     where = f":{place.line}:{place.column}" if place.line else ""
     name = f"{finding.code}{where} {finding.message}"
-    case = SubElement(
-        suite, "testcase", name=_legal(name), classname=_legal(place.file), time="0"
-    )  # fmt: skip
+    case = SubElement(suite, "testcase", name=_legal(name), classname=_legal(place.file), time="0")
     if finding.allowed:
         SubElement(case, "skipped", message=_legal(f"allowed: {finding.allowed}"))
     elif finding.severity >= fail_on:
-        failure = SubElement(
-            case, "failure", type=finding.code, message=_legal(finding.message)
-        )  # fmt: skip
+        failure = SubElement(case, "failure", type=finding.code, message=_legal(finding.message))
         failure.text = _legal(_body(finding))
     else:
         SubElement(case, "system-out").text = _legal(f"{finding.severity.word}\n{_body(finding)}")
@@ -79,5 +75,5 @@ def _sums(suites: Iterable[Element]) -> dict[str, str]:
 
 
 def _legal(text: str) -> str:
-    """The text with what XML cannot hold, and what nobody could see, written out."""
+    """Return the text with what XML cannot hold, and what nobody could see, written out."""
     return visible(text, lines=True)

@@ -12,7 +12,7 @@ from urllib.parse import quote
 from pirate_sm import __version__
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.project.check_project import Report
+from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.source_lines import end_column, excerpt
 from pirate_sm.loading.problems import Place
 
@@ -27,7 +27,7 @@ _LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.POSSIB
 
 
 def sarif_report(report: Report) -> str:
-    """One run with its rules, results and the files that were looked at, in ASCII."""
+    """Return one run with its rules, results and the files that were looked at, in ASCII."""
     codes = list(dict.fromkeys(finding.code for finding in report.findings))
     seen: Counter[str] = Counter()
     run = {
@@ -95,7 +95,7 @@ def _result(finding: Finding, rule: int, seen: Counter[str]) -> dict[str, Any]:
 
 
 def _flow(finding: Finding) -> dict[str, Any]:
-    """The story; each of its sentences is shown at the place of the finding."""
+    """Return the story; each of its sentences is shown at the place of the finding."""
     place = _location(finding)
     steps = [
         {"location": {"message": _message(each), "physicalLocation": place}}
@@ -111,7 +111,7 @@ def _suppressions(finding: Finding) -> list[dict[str, str]]:
 
 
 def _fingerprint(finding: Finding, seen: Counter[str]) -> str:
-    """The same for a finding whose line has moved; a number tells equal ones apart."""
+    """Return a digest that stays when a line moves; a number tells equal ones apart."""
     said = (finding.code, finding.place.file, finding.excerpt.strip(), finding.message)
     digest = sha256("\0".join(said).encode("utf-8", "backslashreplace")).hexdigest()[:32]
     seen[digest] += 1

@@ -20,14 +20,14 @@ class Marked(NamedTuple):
 
 
 def end_column(finding: Finding) -> int:
-    """The column after the word, name or quoted text at the finding's place, from 1."""
+    """Return the column after the word, name or quoted text at the finding's place, from 1."""
     start = max(finding.place.column, 1)
     match = _TOKEN.match(finding.excerpt, start - 1)
     return match.end() + 1 if match else start + 1
 
 
 def marked(finding: Finding) -> Marked | None:
-    """The finding's line, cut to a width that a terminal shows; None where there is none."""
+    """Return the finding's line, cut to a width that a terminal shows; None where there is none."""
     if not finding.excerpt.strip() or not finding.place.line:
         return None
     line = "".join(char if char.isprintable() else " " for char in finding.excerpt.rstrip())
@@ -44,5 +44,5 @@ def marked(finding: Finding) -> Marked | None:
 
 
 def excerpt(finding: Finding) -> str:
-    """The finding's line as a file for programs holds it: lines of a hostile file are long."""
+    """Return the finding's line as a file for programs holds it, cut to a length."""
     return finding.excerpt.rstrip()[:_LONGEST]

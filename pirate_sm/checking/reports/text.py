@@ -9,7 +9,7 @@ from textwrap import wrap
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.rehearsal import Rehearsal, RehearsedRun
-from pirate_sm.checking.project.check_project import Report
+from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.source_lines import marked
 from pirate_sm.model.fault_codes import BUILT_IN_FAULTS, BuiltInFault, Origin
 
@@ -23,7 +23,7 @@ Paint = Callable[[str, str], str]
 
 
 def text_report(report: Report, paint: Paint) -> str:
-    """The findings by place, those that are allowed, and how many of what there are.
+    """Return the findings by place, those that are allowed, and how many of what there are.
 
     Args:
         report: What was found.
@@ -72,7 +72,7 @@ def _finding(finding: Finding, paint: Paint) -> Iterator[str]:
 
 
 def _rehearsal(rehearsal: Rehearsal, paint: Paint) -> Iterator[str]:
-    """How a mission's runs ended, and the closest calls of them."""
+    """Yield how a mission's runs ended, and the closest calls of them."""
     said = f"not run: {rehearsal.skipped}" if rehearsal.skipped else _runs(rehearsal.runs)
     yield f"  {paint('place', rehearsal.file)}: {paint('', said)}"
     for each in rehearsal.nearly[:_MOST_CALLS]:
@@ -94,7 +94,7 @@ def _runs(runs: Sequence[RehearsedRun]) -> str:
 
 
 def _wrapped(label: str, text: str, paint: Paint) -> Iterator[str]:
-    """The text beside a label, in lines that a terminal shows whole."""
+    """Yield the text beside a label, in lines that a terminal shows whole."""
     lines = wrap(text, _WIDTH - len(label), break_long_words=False, break_on_hyphens=False)
     for number, line in enumerate(lines):
         margin = " " * len(label) if number else paint("label", label)
@@ -102,7 +102,7 @@ def _wrapped(label: str, text: str, paint: Paint) -> Iterator[str]:
 
 
 def _mend(finding: Finding, usual: str) -> str:
-    """How this finding is mended: what was meant, what was expected, else what usually helps."""
+    """Return how to mend it: what was meant, what was expected, else what usually helps."""
     if not finding.suggestion:
         return finding.mend or usual
     names = finding.mend.startswith("expected ")  # of which the suggestion is the nearest
@@ -110,7 +110,7 @@ def _mend(finding: Finding, usual: str) -> str:
 
 
 def summary(report: Report) -> str:
-    """What was looked at and how many findings there are, in one line."""
+    """Return what was looked at and how many findings there are, in one line."""
     kinds = Counter(file.kind.value for file in report.files)
     looked = ", ".join(count(number, kind) for kind, number in kinds.items())
     where = f" in {', '.join(report.where)}" if 0 < len(report.where) <= _MOST_PLACES else ""
@@ -132,7 +132,7 @@ def _some(number: int, severity: Severity) -> str:
 
 
 def count(number: int, thing: str) -> str:
-    """A number of things: `1 robot`, `2 robots`."""
+    """Return a number of things: `1 robot`, `2 robots`."""
     return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
 
 
@@ -192,7 +192,7 @@ def _finding_explained(code: str) -> str:
 
 
 def listed() -> str:
-    """Every code with its title, by group."""
+    """Return every code with its title, by group."""
     width = max(map(len, catalogue.entries()))
     lines = []
     for group in catalogue.groups():

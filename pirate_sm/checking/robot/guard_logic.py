@@ -28,14 +28,14 @@ States = Mapping[str, str]
 
 
 def offset_of(guard: str, node: ast.expr) -> int:
-    """At which character of the guard's text a part of it begins."""
+    """Return at which character of the guard's text a part of it begins."""
     lines = guard.split("\n")
     before = sum(len(line) + 1 for line in lines[: node.lineno - 1])
     return before + len(lines[node.lineno - 1].encode()[: node.col_offset].decode())
 
 
 def holds(node: ast.expr, states: States) -> bool:
-    """Whether a part of a guard is true in these states."""
+    """Return whether a part of a guard is true in these states."""
     match node:
         case ast.BoolOp(op=ast.And(), values=parts):
             return all(holds(part, states) for part in parts)
@@ -49,14 +49,14 @@ def holds(node: ast.expr, states: States) -> bool:
 
 
 def regions_of(node: ast.expr) -> frozenset[str]:
-    """The regions that a part of a guard names."""
+    """Return the regions that a part of a guard names."""
     return frozenset(region for region, _ in _questions(node))
 
 
 def constant(
     node: ast.expr, states: Mapping[str, Iterable[str]], fixed: States | None = None
 ) -> bool | None:
-    """What a part of a guard is in every thinkable combination; None where it depends.
+    """Return what a part of a guard is in every thinkable combination; None where it depends.
 
     Args:
         node: The part.
@@ -83,7 +83,7 @@ def constant(
 def constant_parts(
     node: ast.expr, states: Mapping[str, Iterable[str]]
 ) -> Iterator[tuple[ast.expr, bool]]:
-    """The largest parts that are the same in every thinkable combination, and what they are."""
+    """Yield the largest parts that are the same in every thinkable combination, with the value."""
     value = constant(node, states)
     if value is not None:
         yield node, value
@@ -95,7 +95,7 @@ def constant_parts(
 
 
 def conjuncts(node: ast.expr) -> list[ast.expr]:
-    """The parts that must all be true."""
+    """Return the parts that must all be true."""
     if isinstance(node, ast.BoolOp) and isinstance(node.op, ast.And):
         return node.values
     return [node]
@@ -109,7 +109,7 @@ class Reached:
         self._seen: dict[frozenset[str], list[dict[str, str]]] = {}
 
     def through(self, regions: frozenset[str]) -> list[dict[str, str]]:
-        """Every combination of the states of these regions that is reached, each once."""
+        """Return every combination of the states of these regions that is reached, each once."""
         if regions not in self._seen:
             places = [number for number, name in enumerate(self._table.regions) if name in regions]
             names = [self._table.regions[place] for place in places]
@@ -125,7 +125,7 @@ def _questions(node: ast.expr) -> Iterator[tuple[str, list[str]]]:
 
 
 def _asked(node: ast.expr) -> tuple[str, list[str]]:
-    """Region and states of an `In('…')`; several where it names a compound state."""
+    """Return region and states of an `In('…')`; several where it names a compound state."""
     if isinstance(node, ast.Call) and isinstance(node.args[0], ast.Constant):
         region, _, states = str(node.args[0].value).partition(".")
         return region, states.split(ANY_OF)

@@ -1,11 +1,11 @@
-"""Numbers of a profile that contradict each other: what can never be reached, heard or said."""
+"""Rules about the numbers of a profile: none makes another one impossible."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from math import degrees, inf
 
-from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.engine.robot.criteria import (
     AcceptedSpec,
@@ -21,18 +21,8 @@ from pirate_sm.loading.problems import Path
 from pirate_sm.model.actuation import Target
 
 
-def check_limits(view: RobotView) -> Iterator[Finding]:
-    """Numbers that do not go together."""
-    yield from _done(view)
-    yield from _nominal(view)
-    yield from _link(view)
-    yield from _loops(view)
-    yield from _end_stops(view)
-    yield from _words(view)
-
-
-def _done(view: RobotView) -> Iterator[Finding]:
-    """Commands whose criterion can never be true."""
+def never_done(view: RobotView) -> Iterator[Finding]:
+    """Yield commands whose criterion can never be true."""
     for number, name in enumerate(view.loaded.table.commands):
         spec = view.loaded.normal.commands[number]
         at: Path = ("commands", name, "done")
@@ -44,7 +34,7 @@ def _done(view: RobotView) -> Iterator[Finding]:
         ):
             if why:
                 message = f"{name} can never be done: {why}"
-                yield view.at((*at, key), "robot.never_done", Severity.ERROR, message)
+                yield view.at((*at, key), "robot.never_done", message)
                 break
 
 
@@ -56,7 +46,7 @@ def _too_long(done: CriterionSpec, timeout_s: float) -> str:
 
 
 def _unheard(view: RobotView, done: CriterionSpec) -> str:
-    """Why the signals that it needs are never heard; empty when they are."""
+    """Return why the signals that it needs are never heard; empty when they are."""
     robot = view.loaded.normal
     heard = view.heard
     match done:
@@ -80,7 +70,7 @@ def _unheard(view: RobotView, done: CriterionSpec) -> str:
 
 
 def _too_strong(view: RobotView, command: int, done: CriterionSpec) -> str:
-    """Why a joint cannot bear the torque that is asked for; empty when it can."""
+    """Return why a joint cannot bear the torque that is asked for; empty when it can."""
     if not isinstance(done, StalledSpec):
         return ""
     robot = view.loaded.normal
@@ -100,7 +90,7 @@ def _too_strong(view: RobotView, command: int, done: CriterionSpec) -> str:
 
 
 def _too_fast(view: RobotView, command: int, done: CriterionSpec) -> str:
-    """Why no wheel can turn so fast; empty when one can."""
+    """Return why no wheel can turn so fast; empty when one can."""
     if not isinstance(done, TurningSpec):
         return ""
     speeds = [
@@ -116,18 +106,20 @@ def _too_fast(view: RobotView, command: int, done: CriterionSpec) -> str:
     return f"wheels turn with at most {most:.3g} rad/s there, {done.above:.3g} rad/s are asked for"
 
 
-def _nominal(view: RobotView) -> Iterator[Finding]:
+def nominal_times(view: RobotView) -> Iterator[Finding]:
+    """Yield commands that take longer on paper than they may on the robot."""
     for name, command in view.profile.commands.items():
         if command.nominal > command.timeout and not isinstance(command.done, AcceptedSpec):
             yield view.at(
-                ("commands", name, "nominal"), "robot.nominal", Severity.WARNING,
+                ("commands", name, "nominal"),
+                "robot.nominal",
                 f"on paper {name} takes {command.nominal:g} s, and on the robot it has failed after"
                 f" {command.timeout:g} s",
-            )  # fmt: skip
+            )
 
 
-def _link(view: RobotView) -> Iterator[Finding]:
-    """Signals that are old, or boards that count as silent, before they can be heard again."""
+def link_times(view: RobotView) -> Iterator[Finding]:
+    """Yield limits that make signals old, or boards silent, before they can be heard again."""
     link = view.profile.link
     messages = view.profile.messages_per_round
     round_s = messages * link.cycle
@@ -137,35 +129,38 @@ def _link(view: RobotView) -> Iterator[Finding]:
     ):
         if limit_s < round_s:
             yield view.at(
-                ("link", key), "robot.link_times", Severity.ERROR,
+                ("link", key),
+                "robot.link_times",
                 f"{what} {limit_s:g} s after its last message, and the next one comes"
                 f" {round_s:.3g} s after it: {messages} messages of {link.cycle:g} s",
-            )  # fmt: skip
+            )
 
 
-def _loops(view: RobotView) -> Iterator[Finding]:
+def position_loops(view: RobotView) -> Iterator[Finding]:
+    """Yield position loops whose least duty cycle is more than their limit."""
     for name, motor in view.profile.motors.items():
         loop = motor.position_loop
         if loop is not None and loop.least_duty > loop.limit:
             yield view.at(
-                ("motors", name, "position_loop", "least_duty"), "robot.position_loop",
-                Severity.WARNING,
+                ("motors", name, "position_loop", "least_duty"),
+                "robot.position_loop",
                 f"the least duty cycle of {loop.least_duty * 100:g} % is more than the limit of"
                 f" {loop.limit * 100:g} %",
-            )  # fmt: skip
+            )
 
 
-def _end_stops(view: RobotView) -> Iterator[Finding]:
-    """Angles that a joint cannot come to."""
+def end_stops(view: RobotView) -> Iterator[Finding]:
+    """Yield angles that a joint cannot come to."""
     stops = {joint.name: joint.end_stop for joint in view.profile.body.joints}
     for joint, angle_rad, path in _sought(view):
         stop = stops.get(joint, inf)
         if abs(angle_rad) > stop:
             yield view.at(
-                path, "robot.setpoint", Severity.ERROR,
+                path,
+                "robot.setpoint",
                 f"{degrees(angle_rad):.4g} deg is beyond the end stop of '{joint}',"
                 f" {degrees(stop):.4g} deg",
-            )  # fmt: skip
+            )
 
 
 def _sought(view: RobotView) -> Iterator[tuple[str, float, Path]]:
@@ -182,8 +177,8 @@ def _sought(view: RobotView) -> Iterator[tuple[str, float, Path]]:
                     yield joints[slot], setpoint.angle_rad, path
 
 
-def _words(view: RobotView) -> Iterator[Finding]:
-    """Words of the detector that are never said, because a later one always holds as well.
+def hidden_words(view: RobotView) -> Iterator[Finding]:
+    """Yield words of the detector that are never said, because a later one always holds as well.
 
     The last of the words that hold is said; forward the first wheel is the farthest along the
     pipe, backward the last one.
@@ -198,8 +193,9 @@ def _words(view: RobotView) -> Iterator[Finding]:
                 ahead = sign * (wheels.index(rival.wheel) - wheels.index(point.wheel)) <= 0
                 if ahead and rival.passed <= point.passed:
                     yield view.at(
-                        ("detector", "words", name, way), "robot.word_hidden", Severity.WARNING,
+                        ("detector", "words", name, way),
+                        "robot.word_hidden",
                         f"'{name}' is never said on the way {way}: wherever it holds,"
                         f" '{other}' holds too",
-                    )  # fmt: skip
+                    )
                     break

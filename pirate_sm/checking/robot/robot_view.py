@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from pirate_sm.checking.findings import Finding, Severity, at
+from pirate_sm.checking.findings import Finding, at
 from pirate_sm.engine.robot.command_spec import Write
 from pirate_sm.loading.problems import Path
 from pirate_sm.loading.robot import LoadedRobot
@@ -46,7 +46,7 @@ class RobotView:
 
     @cached_property
     def written(self) -> tuple[Written, ...]:
-        """Everything that states write."""
+        """What states write."""
         found = []
         robot = self.loaded.normal
         for region, states in enumerate(robot.actuation):
@@ -60,22 +60,22 @@ class RobotView:
         return tuple(found)
 
     def motor(self, slot: int) -> Motor:
-        """The motor behind a slot."""
+        """Return the motor behind a slot."""
         return self.profile.motors[self.profile.slots[slot].motor]
 
     def moves(self, command: int) -> Iterator[tuple[int, int]]:
-        """Configurations that the command moves, each with the one that it leads to."""
+        """Yield the configurations that the command moves, each with the one that it leads to."""
         for before, row in enumerate(self.loaded.table.following):
             if row[command] != before:
                 yield before, row[command]
 
     def writes(self, configuration: int, slot: int) -> list[Written]:
-        """What the states of a configuration write to a slot, one for each stage."""
+        """Return what the states of a configuration write to a slot, one for each stage."""
         states = self.loaded.table.configurations[configuration]
         return [each for each in self._by_slot.get(slot, ()) if states[each.region] == each.state]
 
     def duty(self, configuration: int, slot: int) -> float:
-        """The largest duty cycle that a slot can have in a configuration."""
+        """Return the largest duty cycle that a slot can have in a configuration."""
         found = [0.0]
         for each in self.writes(configuration, slot):
             loop = self.loaded.normal.slots[slot].loop
@@ -102,23 +102,16 @@ class RobotView:
         return found
 
     def configurations(self, regions: Set[str]) -> list[tuple[str, ...]]:
-        """One reached configuration for each different combination of these regions' states."""
+        """Return one reached configuration for each combination of the states of these regions."""
         table = self.loaded.table
         places = [number for number, name in enumerate(table.regions) if name in regions]
         found = {tuple(row[place] for place in places): row for row in table.configurations}
         return list(found.values())
 
     def at(
-        self,
-        path: Path,
-        code: str,
-        severity: Severity,
-        message: str,
-        *,
-        key: bool = False,
-        offset: int | None = None,
+        self, path: Path, code: str, message: str, *, key: bool = False, offset: int | None = None
     ) -> Finding:
-        """A finding at a value, or a key, of the profile."""
+        """Return a finding at a value, or a key, of the profile."""
         document = self.loaded.documents[0]
         place = document.place_of(path, key=key, offset=offset)
-        return at(document, place, code, severity, message)
+        return at(document, place, code, message)

@@ -1,10 +1,10 @@
-"""States and parts of which the profile does not say how they show themselves, or says in vain."""
+"""Rules about `seen`: every state and part has a sign, and the sensors can show it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.engine.robot.confirmation_spec import (
     AnglesSpec,
@@ -18,35 +18,29 @@ from pirate_sm.engine.robot.criteria import AcceptedSpec
 from pirate_sm.loading.problems import Path
 
 
-def check_sight(view: RobotView) -> Iterator[Finding]:
-    """Find states and parts that are left open at a start, without a reason or in every case."""
-    yield from _unseen(view)
-    yield from _never(view)
-
-
-def _unseen(view: RobotView) -> Iterator[Finding]:
-    """States and parts of which nothing is said."""
+def unseen_states(view: RobotView) -> Iterator[Finding]:
+    """Yield states and parts of which the profile does not say how they show themselves."""
     profile, table = view.profile, view.loaded.table
     seen = profile.seen
     if "seen" not in profile.model_fields_set:
         message = "the profile does not say how states show themselves: add `seen`"
-        yield view.at(("robot",), "robot.unseen", Severity.WARNING, message, key=True)
+        yield view.at(("robot",), "robot.unseen", message, key=True)
         return
     for region, states in zip(table.regions, table.states, strict=True):
         missing = [state for state in states if state not in seen.states.get(region, {})]
         if missing:
             path: Path = ("seen", "states", region) if region in seen.states else ("seen",)
             message = f"`seen` says nothing of {region}: {', '.join(missing)}"
-            yield view.at(path, "robot.unseen", Severity.WARNING, message, key=True)
+            yield view.at(path, "robot.unseen", message, key=True)
     parts = [name for name in profile.body.parts if name not in seen.parts]
     if parts:
         message = f"`seen` does not say how a held part shows itself: {', '.join(parts)}"
         path = ("seen", "parts") if seen.parts else ("seen",)
-        yield view.at(path, "robot.unseen", Severity.WARNING, message, key=True)
+        yield view.at(path, "robot.unseen", message, key=True)
 
 
-def _never(view: RobotView) -> Iterator[Finding]:
-    """Lines whose numbers the sensors can never show, or never for long enough."""
+def impossible_signs(view: RobotView) -> Iterator[Finding]:
+    """Yield lines whose numbers the sensors can never show, or never for long enough."""
     robot = view.loaded.normal
     for number, held in enumerate(robot.sight.parts):
         if held is not None:
@@ -62,11 +56,11 @@ def _never(view: RobotView) -> Iterator[Finding]:
 def _said(
     view: RobotView, path: Path, about: str, reasons: Iterable[tuple[str, str]]
 ) -> Iterator[Finding]:
-    """The first of the reasons, each with the key that it is about."""
+    """Yield the first of the reasons, each with the key that it is about."""
     for key, why in reasons:
         if why:
             message = f"this can never confirm '{about}': {why}"
-            yield view.at((*path, key), "robot.seen_never", Severity.ERROR, message)
+            yield view.at((*path, key), "robot.seen_never", message)
             return
 
 
@@ -105,7 +99,7 @@ def _unheard(view: RobotView, needed: Sequence[int]) -> str:
 
 
 def _too_strong(view: RobotView, part: int, spec: HeldSpec) -> str:
-    """Why a joint cannot bear the torque in any state that holds the part; empty when it can."""
+    """Return why no state that holds the part gives a joint the torque; empty when one does."""
     robot = view.loaded.normal
     holding = [number for number, held in enumerate(robot.held) if part in held]
     for joint in spec.joints:

@@ -1,29 +1,17 @@
-"""Whether wheels and joints of a robot work together: to one side, in one direction, as clamps."""
+"""Rules about wheels and joints: they work in one direction, and clamps press and are confirmed."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from math import copysign
 
-from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView, Written
 from pirate_sm.engine.robot.criteria import AcceptedSpec, StalledSpec
 
 
-def check_parts(view: RobotView) -> Iterator[Finding]:
-    """Wheels and joints that work against each other, and clamps that nothing keeps or shows."""
-    crossed = list(_directions(view))
-    yield from crossed
-    yield from _mirrors(view)
-    if not crossed:  # a wrong direction shows in all of these
-        yield from _sides(view)
-        yield from _fights(view)
-    yield from _safe_clamps(view)
-    yield from _blind_clamps(view)
-
-
 def _apexes(view: RobotView) -> Iterator[tuple[int, int, int]]:
-    """Per part its index, its apex's slot and the index of its apex's wheel."""
+    """Yield per part its index, its apex's slot and the index of its apex's wheel."""
     body = view.profile.body
     wheels = [wheel.name for wheel in body.wheels]
     for number, name in enumerate(view.loaded.normal.parts):
@@ -34,8 +22,17 @@ def _apexes(view: RobotView) -> Iterator[tuple[int, int, int]]:
                 yield number, slot, wheels.index(joint.wheel)
 
 
+def wheel_directions(view: RobotView) -> Iterator[Finding]:
+    """Yield wrong directions; where all are right, states that press or drive to the wrong side."""
+    crossed = list(_directions(view))
+    yield from crossed
+    if not crossed:  # a wrong direction shows in all of these
+        yield from _sides(view)
+        yield from _fights(view)
+
+
 def _directions(view: RobotView) -> Iterator[Finding]:
-    """Neighbours in a V touch opposite walls."""
+    """Yield neighbours in a V that do not touch opposite walls."""
     wheels = view.profile.body.wheels
     said: set[int] = set()
     for _, _, apex in _apexes(view):
@@ -45,28 +42,29 @@ def _directions(view: RobotView) -> Iterator[Finding]:
             if wheels[other].direction == wheels[apex].direction:
                 said.add(other)
                 yield view.at(
-                    ("body", "wheels", other, "direction"), "robot.direction", Severity.ERROR,
+                    ("body", "wheels", other, "direction"),
+                    "robot.direction",
                     f"'{wheels[other].name}' and '{wheels[apex].name}', the apex beside it, touch"
                     " opposite walls: their directions cannot be equal",
-                )  # fmt: skip
+                )
 
 
-def _mirrors(view: RobotView) -> Iterator[Finding]:
-    """In mirrored polarity all joints and wheels change their sign, or none does."""
+def mirrored_slots(view: RobotView) -> Iterator[Finding]:
+    """Yield joints and wheels that keep their sign in mirrored polarity while others change it."""
     moving = [(slot, path) for slot, path in view.slots if slot.joint or slot.wheel]
     mirrored = [slot for slot, _ in moving if slot.mirrors]
     for slot, path in moving:
         if mirrored and not slot.mirrors:
             yield view.at(
                 (*path, "mirrors" if "mirrors" in slot.model_fields_set else "name"),
-                "robot.mirrors", Severity.ERROR,
+                "robot.mirrors",
                 f"'{slot.name}' keeps its sign in mirrored polarity, '{mirrored[0].name}' changes"
                 " it: they work against each other there",
-            )  # fmt: skip
+            )
 
 
 def _holding(view: RobotView, part: int, each: Written) -> bool:
-    """Whether the part is held wherever the state that writes this is active."""
+    """Return whether the part is held wherever the state that writes this is active."""
     robot = view.loaded.normal
     seen = [
         part in held
@@ -77,7 +75,7 @@ def _holding(view: RobotView, part: int, each: Written) -> bool:
 
 
 def _sides(view: RobotView) -> Iterator[Finding]:
-    """A clamp pushes its apex to the wall that the direction of its wheel says.
+    """Yield clamps that push their apex away from the wall that the direction of its wheel says.
 
     A negative angle turns the body on both sides of a joint towards side A, so a negative duty
     cycle pushes the apex to side B, where wheels have the direction -1.
@@ -92,14 +90,15 @@ def _sides(view: RobotView) -> Iterator[Finding]:
             if copysign(1, value) != direction and _holding(view, part, each):
                 side = "A" if value > 0 else "B"
                 yield view.at(
-                    each.path, "robot.clamp_side", Severity.ERROR,
+                    each.path,
+                    "robot.clamp_side",
                     f"this presses '{name}' to side {side}, and its direction of {direction}"
                     " stands for the other side",
-                )  # fmt: skip
+                )
 
 
 def _fights(view: RobotView) -> Iterator[Finding]:
-    """No state drives wheels against each other."""
+    """Yield states that drive wheels against each other."""
     wheels = {wheel.name: wheel for wheel in view.profile.body.wheels}
     driven: dict[tuple[int, str, int], list[tuple[int, Written]]] = {}
     for each in view.written:
@@ -115,13 +114,14 @@ def _fights(view: RobotView) -> Iterator[Finding]:
                 name = view.profile.slots[each.write.slot].name
                 way = "backward" if most > 0 else "forward"
                 yield view.at(
-                    each.path, "robot.wheels_fight", Severity.ERROR,
+                    each.path,
+                    "robot.wheels_fight",
                     f"'{name}' drives {way} in {state}, the other wheels the other way",
-                )  # fmt: skip
+                )
 
 
-def _safe_clamps(view: RobotView) -> Iterator[Finding]:
-    """The safe state lets go of nothing that presses a held part to the wall."""
+def safe_clamps(view: RobotView) -> Iterator[Finding]:
+    """Yield slots that the safe state sets to zero although they press a held part to the wall."""
     joints = {joint.name: joint.part for joint in view.profile.body.joints}
     parts = view.loaded.normal.parts
     for number, name in enumerate(view.profile.safe_state.zero):
@@ -140,13 +140,14 @@ def _safe_clamps(view: RobotView) -> Iterator[Finding]:
         if pressing:
             state = f"{view.loaded.normal.regions[pressing[0].region]}.{pressing[0].state}"
             yield view.at(
-                ("safe_state", "zero", number), "robot.safe_clamp", Severity.ERROR,
+                ("safe_state", "zero", number),
+                "robot.safe_clamp",
                 f"'{name}' holds the part '{part}' in {state}: at zero it lets go of the wall",
-            )  # fmt: skip
+            )
 
 
-def _blind_clamps(view: RobotView) -> Iterator[Finding]:
-    """What makes a part hold is done when something of that part shows it."""
+def unconfirmed_clamps(view: RobotView) -> Iterator[Finding]:
+    """Yield commands that make a part hold and are done without a sign of that part."""
     robot = view.loaded.normal
     own = {joint.torque: joint.part for joint in view.profile.body.joints}
     for number, command in enumerate(robot.commands):
@@ -165,6 +166,7 @@ def _blind_clamps(view: RobotView) -> Iterator[Finding]:
             continue
         if unseen:
             yield view.at(
-                ("commands", command.name, "done", key), "robot.clamp_blind", Severity.WARNING,
+                ("commands", command.name, "done", key),
+                "robot.clamp_blind",
                 f"{command.name} makes '{min(unseen)}' hold, and is done without any sign of it",
-            )  # fmt: skip
+            )

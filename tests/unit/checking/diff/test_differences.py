@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.diff.differences import Difference, compare
-from pirate_sm.checking.diff.mission_behaviour import abilities_of
+from pirate_sm.checking.diff.read_behaviour import abilities_of
 from pirate_sm.loading.mission import load_mission
 
 ROOT = Path(__file__).resolve().parents[4]
@@ -150,6 +150,16 @@ def test_backwards_what_was_gained_is_lost(tmp_path: Path) -> None:
 
     assert {each.name for each in forth.of("lost")} == {each.name for each in back.of("gained")}
     assert len(forth.changes) == len(back.changes)
+
+
+def test_rules_come_in_the_order_of_their_names(tmp_path: Path) -> None:
+    compared(tmp_path)
+    old = abilities_of(load_mission(tmp_path / "old.yaml"))
+    names = [f"rule_{number}" for number in range(9)]
+
+    changes = compare(old, replace(old, rules=frozenset(names))).of("gained")
+
+    assert [each.name for each in changes] == names
 
 
 def test_what_was_cut_off_is_said(tmp_path: Path) -> None:

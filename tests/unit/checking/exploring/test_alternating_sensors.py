@@ -10,7 +10,7 @@ import pytest
 from checking.small_missions import write
 from pirate_sm.checking.exploring.alternating_sensors import lasting
 from pirate_sm.checking.exploring.explore import explore
-from pirate_sm.checking.mission.check_mission import conditions_of
+from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.loading.mission import load_mission
 

@@ -6,7 +6,8 @@ import pytest
 
 from checking.exploring.conditions_by_lot import STATES, VOCABULARY, conditions
 from pirate_sm.checking.exploring import asking_program as module
-from pirate_sm.checking.exploring.asking_program import Oracle, TooManyQuestionsError
+from pirate_sm.checking.exploring.answers import TooManyQuestionsError
+from pirate_sm.checking.exploring.asking_program import Oracle
 from pirate_sm.engine.mission.program import Branch, Program
 from pirate_sm.expressions import compile_condition
 

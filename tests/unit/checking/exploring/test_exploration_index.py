@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from checking.small_missions import checked, told, write
-from pirate_sm.checking.exploring.exploration_index import Visits, ledger
+from pirate_sm.checking.exploring.exploration_index import Visits, index_exploration
 from pirate_sm.checking.exploring.explore import explore
-from pirate_sm.checking.mission.check_mission import conditions_of
+from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.loading.mission import load_mission
 
 SKIPPED_OR_IMPOSSIBLE = """
@@ -22,7 +22,7 @@ phases:
 
 def visits(folder: Path, body: str) -> dict[str, Visits]:
     loaded = load_mission(write(folder, body))
-    book = ledger(explore(loaded.robot, loaded.program, conditions_of(loaded)))
+    book = index_exploration(explore(loaded.robot, loaded.program, conditions_of(loaded)))
     return {each.name: each for each in book.visits.values()}
 
 

@@ -9,10 +9,12 @@ from pathlib import Path
 import pytest
 
 from checking.small_missions import checked, only, write
-from pirate_sm.checking.exploring.exploration_index import Waiting, ledger
-from pirate_sm.checking.exploring.explore import Exploration, explore
+from pirate_sm.checking.exploring.exploration import Exploration
+from pirate_sm.checking.exploring.exploration_index import Waiting, index_exploration
+from pirate_sm.checking.exploring.explore import explore
 from pirate_sm.checking.exploring.story import story
-from pirate_sm.checking.mission.check_mission import check_mission, conditions_of
+from pirate_sm.checking.mission.check_mission import check_mission
+from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.checking.reports.counterexamples import write_counterexample
 from pirate_sm.cli.order import read_script
 from pirate_sm.loading.mission import load_mission
@@ -45,7 +47,7 @@ def explored(folder: Path, body: str, **limits: float) -> Exploration:
 
 def wait_of(found: Exploration) -> Waiting:
     """Return what happened at the one wait of the mission."""
-    (waiting,) = ledger(found).waits.values()
+    (waiting,) = index_exploration(found).waits.values()
     return waiting
 
 

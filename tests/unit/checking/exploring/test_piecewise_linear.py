@@ -51,7 +51,7 @@ def test_between_two_borders_nothing_changes(
     expression = compile_condition(text, VOCABULARY)
     assert isinstance(expression.tree, tree.Compare)
     compare = expression.tree
-    assume(signals(compare) == {"a"} and is_linear(compare.left) and is_linear(compare.right))
+    assume(signals(compare) == ("a",) and is_linear(compare.left) and is_linear(compare.right))
 
     def at(value: float) -> object:
         return expression.evaluate((value, math.nan, math.nan), ("Up", None, None))

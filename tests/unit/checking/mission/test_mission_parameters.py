@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.mission.mission_parameters import check_parameters
+from pirate_sm.checking.mission.mission_parameters import unused_in
 from pirate_sm.loading import library
 from pirate_sm.loading.source import parse_document, read_document
 from pirate_sm.loading.validate import validate
@@ -36,7 +36,7 @@ MISSIONS = [
 
 def findings(text: str) -> tuple[Finding, ...]:
     document = parse_document(text, "m.yaml")
-    return check_parameters(validate(document, Mission), document)
+    return tuple(unused_in(validate(document, Mission), document))
 
 
 def with_(**changes: str) -> str:
@@ -50,7 +50,7 @@ def with_(**changes: str) -> str:
 def test_shipped_missions_use_their_parameters(path) -> None:
     document = read_document(path)
 
-    assert check_parameters(validate(document, Mission), document) == ()
+    assert not list(unused_in(validate(document, Mission), document))
 
 
 @pytest.mark.parametrize(

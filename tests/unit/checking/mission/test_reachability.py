@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from checking.small_missions import checked, only, told
-from pirate_sm.checking.mission import check_mission as checking
+from pirate_sm.checking.mission import explore_mission as checking
 
 LOST = """
 start: p

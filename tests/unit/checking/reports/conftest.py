@@ -6,7 +6,7 @@ import pytest
 
 from pirate_sm.checking.file_kinds import Kind
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.project.check_project import CheckedFile, Report
+from pirate_sm.checking.reports.check_report import CheckedFile, Report
 from pirate_sm.loading.problems import Place
 
 LINE = "  - {command: RelaxRear, if: 'speed > 2 m/s'}  # 100 %, really: ünusual"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from pirate_sm.checking.project.check_project import Report
+from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.github import github_report
 
 _COMMAND = re.compile(r"::(?P<command>\w+) (?P<properties>[^:]*)::(?P<data>.*)")

@@ -12,7 +12,7 @@ import xmlschema
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.project.check_project import Report
+from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.json import json_report
 from pirate_sm.checking.reports.junit import junit_report
 from pirate_sm.checking.reports.sarif import sarif_report

@@ -10,7 +10,7 @@ from typing import Any
 import jsonschema
 import pytest
 
-from pirate_sm.checking.diff.mission_behaviour import abilities_of
+from pirate_sm.checking.diff.read_behaviour import abilities_of
 
 from ..conftest import ROOT
 

@@ -8,10 +8,12 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.pipe.mission_in_pipe import check_in_pipe
+from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.checking.mission.mission_view import MissionView
+from pirate_sm.checking.pipe.check_in_pipe import in_its_pipe
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.loading import library
-from pirate_sm.loading.mission import load_mission
+from pirate_sm.loading.mission import LoadedMission, load_mission
 
 from ..robots import NEWT, PIRATE, ROOT, changed, told
 
@@ -39,15 +41,20 @@ def pipe(segments: str, rest: str = "") -> str:
     return f"{{diameter: 120 mm, segments: {segments}{rest}}}"
 
 
+def found_in(loaded: LoadedMission) -> tuple[Finding, ...]:
+    found = in_its_pipe(MissionView(loaded, Places(loaded), (), ()))
+    return tuple(sorted(found, key=lambda each: each.order))
+
+
 def findings(folder: Path, text: str, **options: str) -> tuple[Finding, ...]:
     file = folder / "m.yaml"
     file.write_text(text, encoding="utf-8")
-    return check_in_pipe(load_mission(file, **options))
+    return found_in(load_mission(file, **options))
 
 
 @pytest.mark.parametrize("path", MISSIONS, ids=lambda path: path.stem)
 def test_shipped_missions_fit_their_pipes(path: Path) -> None:
-    found = check_in_pipe(load_mission(path))
+    found = found_in(load_mission(path))
     assert [each for each in found if "pirate: allow" not in each.excerpt] == []
 
 
@@ -73,7 +80,7 @@ def test_a_mission_without_a_pipe_is_left_alone(tmp_path: Path) -> None:
 def test_a_bend_to_the_other_side_is_told(name: str, other: str) -> None:
     loaded = load_mission(library.find_mission(name), pipe=other)
 
-    (found,) = check_in_pipe(loaded)
+    (found,) = found_in(loaded)
 
     key = "polarity:" if loaded.mission.polarity else "pipe:"
     assert found.code == "geometry.polarity"

@@ -1,0 +1,241 @@
+"""Read what a mission can do off an exploration of everything that can happen to it."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Hashable, Iterator, Mapping
+from math import isinf
+
+from pirate_sm.checking.diff.mission_behaviour import (
+    IGNORED,
+    STOPPED,
+    Abilities,
+    Given,
+    Outcome,
+    Success,
+    Trigger,
+)
+from pirate_sm.checking.exploring.exploration import WITHIN, Exploration, Step
+from pirate_sm.checking.exploring.exploration_index import Explored, index_exploration
+from pirate_sm.checking.exploring.explore import explore
+from pirate_sm.checking.mission.explore_mission import conditions_of
+from pirate_sm.engine.mission import program as steps
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.effects import CommandStatus, Ended, PhaseChange
+
+_PLACE = re.compile(r" \([^()]*:\d+:\d+\)")
+
+
+def abilities_of(loaded: LoadedMission) -> Abilities:
+    """Explore a mission and return what it can do."""
+    program = loaded.program
+    found = explore(loaded.robot, program, conditions_of(loaded))
+    book, reader = index_exploration(found), _Reader(found)
+    phases = {name: _content(loaded, name) for name in program.phases if name in book.phases}
+    return Abilities(
+        _facts(loaded),
+        phases,
+        reader.commands(),
+        _triggers(book, program),
+        _outcomes(book, program),
+        reader.failures(),
+        _faults(program, phases),
+        frozenset(_PLACE.sub("", message) for message in book.broken),
+        frozenset(rule.name for rule in program.rules),
+        _success(book),
+        found.complete,
+    )
+
+
+def _facts(loaded: LoadedMission) -> dict[str, str]:
+    program, robot = loaded.program, loaded.robot
+    first = program.instructions[program.start]
+    states = robot.table.configurations[program.start_configuration]
+    limit_s = program.time_limit_s
+    begun = {f"{each} at the start": at for each, at in zip(robot.regions, states, strict=True)}
+    return {
+        "robot": robot.name,
+        "polarity": robot.polarity,
+        "first phase": first.phase if isinstance(first, steps.Enter) else "",
+        **begun,
+        "time limit": "none" if isinf(limit_s) else f"{limit_s:g} s",
+    }
+
+
+def _content(loaded: LoadedMission, phase: str) -> Hashable:
+    """Return what a phase does, without the names of phases and ends."""
+    program = loaded.program
+    return tuple(
+        _said(each, loaded.robot)
+        for each, home in zip(program.instructions, program.phase_of, strict=True)
+        if home == phase and not isinstance(each, steps.Enter)
+    )
+
+
+def _said(it: steps.Instruction, robot: RobotSpec) -> Hashable:
+    match it:
+        case steps.Do():
+            return ("do", robot.commands[it.command].name, _terms(it))
+        case steps.Branch():
+            return ("if", it.condition.text)
+        case steps.Wait():
+            return ("wait", it.within_s, tuple(trigger.text for trigger in it.triggers))
+        case steps.Question():
+            return ("ask", it.text, tuple(choice for choice, _ in it.choices), it.timeout_s)
+        case steps.Require():
+            return ("require", it.states)
+        case steps.Say() | steps.Raise() | steps.Finish():
+            return ("say", it.message)
+        case steps.Enter():
+            return ()
+
+
+def _terms(it: steps.Do) -> str:
+    """Return how long a command may take, how often it is tried, whether it may be unneeded."""
+    parts = [] if it.timeout_s is None else [f"timeout {it.timeout_s:g} s"]
+    parts += [f"retry {it.retries}"] if it.retries else []
+    parts += ["unneeded: skip"] if it.skip_unneeded else []
+    return ", ".join(parts) or "as usual"
+
+
+class _Reader:
+    """Reads off an exploration what becomes of commands."""
+
+    def __init__(self, found: Exploration) -> None:
+        self._found = found
+        self._homes: dict[str, dict[str, str]] = defaultdict(dict)  # terms by place and phase
+        for each, home in zip(found.program.instructions, found.program.phase_of, strict=True):
+            if isinstance(each, steps.Do | steps.Require) and each.place:
+                self._homes[each.place][home] = _terms(each) if isinstance(each, steps.Do) else ""
+
+    def commands(self) -> dict[Given, str]:
+        """Return commands that can be given, with their terms."""
+        terms: dict[Given, set[str]] = defaultdict(set)
+        for step in self._found.steps:
+            for phase, status in self._statuses(step):
+                if status.status == "sent":
+                    terms[phase, status.name].add(self._homes[status.place][phase])
+        return {given: "; ".join(sorted(said)) for given, said in terms.items()}
+
+    def failures(self) -> dict[Given, frozenset[str]]:
+        """Return the ends that are reached after a command has failed, while all else goes well."""
+        after = self._ends_after()
+        ends: dict[Given, set[str]] = defaultdict(set)
+        for step in self._found.steps:
+            if step.source >= 0 and self._found.nodes[step.source].state.mission.diverting:
+                continue  # that is the second thing to go wrong
+            for phase, status in self._statuses(step):
+                failed = status.status == "failed" and step.move.kind in {"failed", "rejected"}
+                if failed or status.status == "refused":
+                    ends[phase, status.name] |= after[step.target]
+        return {given: frozenset(names) for given, names in ends.items()}
+
+    def _statuses(self, step: Step) -> Iterator[tuple[str, CommandStatus]]:
+        """Yield what happens to commands in a step, each with the phase that it stands in."""
+        at = self._found.nodes[step.source].state.mission.pc if step.source >= 0 else 0
+        phase = self._found.program.phase_of[at]
+        for effect in step.effects:
+            if isinstance(effect, PhaseChange):
+                phase = effect.phase
+            elif isinstance(effect, CommandStatus) and effect.place in self._homes:
+                homes = self._homes[effect.place]
+                # After a call its caller goes on without saying that its phase does.
+                yield phase if phase in homes else next(iter(homes)), effect
+
+    def _ends_after(self) -> list[set[str]]:
+        """Return per node the ends that are reached from it while nothing goes wrong."""
+        found = self._found
+        before: dict[int, list[int]] = defaultdict(list)
+        over: dict[str, set[int]] = defaultdict(set)
+        for step in found.steps:
+            for _, end in _ends_of(found, step):
+                over[end or STOPPED].add(step.target)
+            if not step.went_wrong:
+                before[step.target].append(step.source)
+        after: list[set[str]] = [set() for _ in found.nodes]
+        for end, nodes in over.items():
+            pending = list(nodes)
+            while pending:
+                node = pending.pop()
+                if node >= 0 and end not in after[node]:
+                    after[node].add(end)
+                    pending += before[node]
+        return after
+
+
+def _ends_of(found: Exploration, step: Step) -> Iterator[tuple[str, str]]:
+    """Yield outcome and name of the end that a step leads to, if it does."""
+    ending = found.nodes[step.target].state.mission.ending
+    if ending is not None:
+        yield ending.outcome, ending.end
+    for effect in step.effects:
+        if isinstance(effect, Ended):
+            yield effect.outcome, effect.end
+
+
+def _triggers(book: Explored, program: Program) -> dict[tuple[str, str], Trigger]:
+    known: dict[tuple[str, str], dict[tuple[str, str], None]] = defaultdict(dict)
+    for each in program.instructions:
+        if isinstance(each, steps.Wait):
+            for trigger in each.triggers:
+                go = _target(program, trigger.go, trigger.go_name)
+                known[each.phase, trigger.name][trigger.text, go] = None
+            go = _target(program, each.within, each.within_name)
+            known[each.phase, WITHIN][f"{each.within_s:g} s", go] = None
+    return {
+        (phase, name): Trigger(
+            " or ".join(dict.fromkeys(text for text, _ in known[phase, name])),
+            tuple(dict.fromkeys(go for _, go in known[phase, name])),
+        )
+        for (phase, _), wait in book.waits.items()
+        for name in wait.fired
+    }
+
+
+def _target(program: Program, index: int, name: str) -> str:
+    """Return the whole name of the phase or end that stands there, else the name as written."""
+    if not 0 <= index < len(program.instructions):
+        return name
+    match program.instructions[index]:
+        case steps.Enter(phase=phase):
+            return phase
+        case steps.Finish(end=end):
+            return end
+        case _:
+            return name
+
+
+def _outcomes(book: Explored, program: Program) -> dict[str, Outcome]:
+    messages = {it.end: it.message for it in program.instructions if isinstance(it, steps.Finish)}
+    return {
+        end or STOPPED: Outcome(outcome == "succeeded", messages.get(end, ""))
+        for outcome, end in book.ends
+    }
+
+
+def _faults(program: Program, phases: Mapping[str, Hashable]) -> dict[tuple[str, str], str]:
+    found: dict[tuple[str, str], str] = {}
+    for phase, handlers in zip(program.phase_of, program.handlers, strict=True):
+        if phase not in phases:
+            continue
+        for each in handlers:  # the innermost first
+            go = IGNORED if each.go is None else _target(program, each.go, each.go_name)
+            found.setdefault((phase, each.code), go)
+    return found
+
+
+def _success(book: Explored) -> Success | None:
+    paths = [
+        book.found.path(number)
+        for (outcome, _), number in book.ends.items()
+        if outcome == "succeeded"
+    ]
+    ways = [Success(sum(map(_given, path)), len(path)) for path in paths]
+    return min(ways, key=lambda way: way.events, default=None)
+
+
+def _given(step: Step) -> int:
+    return sum(isinstance(each, CommandStatus) and each.status == "sent" for each in step.effects)

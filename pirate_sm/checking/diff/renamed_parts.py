@@ -1,0 +1,68 @@
+"""Find the parts of a mission that have another name in the new version and are the same."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable, Mapping
+from dataclasses import replace
+from typing import TypeAlias
+
+from pirate_sm.checking.diff.mission_behaviour import Abilities, Trigger
+
+Triggers: TypeAlias = Mapping[tuple[str, str], Trigger]
+
+
+def renamed(old: Mapping[str, Hashable], new: Mapping[str, Hashable]) -> dict[str, str]:
+    """Return new names by old ones, of what is there once before and once after."""
+    lost = {name: content for name, content in old.items() if name not in new}
+    gained = {name: content for name, content in new.items() if name not in old}
+    there, here = Counter(lost.values()), Counter(gained.values())
+    by_content = {content: name for name, content in gained.items()}
+    return {
+        name: by_content[content]
+        for name, content in lost.items()
+        if content != () and there[content] == here[content] == 1
+    }
+
+
+def in_new_names(old: Abilities, names: Mapping[str, str]) -> Abilities:
+    """Return the abilities with phases and ends under their new names."""
+
+    def new(name: str) -> str:
+        return names.get(name, name)
+
+    facts = {name: new(value) for name, value in old.facts.items()}
+    return replace(
+        old,
+        facts=facts,
+        phases={new(name): content for name, content in old.phases.items()},
+        commands={(new(phase), name): terms for (phase, name), terms in old.commands.items()},
+        triggers={
+            (new(phase), new(name)): Trigger(each.text, tuple(map(new, each.go)))
+            for (phase, name), each in old.triggers.items()
+        },
+        outcomes={new(name): outcome for name, outcome in old.outcomes.items()},
+        failures={
+            (new(phase), name): frozenset(map(new, ends))
+            for (phase, name), ends in old.failures.items()
+        },
+        faults={(new(phase), code): new(go) for (phase, code), go in old.faults.items()},
+    )
+
+
+def matched_triggers(old: Triggers, new: Triggers) -> Triggers:
+    """Return the old triggers under the names of new ones that wait for the same, else as named.
+
+    A trigger that nobody has named has the name of what it leads to.
+    """
+    alike = {(phase, each.text): (phase, name) for (phase, name), each in new.items()}
+    found: dict[tuple[str, str], Trigger] = {}
+    others = []
+    for (phase, name), each in old.items():
+        if (phase, each.text) in alike:
+            found[alike[phase, each.text]] = each
+        else:
+            others.append((phase, name, each))
+    for phase, name, each in others:
+        found[(phase, each.text) if (phase, name) in found else (phase, name)] = each
+    return found

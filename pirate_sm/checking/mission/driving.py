@@ -1,0 +1,56 @@
+"""How fast a robot drives at the most, and in which phases it has driven before."""
+
+from __future__ import annotations
+
+from math import inf
+
+from pirate_sm.checking.exploring.conditions import Conditions
+from pirate_sm.checking.exploring.exploration import Exploration
+from pirate_sm.checking.exploring.signal_ranges import Range, ranges
+from pirate_sm.engine.mission.program import Wait
+from pirate_sm.loading.mission import LoadedMission
+
+
+def within_reach(loaded: LoadedMission) -> Conditions:
+    """Return what can be true on a robot that is no faster than its motors turn."""
+    robot, most = loaded.robot, fastest_m_s(loaded)
+    spans = dict(ranges(loaded.loaded_robot.profile, robot))
+    if robot.speed >= 0:
+        spans[robot.vocabulary.numbers[robot.speed]] = Range(-most, most)
+    return Conditions(robot.vocabulary.with_changes, spans, len(robot.regions))
+
+
+def fastest_m_s(loaded: LoadedMission) -> float:
+    """Return the speed of the fastest wheel without a load, m/s; infinite where it is not known."""
+    profile = loaded.loaded_robot.profile
+    rates = [
+        profile.motors[slot.motor].no_load_speed
+        for board in profile.boards
+        for slot in board.slots
+        if slot.wheel is not None
+    ]
+    known = [each for each in rates if each is not None]
+    return max(known) * profile.body.wheel_radius if known and len(known) == len(rates) else inf
+
+
+def driven_before(found: Exploration, loaded: LoadedMission) -> frozenset[str]:
+    """Return phases whose wait may begin after the robot has driven in an earlier wait."""
+    instructions, driven = found.program.instructions, loaded.robot.driven
+    after: dict[int, list[int]] = {}
+    begin = []
+    for step in found.steps:
+        if step.source < 0:
+            continue
+        after.setdefault(step.source, []).append(step.target)
+        before = found.nodes[step.source].state
+        waited = isinstance(instructions[before.mission.pc], Wait) and before.mission.begun
+        left = found.nodes[step.target].state.mission.pc != before.mission.pc
+        if waited and left and driven[before.robot.configuration]:
+            begin.append(step.target)
+    reached, waiting = set(begin), begin
+    while waiting:
+        for target in after.get(waiting.pop(), ()):
+            if target not in reached:
+                reached.add(target)
+                waiting.append(target)
+    return frozenset(found.program.phase_of[found.nodes[n].state.mission.pc] for n in reached)

@@ -1,0 +1,40 @@
+"""Find where a mission does not fit its pipe: room, the side of its bends, its hold on a slope.
+
+Only what the mission does while nothing goes wrong is judged (`usual_course`). Loading has already
+checked that the robot's parts reach the walls (`pipe.reach`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.mission.mission_view import MissionView
+from pirate_sm.checking.pipe.bend_sides import bends_to_the_inner_wall
+from pirate_sm.checking.pipe.clamp_hold import clamps_bear_the_weight
+from pirate_sm.checking.pipe.pipe_view import PipeView
+from pirate_sm.checking.pipe.robot_in_pipe import Fit
+from pirate_sm.checking.pipe.room import holds_behind_the_bend, starts_clear_of_bends
+from pirate_sm.checking.pipe.usual_course import course_of
+
+RULES = (
+    starts_clear_of_bends,
+    bends_to_the_inner_wall,
+    holds_behind_the_bend,
+    clamps_bear_the_weight,
+)
+"""Every rule about a mission in its pipe. Each yields the findings of a `PipeView`."""
+
+
+def in_its_pipe(mission: MissionView) -> Iterator[Finding]:
+    """Yield where a mission does not fit its pipe; nothing without a pipe."""
+    loaded = mission.loaded
+    if loaded.pipe is None:
+        return
+    profile = loaded.loaded_robot.profile
+    course = course_of(loaded.robot, loaded.program, profile)
+    if course is None:
+        return
+    view = PipeView(loaded, loaded.pipe, course, Fit(profile, loaded.robot, loaded.pipe))
+    for rule in RULES:
+        yield from rule(view)

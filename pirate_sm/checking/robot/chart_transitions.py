@@ -1,0 +1,208 @@
+"""Rules about transitions of a chart: guards that say nothing, transitions never taken."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from typing import NamedTuple
+
+from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.robot.chart_view import ChartView
+from pirate_sm.checking.robot.guard_logic import (
+    conjuncts,
+    constant,
+    constant_parts,
+    holds,
+    offset_of,
+    regions_of,
+)
+from pirate_sm.loading.chart_outline import ChartOutline, Transition
+from pirate_sm.loading.problems import Path, Place
+
+
+class _Verdict(NamedTuple):
+    """What is to be said of a transition in one of the states in which it counts.
+
+    Attributes:
+        silent: Whether it is never taken there, although the state is reached.
+    """
+
+    transition: Transition
+    finding: Finding | None
+    reached: bool
+    silent: bool
+
+
+def _rivals(outline: ChartOutline) -> Iterator[list[Transition]]:
+    """Yield the transitions of one state at one event, the first that counts first."""
+
+    def key(each: Transition) -> tuple[str, str]:
+        return each.source, each.event
+
+    for _, group in groupby(sorted(outline.transitions, key=key), key):
+        yield list(group)
+
+
+class TransitionRules:
+    """The rules about the transitions of one chart.
+
+    Attributes:
+        found: What was found, by the path of the transition.
+        silent: Transitions that are never taken.
+    """
+
+    def __init__(self, chart: ChartView) -> None:
+        self._chart = chart
+        self.found: dict[Path, Finding] = {}
+        self.silent: list[Transition] = []
+        verdicts: dict[tuple[Path, str], list[_Verdict]] = {}
+        for group in _rivals(chart.outline):
+            for number, transition in enumerate(group):
+                verdict = self._judge(transition, group[:number])
+                verdicts.setdefault((transition.path, transition.event), []).append(verdict)
+        for alike in verdicts.values():
+            self._settle(alike)
+
+    def _judge(self, transition: Transition, earlier: Sequence[Transition]) -> _Verdict:
+        """Return the worst that can be said of a transition in one state.
+
+        Args:
+            transition: The transition.
+            earlier: Those of the same state and event that come before it.
+        """
+        finding = self._guard(transition) if transition.tree else None
+        reached, silent = self._is_reached(transition), False
+        if not self._chances(transition):
+            finding = finding or self._never(transition)
+            silent = reached
+        rivalry, hidden = self._rivalry(transition, earlier)
+        return _Verdict(transition, finding or rivalry, reached, silent or hidden)
+
+    def _settle(self, verdicts: Sequence[_Verdict]) -> None:
+        """Note what is so in every state in which a transition counts."""
+        seen = [each for each in verdicts if each.reached] or verdicts
+        if all(each.finding for each in seen):
+            finding = seen[0].finding
+            assert finding is not None
+            self.found.setdefault(seen[0].transition.path, finding)
+        if all(each.silent for each in seen):
+            self.silent += [each.transition for each in seen]
+
+    def _guard(self, transition: Transition) -> Finding | None:
+        """Return a finding of a guard, or a part of it, that is the same in every state."""
+        guard = transition.tree
+        assert guard is not None
+        for part, value in constant_parts(guard, self._chart.states):
+            what = "this guard" if part is guard else "this part of the guard"
+            return self._constant(transition, part, value, f"{what} is always {_said(value)}")
+        own = {transition.region: transition.source.partition(".")[2]}
+        alone = constant(guard, self._chart.states, own)
+        if alone is None:
+            return None
+        message = f"this guard is always {_said(alone)} in {transition.source}, where it is asked"
+        return self._constant(transition, guard, alone, message)
+
+    def _constant(
+        self, transition: Transition, part: ast.expr, value: bool, message: str
+    ) -> Finding:
+        code = "chart.guard_always" if value else "chart.guard_never"
+        return self._chart.at(self._place(transition, part), code, message)
+
+    def _never(self, transition: Transition) -> Finding | None:
+        """Return a finding of a transition whose guard is false wherever the robot can be."""
+        if not self._is_reached(transition) or transition.tree is None:
+            return None  # that is a finding of its state
+        blocking = next(
+            (part for part in conjuncts(transition.tree) if not self._chances(transition, part)),
+            transition.tree,
+        )
+        return self._chart.at(
+            self._place(transition, blocking),
+            "chart.transition_never",
+            f"{transition.event} never leads from {transition.source} to {transition.target}:"
+            " this is false in every combination that commands lead to",
+        )
+
+    def _rivalry(
+        self, transition: Transition, earlier: Sequence[Transition]
+    ) -> tuple[Finding | None, bool]:
+        """Return the finding where another one of its event is taken, and whether it always is.
+
+        One that is written inside a compound state is meant to come before one of that state.
+        """
+        regions = frozenset({transition.region}).union(
+            *(regions_of(each.tree) for each in (transition, *earlier) if each.tree)
+        )
+        first: Transition | None = None
+        shadowed = True
+        winner: Transition | None = None
+        for states in self._chart.reached.through(regions):
+            if not _can(transition, states):
+                continue
+            ahead = next((each for each in earlier if _can(each, states)), None)
+            shadowed = shadowed and ahead is not None
+            first = first or ahead
+            rivals = ahead is not None and ahead.owner == transition.owner
+            if ahead is not None and rivals and ahead.target != transition.target:
+                winner = winner or ahead
+        if winner is not None:
+            return self._ambiguous(transition, winner, shadowed), shadowed
+        if first is None or not shadowed:
+            return None, False
+        place = self._chart.document.place_of(first.path)
+        finding = self._chart.at(
+            self._chart.document.place_of((*transition.path, "event")),
+            "chart.transition_never",
+            f"this is never taken: line {place.line} leads from {transition.source} to"
+            f" {first.target} already",
+            related=((place, "this is taken"),),
+        )
+        return finding, True
+
+    def _ambiguous(self, transition: Transition, winner: Transition, always: bool) -> Finding:
+        place = self._chart.document.place_of((*winner.path, "event"))
+        when = "always" if always else "also"
+        return self._chart.at(
+            self._chart.document.place_of((*transition.path, "event")),
+            "chart.ambiguous",
+            f"where {transition.event} can lead from {transition.source} to {transition.target},"
+            f" it can {when} lead to {winner.target}, which is taken because it comes first",
+            related=((place, "this is taken"),),
+        )
+
+    def _chances(self, transition: Transition, part: ast.expr | None = None) -> bool:
+        """Return whether its state and (a part of) its guard are true where commands lead."""
+        node = transition.tree if part is None else part
+        if node is None:
+            return self._is_reached(transition)
+        seen = self._chart.reached.through(regions_of(node) | {transition.region})
+        return any(_is_in(transition, states) and holds(node, states) for states in seen)
+
+    def _is_reached(self, transition: Transition) -> bool:
+        seen = self._chart.reached.through(frozenset({transition.region}))
+        return any(_is_in(transition, states) for states in seen)
+
+    def _place(self, transition: Transition, part: ast.expr) -> Place:
+        """Return where a part of a transition's guard stands."""
+        path = (*transition.path, "cond")
+        offset = offset_of(transition.guard, part)
+        written = self._chart.document.data
+        for key in path:
+            written = written[key]
+        offset += len(written) - len(written.lstrip())
+        return self._chart.document.place_of(path, offset=offset)
+
+
+def _is_in(transition: Transition, states: dict[str, str]) -> bool:
+    return f"{transition.region}.{states[transition.region]}" == transition.source
+
+
+def _can(transition: Transition, states: dict[str, str]) -> bool:
+    if not _is_in(transition, states):
+        return False
+    return transition.tree is None or holds(transition.tree, states)
+
+
+def _said(value: bool) -> str:
+    return "true" if value else "false"

@@ -1,0 +1,39 @@
+"""A chart as the rules look at it: its file, what the file declares, what follows from that."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from pirate_sm.checking.findings import Finding, at
+from pirate_sm.checking.robot.guard_logic import Reached
+from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.loading.chart_outline import ChartOutline
+from pirate_sm.loading.problems import Place
+from pirate_sm.loading.source import Document
+
+
+@dataclass(frozen=True)
+class ChartView:
+    """A chart under examination."""
+
+    document: Document
+    outline: ChartOutline
+    table: ChartTable
+
+    @cached_property
+    def reached(self) -> Reached:
+        """The combinations of states that commands lead to."""
+        return Reached(self.table)
+
+    @cached_property
+    def states(self) -> dict[str, tuple[str, ...]]:
+        """The states of each region."""
+        return dict(zip(self.outline.regions, self.outline.states, strict=True))
+
+    def at(
+        self, place: Place, code: str, message: str, *, related: Sequence[tuple[Place, str]] = ()
+    ) -> Finding:
+        """Return a finding at a place of the chart's file."""
+        return at(self.document, place, code, message, related=related)
