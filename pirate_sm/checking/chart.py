@@ -34,7 +34,8 @@ from pirate_sm.checking.guards import (
     offset_of,
     regions_of,
 )
-from pirate_sm.loading.chart_outline import ChartOutline, Transition, outline_chart
+from pirate_sm.loading.chart.outline import ChartOutline, Transition
+from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.problems import Path, Place, Problems
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 
     from pirate_sm.engine.robot.chart_table import ChartTable
     from pirate_sm.loading.robot import LoadedRobot
-    from pirate_sm.loading.source import Document
+    from pirate_sm.loading.yaml.document import Document
 
 
 class ChartCheck(NamedTuple):

@@ -25,7 +25,7 @@ from pirate_sm.checking.waits import wait_findings
 from pirate_sm.engine.mission.program import Do, Program, Raise, Require, Say
 from pirate_sm.loading.mission import TOLERABLE, LoadedMission, read_mission
 from pirate_sm.loading.problems import LoadError
-from pirate_sm.loading.source import Document
+from pirate_sm.loading.yaml.document import Document
 
 MOST_ASSUMPTIONS = 20
 """How often the exploration is repeated with steps left out that can never run."""

@@ -19,7 +19,7 @@ from pirate_sm.diagnosis.facts import (
 )
 from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.model.profile import Board, Channel
-from pirate_sm.model.wire import Advice
+from pirate_sm.model.serial_link import Advice
 
 LATE_SHARE = 0.5
 """A board that reports less often than this share of what it should is suspicious."""

@@ -24,7 +24,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from pirate_sm import units
-from pirate_sm.model import patterns
+from pirate_sm.model import quantity_patterns as patterns
 from pirate_sm.units import Dimension, Quantity, QuantityError
 
 FROM_FILE: Final[Mapping[str, Any]] = {"from_file": True}

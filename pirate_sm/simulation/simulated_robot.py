@@ -18,7 +18,7 @@ from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.model.truth import Truth
+from pirate_sm.model.true_position import Truth
 from pirate_sm.simulation.actuators import Route, routes_of
 from pirate_sm.simulation.defects import AtWork, Incident, named, put_to_work
 from pirate_sm.simulation.electronics import Electronics
