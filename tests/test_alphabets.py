@@ -75,7 +75,7 @@ ALPHABETS = {
         (
             "drawing/step_text.py",
             "loading/mission/called_missions.py",
-            "loading/mission/program.py",
+            "loading/mission/program_writer.py",
         ),
     ),
     "trigger": Alphabet(
@@ -86,8 +86,7 @@ ALPHABETS = {
             "checking/parameters.py",
             "drawing/mission_graph.py",
             "drawing/step_text.py",
-            "loading/mission/program.py",
-            "loading/mission/scope.py",
+            "loading/mission/wait_writer.py",
         ),
     ),
     "criterion": Alphabet(
@@ -112,7 +111,7 @@ ALPHABETS = {
         "model/derived.py",
         '| Annotated[SpeedOf, Tag("speed_of")]',
         "NewOf(Frozen)",
-        ("loading/robot/signals.py", "showing/anatomy.py"),
+        ("loading/robot/boards.py", "loading/robot/derived_signals.py", "showing/anatomy.py"),
     ),
     "origin of a fault": Alphabet(
         "model/fault_codes.py",

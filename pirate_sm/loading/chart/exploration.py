@@ -58,9 +58,14 @@ def compile_chart(document: Document, outline: ChartOutline, problems: Problems)
         for index, states in enumerate(configurations)
     )
     return ChartTable(
-        outline.regions, outline.states, outline.commands,
-        configurations, following, refusals, tuple(reasons),
-    )  # fmt: skip
+        outline.regions,
+        outline.states,
+        outline.commands,
+        configurations,
+        following,
+        refusals,
+        tuple(reasons),
+    )
 
 
 def _plain(outline: ChartOutline) -> dict[str, Any]:

@@ -60,10 +60,11 @@ def _regions(data: Any, problems: Problems) -> tuple[str, Mapping[str, Any]] | N
     regions = body.get("states") if isinstance(body, dict) else None
     if not isinstance(regions, dict) or not regions or body.get("parallel") is not True:
         problems.add(
-            "chart.shape", ("states", name),
+            "chart.shape",
+            ("states", name),
             "the chart's one state needs `parallel: true` and `states`, one per state machine",
             key=True,
-        )  # fmt: skip
+        )
         return None
     _refuse_unknown(body, ("parallel", "states"), ("states", name), problems)
     whole = True
@@ -94,13 +95,14 @@ def _outline(top: str, regions: Mapping[str, Any], problems: Problems) -> ChartO
         for move in node.moves:
             _check_move(node, move, every, problems)
     return ChartOutline(
-        top, tuple(regions),
+        top,
+        tuple(regions),
         tuple(tuple(leaf.short_name for each in found for leaf in each.leaves) for found in nodes),
         tuple(next((e for e in found if e.initial), found[0]).first.short_name for found in nodes),
         tuple(each for found in nodes for each in _flat(found, every)),
         tuple(dict.fromkeys(e for n in every.values() for move in n.moves for e in move.events)),
         tuple(nodes),
-    )  # fmt: skip
+    )
 
 
 def _flat(found: Iterable[StateNode], every: Mapping[str, StateNode]) -> Iterator[Transition]:
@@ -114,9 +116,15 @@ def _flat(found: Iterable[StateNode], every: Mapping[str, StateNode]) -> Iterato
                     target = every[move.target].first.name if move.target in every else move.target
                     for event in move.events:
                         yield Transition(
-                            leaf.partition(".")[0], leaf, event, target, move.guard, move.path,
-                            owner.name, tree,
-                        )  # fmt: skip
+                            leaf.partition(".")[0],
+                            leaf,
+                            event,
+                            target,
+                            move.guard,
+                            move.path,
+                            owner.name,
+                            tree,
+                        )
 
 
 def _states(
@@ -224,10 +232,15 @@ def _refuse_unknown(
             message = f"'{key}' is known in statecharts and not supported here"
             problems.add("unknown-key", (*path, key), message, expected=one_of(known), key=True)
         elif key not in known:
-            problems.add(
-                "unknown-key", (*path, key), f"unknown key '{key}'", expected=one_of(known),
-                suggestion=nearest(key, known) or "", key=True,
-            )  # fmt: skip
+            problems.add_unknown(
+                "unknown-key",
+                (*path, key),
+                "",
+                key,
+                known,
+                message=f"unknown key '{key}'",
+                key=True,
+            )
 
 
 def _check_move(

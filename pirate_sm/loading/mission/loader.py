@@ -118,9 +118,12 @@ def read_mission(
     shadow = "" if robot is not None else library.shadowing(mission.robot, loaded.folder)
     if shadow:
         problems.add(
-            "mission.robot_shadows", ("robot",), shadow, expected=f"./{mission.robot}, a path",
+            "mission.robot_shadows",
+            ("robot",),
+            shadow,
+            expected=f"./{mission.robot}, a path",
             severity=Severity.WARNING,
-        )  # fmt: skip
+        )
     chosen, pipe_name, pipe_document = _pipe(pipe, mission, document, folder, problems)
     if chosen is not None:
         check_fit(chosen, loaded.profile, pipe_document, problems)
@@ -137,11 +140,17 @@ def read_mission(
         program = replace(program, diameter_m=chosen.diameter)
     documents = (document, *loaded.documents, *called, pipe_document)
     result = LoadedMission(
-        mission, loaded, spec, program, chosen, pipe_name, documents,
+        mission,
+        loaded,
+        spec,
+        program,
+        chosen,
+        pipe_name,
+        documents,
         {each.name: _hash(each) for each in documents},
         {name: value.text for name, value in values.items()},
         (shadow,) if shadow else (),
-    )  # fmt: skip
+    )
     return result, problems
 
 

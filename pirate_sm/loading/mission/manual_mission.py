@@ -44,6 +44,4 @@ def by_hand(robot: LoadedRobot, pipe: Pipe | None = None, pipe_name: str = "") -
         phases={BY_HAND: Phase(go=BY_HAND)},
         ends={BY_HAND: End(succeed="")},
     )
-    return LoadedMission(
-        mission, robot, spec, program, pipe, pipe_name, robot.documents, {}, {}
-    )  # fmt: skip
+    return LoadedMission(mission, robot, spec, program, pipe, pipe_name, robot.documents, {}, {})

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.model.parameters import ParameterDefinition, ParameterValue
-from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import (
     ANGLE,
     ANGULAR_SPEED,
@@ -134,11 +133,15 @@ def given(
     for name, argument in arguments.items():
         definition = definitions.get(name)
         if definition is None:
-            problems.add(
-                "mission.parameter", (*path, name), f"there is no parameter '{name}'",
-                expected=one_of(definitions) if definitions else "no parameters",
-                suggestion=nearest(name, definitions) or "", key=True,
-            )  # fmt: skip
+            problems.add_unknown(
+                "mission.parameter",
+                (*path, name),
+                "parameter",
+                name,
+                definitions,
+                none="no parameters",
+                key=True,
+            )
             continue
         try:
             text = argument.text if isinstance(argument, Value) else str(argument)

@@ -38,5 +38,7 @@ def _is_phase(body: Any) -> bool:
 
 
 _LIKE_A_FILE: Final[dict[str, Any]] = {
-    "context": dict(FROM_FILE), "by_alias": True, "by_name": False,
-}  # fmt: skip
+    "context": dict(FROM_FILE),
+    "by_alias": True,
+    "by_name": False,
+}

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Mapping
 from math import inf
 
 from pirate_sm.engine.mission import program as out
 from pirate_sm.engine.mission.program import Program
-from pirate_sm.loading.mission import parameter_values as parameters
-from pirate_sm.loading.mission.assembler import MOST_INSTRUCTIONS, Assembly, Label, TooLongError
-from pirate_sm.loading.mission.called_missions import Calls, robot_of
+from pirate_sm.loading.mission.assembler import MOST_INSTRUCTIONS, Assembly, TooLongError
 from pirate_sm.loading.mission.parameter_values import Values
+from pirate_sm.loading.mission.program_writer import ProgramWriter, labels_of
 from pirate_sm.loading.mission.scope import Scope, Source
-from pirate_sm.loading.mission.start_configuration import required_states, start_configuration
-from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.mission.start_configuration import start_configuration
+from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.loading.robot.safety_rules import rules_for
 from pirate_sm.loading.yaml.document import Document
-from pirate_sm.model import mission as model
-from pirate_sm.model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
 
 
 def build_program(
@@ -41,350 +37,45 @@ def build_program(
     """
     mission = source.mission
     at_start = start_configuration(source, robot.table, states, problems)
-    compiler = _Compiler(robot, Assembly())
+    writer = ProgramWriter(robot, Assembly())
     spec = robot.oriented(mission.polarity or "normal")
     scope = Scope(
-        source, robot.profile, spec, problems.about(source.document),
-        "", values, _labels(mission), out.STOP, (), (source.path.resolve(),),
-    )  # fmt: skip
+        source,
+        robot.profile,
+        spec,
+        problems.about(source.document),
+        "",
+        values,
+        labels_of(mission),
+        out.STOP,
+        (),
+        (source.path.resolve(),),
+    )
     start = scope.target(start_phase or mission.start, ("start",))
     limit = scope.limit(mission.time_limit, ("time_limit",))
     try:
-        if compiler.calls.least_length(source) > MOST_INSTRUCTIONS:
+        if writer.calls.least_length(source) > MOST_INSTRUCTIONS:
             raise TooLongError
-        compiler.ends(scope)
-        compiler.phases(scope)
+        writer.ends(scope)
+        writer.phases(scope)
     except TooLongError as error:
         about, path = error.by or (problems, ())
         count = f"more than {MOST_INSTRUCTIONS} steps"
         message = f"with its repeats and calls written out it has {count}"
         about.add("mission.too_long", path, message)
     problems.raise_errors(tolerated)
-    instructions, handlers, phase_of, turn_of = compiler.assembly.finished()
+    instructions, handlers, phase_of, turn_of = writer.assembly.finished()
     program = Program(
-        mission.mission, instructions, start.index, at_start, handlers, tuple(compiler.names),
-        phase_of, tuple(mission.ends), inf if limit is None else limit,
-        rules_for(mission, robot.rules), turn_of=turn_of,
-    )  # fmt: skip
-    return program, tuple(compiler.calls.files.values())
-
-
-def _labels(mission: model.Mission) -> dict[str, Label]:
-    return {name: Label() for name in (*mission.phases, *mission.ends)}
-
-
-@dataclass
-class _Compiler:
-    """Writes instructions; holds what is the same for a mission and all that it calls."""
-
-    robot: LoadedRobot
-    assembly: Assembly
-    names: list[str] = field(default_factory=list)
-    calls: Calls = field(default_factory=Calls)
-
-    def ends(self, scope: Scope) -> None:
-        """The ends of a mission that nobody calls finish it."""
-        for name, end in scope.source.mission.ends.items():
-            self.assembly.mark(scope.targets[name])
-            outcome = "failed" if end.succeed is None else "succeeded"
-            message = scope.message(_said(end), ("ends", name))
-            self.assembly.emit(
-                out.Finish, "", scope.outer, outcome=outcome, message=message, end=name
-            )
-
-    def phases(self, scope: Scope) -> None:
-        """Every phase of the scope's mission stands in the program."""
-        handlers = scope.handlers
-        scope.check_names()
-        for name, phase in scope.source.mission.phases.items():
-            inside = replace(scope, phase=name)
-            if inside.full_phase not in self.names:  # a repeated call has its phases once
-                self.names.append(inside.full_phase)
-            _PhaseWriter(self, inside, handlers).write(phase, ("phases", name))
-
-
-def _said(end: model.End) -> str:
-    return end.fail if end.succeed is None else end.succeed  # type: ignore[return-value]
-
-
-def _compares(trigger: out.TriggerSpec) -> bool:
-    """Whether the trigger looks at how much a signal has changed since the wait began."""
-    return trigger.condition is not None and any(
-        name.startswith("change(") for name in trigger.condition.names
+        mission.mission,
+        instructions,
+        start.index,
+        at_start,
+        handlers,
+        tuple(writer.names),
+        phase_of,
+        tuple(mission.ends),
+        inf if limit is None else limit,
+        rules_for(mission, robot.rules),
+        turn_of=turn_of,
     )
-
-
-@dataclass
-class _PhaseWriter:
-    """Writes the instructions of one phase."""
-
-    compiler: _Compiler
-    scope: Scope
-    handlers: tuple[tuple[str, Label | None, str], ...]
-
-    def write(self, phase: model.Phase, path: Path) -> None:
-        """The phase's entry, steps and wait stand in the program."""
-        scope = self.scope
-        self.compiler.assembly.mark(scope.targets[scope.phase])
-        steps, wait = Label(), Label()
-        self._emit(out.Enter, phase=scope.full_phase, next=steps)
-        self.compiler.assembly.mark(steps)
-        after = wait if phase.wait else scope.target(phase.go or "", (*path, "go"))
-        self._steps(phase.do, (*path, "do"), after)
-        if not phase.do and not phase.wait:
-            self._jump(after)
-        if phase.wait:
-            self.compiler.assembly.mark(wait)
-            self._wait(phase, path, None, out.STOP)
-
-    def _emit(self, kind: type[object], **fields: object) -> None:
-        scope = self.scope
-        turn = "{} of {}".format(*scope.turn) if scope.turn else ""
-        self.compiler.assembly.emit(kind, scope.full_phase, self.handlers, turn=turn, **fields)
-
-    def _wait(
-        self,
-        it: model.Phase | model.WaitStep,
-        path: Path,
-        after: Label | None,
-        failed: Label | int,
-    ) -> None:
-        """The wait of a phase, or of a step, stands in the program.
-
-        Args:
-            it: The phase or step.
-            path: Where it stands.
-            after: The next step, for triggers without a target; None in a phase.
-            failed: Where a failure of the step leads.
-        """
-        scope = self.scope
-        within, target, name, fails = inf, failed, "", False
-        if it.within is not None:
-            at = (*path, "within")
-            within = scope.waited(it.within.time, (*at, "time"))
-            fails, name = it.within.go is None, it.within.go or model.FAIL
-            target = failed if it.within.go is None else scope.target(name, (*at, "go"))
-        names = scope.trigger_names(it.wait, path)
-        triggers = tuple(
-            self._trigger(trigger, name, (*path, "wait", number), after)
-            for number, (trigger, name) in enumerate(zip(it.wait, names, strict=True))
-        )
-        self._emit(
-            out.Wait, phase=scope.full_phase, triggers=triggers, within_s=within, within=target,
-            within_name=name, place=scope.place((*path, "wait")), fails=fails,
-            compares=any(_compares(trigger) for trigger in triggers),
-        )  # fmt: skip
-
-    def _trigger(
-        self, trigger: Trigger, name: str, path: Path, after: Label | None
-    ) -> out.TriggerSpec:
-        scope = self.scope
-        on = trigger.go is None and after is not None
-        go = after if on else scope.target(trigger.go or "", (*path, "go"))
-        place, go_name = scope.place(path), trigger.go or model.CONTINUE
-        spec = out.TriggerSpec(name, "", go, go_name, place=place)  # type: ignore[arg-type]
-        match trigger:
-            case ConditionTrigger(when=when):
-                held = scope.waited(trigger.held, (*path, "held"), zero=True)
-                condition = scope.condition(when, (*path, "when"), in_wait=True)
-                text = when + (f" for {held:g} s" if held else "")
-                return spec._replace(text=text, condition=condition, held_s=held)
-            case TimeTrigger():
-                after_s = scope.waited(trigger.after, (*path, "after"))
-                return spec._replace(text=f"after {after_s:g} s", after_s=after_s)
-            case OperatorTrigger(operator=word):
-                return spec._replace(text=f"operator: {word}", answer=word)
-
-    def _steps(self, steps: Sequence[model.Step], path: Path, after: Label) -> None:
-        for number, step in enumerate(steps):
-            following = Label() if number + 1 < len(steps) else after
-            self._step(step, (*path, number), following)
-            if following is not after:
-                self.compiler.assembly.mark(following)
-
-    def _step(self, step: model.Step, path: Path, after: Label) -> None:
-        if step.condition is not None:
-            body = Label()
-            self._branch(step.condition, (*path, "if"), body, after)
-            self.compiler.assembly.mark(body)
-        match step:
-            case model.CommandStep():
-                self._command(step, path, after)
-            case model.CallStep():
-                self._call(step, path, after)
-            case model.RepeatStep():
-                self._repeat(step, path, after)
-            case model.ChooseStep():
-                self._choose(step, path, after)
-            case model.AskStep():
-                self._ask(step, path, after)
-            case model.WaitStep():
-                self._wait(step, path, after, self._failure(step, path, after))
-            case model.LogStep():
-                message = self.scope.message(step.log, (*path, "log"))
-                self._emit(out.Say, level=step.level, message=message, next=after)
-
-    def _branch(self, text: str, path: Path, if_true: Label, if_false: Label) -> None:
-        asked = {"condition": self.scope.condition(text, path), "place": self.scope.place(path)}
-        self._emit(out.Branch, if_true=if_true, if_false=if_false, **asked)
-
-    def _command(self, step: model.CommandStep, path: Path, after: Label) -> None:
-        scope = self.scope
-        command = scope.command(step.command, (*path, "command"))
-        if command is None:
-            self._jump(after)  # as if it were not there, for whoever looks at the rest
-            return
-        self._emit(
-            out.Do,
-            command=command,
-            timeout_s=scope.limit(step.timeout, (*path, "timeout")),
-            retries=scope.retries(step.retry, (*path, "retry")),
-            skip_unneeded=step.unneeded == "skip",
-            next=after,
-            failed=self._failure(step, path, after),
-            place=scope.place(path),
-            expected=step.on_failure is not None,
-            handled=scope.handles_failures,
-        )
-
-    def _failure(self, step: model.Step, path: Path, after: Label) -> Label | int:
-        """Where a failure of the step leads; `continue` takes the next step."""
-        if step.on_failure == model.CONTINUE:
-            return after
-        return self.scope.failure(step.on_failure, path)
-
-    def _repeat(self, step: model.RepeatStep, path: Path, after: Label) -> None:
-        at = (*path, "repeat", "times")
-        times = self.scope.count(step.repeat.times, at)
-        if times < 1:
-            self.scope.problems.add("mission.repeat", at, "repeat at least once")
-        inside = self.scope if step.on_failure is None else self._failing(step, path, after)
-        assembly = self.compiler.assembly
-        try:
-            for turn in range(times):
-                numbered = replace(inside, turn=(turn + 1, times))
-                writer = _PhaseWriter(self.compiler, numbered, self.handlers)
-                following, before = Label() if turn + 1 < times else after, assembly.length
-                writer._steps(step.repeat.do, (*path, "repeat", "do"), following)
-                if assembly.length == before:
-                    return  # nothing in it could be written, which has been said
-                if following is not after:
-                    assembly.mark(following)
-        except TooLongError as error:
-            error.by = self.scope.problems, at
-            raise
-
-    def _failing(self, step: model.Step, path: Path, after: Label) -> Scope:
-        """The scope inside a step whose own ``on_failure`` comes before the phase's."""
-        return replace(self.scope, inner=self._failure(step, path, after))
-
-    def _choose(self, step: model.ChooseStep, path: Path, after: Label) -> None:
-        inside = self.scope if step.on_failure is None else self._failing(step, path, after)
-        writer = _PhaseWriter(self.compiler, inside, self.handlers)
-        for number, choice in enumerate(step.choose):
-            at = (*path, "choose", number)
-            body, other = Label(), Label()
-            self._branch(choice.condition, (*at, "if"), body, other)
-            self._block(writer, body, choice.do, (*at, "do"), after)
-            self.compiler.assembly.mark(other)
-        self._block(writer, Label(), step.otherwise, (*path, "else"), after)
-
-    def _block(
-        self,
-        writer: _PhaseWriter,
-        label: Label,
-        steps: Sequence[model.Step],
-        path: Path,
-        after: Label,
-    ) -> None:
-        self.compiler.assembly.mark(label)
-        if steps:
-            writer._steps(steps, path, after)
-        else:
-            self._jump(after)
-
-    def _jump(self, after: Label) -> None:
-        self._emit(out.Require, states=(), what="", next=after, failed=after, place="")
-
-    def _ask(self, step: model.AskStep, path: Path, after: Label) -> None:
-        scope = self.scope
-        failed = self._failure(step, path, after)
-        question = Label()
-        self.compiler.assembly.mark(question)
-        refused: list[tuple[Label, str]] = []
-        choices: list[tuple[str, Label]] = []
-        for choice, leads in step.choices.items():
-            if leads == model.CONTINUE:
-                choices.append((choice, after))
-            elif leads == model.FAIL:
-                refused.append((Label(), choice))
-                choices.append((choice, refused[-1][0]))
-            else:
-                choices.append((choice, scope.target(leads, (*path, "choices", choice))))
-        timeout = scope.limit(step.timeout, (*path, "timeout"))
-        text = scope.message(step.ask, (*path, "ask"))
-        self._emit(
-            out.Question, text=text, choices=tuple(choices), failed=failed,
-            timeout_s=inf if timeout is None else timeout, place=scope.place(path),
-        )  # fmt: skip
-        for label, choice in refused:
-            self.compiler.assembly.mark(label)
-            message = f"the operator answered '{choice}' to '{text}'"
-            self._emit(out.Raise, message=message, failed=failed, place=scope.place(path))
-
-    def _call(self, step: model.CallStep, path: Path, after: Label) -> None:
-        scope = self.scope
-        source = self.compiler.calls.source(step.call, scope, (*path, "call"))
-        if source is None:
-            return
-        if not self._check_call(source, (*path, "call")):
-            return
-        failed = self._failure(step, path, after)
-        values = self._arguments(step, source, path)
-        inside = replace(
-            scope, source=source, problems=scope.problems.about(source.document), values=values,
-            prefix=f"{scope.full_phase}/{source.mission.mission}.", targets=_labels(source.mission),
-            caller=failed, outer=self.handlers, calls=(*scope.calls, source.path), phase="",
-            inner=None,
-        )  # fmt: skip
-        begin = inside.target(source.mission.start, ("start",))
-        self._emit(
-            out.Require, states=required_states(source, scope.robot.table, inside.problems),
-            what=f"mission {source.mission.mission}", next=begin, failed=failed,
-            place=scope.place(path), expected=step.on_failure is not None,
-            handled=scope.handles_failures,
-        )  # fmt: skip
-        for name, end in source.mission.ends.items():
-            self.compiler.assembly.mark(inside.targets[name])
-            message = f"{source.mission.mission}: {inside.message(_said(end), ('ends', name))}"
-            if end.succeed is not None:
-                self._emit(out.Say, level="info", message=message, next=after)
-            else:
-                self._emit(out.Raise, message=message, failed=failed, place=scope.place(path))
-        self.compiler.phases(inside)
-
-    def _arguments(self, step: model.CallStep, source: Source, path: Path) -> Values:
-        scope, mission = self.scope, source.mission
-        at = (*path, "with")
-        values = parameters.defaults(mission.parameters, scope.problems.about(source.document))
-        given = {name: scope.argument(v, (*at, name)) for name, v in step.arguments.items()}
-        values |= parameters.given(mission.parameters, given, at, scope.problems)
-        for name in mission.parameters.keys() - values.keys():
-            values[name] = parameters.stand_in(mission.parameters[name])
-            scope.problems.add(
-                "mission.parameter", path, f"'{mission.mission}' needs the parameter '{name}'"
-            )
-        return values
-
-    def _check_call(self, source: Source, path: Path) -> bool:
-        """Whether the called mission is for this robot, so that its names mean something."""
-        mission, own = source.mission, self.scope.source
-        polarity = self.scope.robot.polarity
-        if mission.polarity not in {None, polarity}:
-            message = f"'{mission.mission}' is {mission.polarity}, this mission is {polarity}"
-            self.scope.problems.add("mission.polarity", path, message)
-        if robot_of(source) != robot_of(own):
-            message = f"'{mission.mission}' is for the robot '{mission.robot}'"
-            self.scope.problems.add("mission.robot", path, message)
-            return False
-        return True
+    return program, tuple(writer.calls.files.values())

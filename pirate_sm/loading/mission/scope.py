@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
@@ -16,8 +16,7 @@ from pirate_sm.loading.yaml.document import Document
 from pirate_sm.model.mission import CONTINUE, FAIL, Mission
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.quantities import Parameter
-from pirate_sm.model.triggers import Trigger
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import nearest
 from pirate_sm.units import DIMENSIONLESS, TIME, Quantity, describe
 
 _FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
@@ -29,8 +28,6 @@ _MEANINGS = {
     ROUNDS: "how many rounds a repeat has",
 }
 _UNCAUGHT = "'{}' cannot be caught: it always ends the run"
-TIME_LIMIT = "within"
-"""The name under which a wait's time limit fires."""
 
 
 MOST_RETRIES = 100
@@ -152,20 +149,6 @@ class Scope:
                     self.problems.add("mission.fault", at, _UNCAUGHT.format(code))
                 own.append((code, go, f"{self.prefix}{handler.go}" if handler.go else ""))
         return (*own, *self.outer)
-
-    def trigger_names(self, triggers: Sequence[Trigger], path: Path) -> list[str]:
-        """A name for each trigger: its own, or its target, counted where that is taken."""
-        names: list[str] = []
-        for number, trigger in enumerate(triggers):
-            usual = trigger.go or CONTINUE
-            name, again = trigger.name or usual, 2
-            if trigger.name is not None and trigger.name in {*names, TIME_LIMIT}:
-                at = (*path, "wait", number, "name")
-                self.problems.add("mission.name", at, f"'{name}' names another trigger here")
-            while name in names:
-                name, again = f"{usual}_{again}", again + 1
-            names.append(name)
-        return names
 
     def command(self, name: str, path: Path) -> int | None:
         """The index of a command, also by an alias; None and a problem when there is none.
@@ -297,8 +280,4 @@ class Scope:
         self, kind: str, name: str, known: object, path: Path, code: str = "mission.name"
     ) -> None:
         names = list(known)  # type: ignore[call-overload]
-        self.problems.add(
-            code, path, f"there is no {kind} '{name}'",
-            expected=one_of(names) if names else f"no {kind} at all",
-            suggestion=nearest(name, names) or "",
-        )  # fmt: skip
+        self.problems.add_unknown(code, path, kind, name, names, none=f"no {kind} at all")

@@ -52,18 +52,13 @@ def required_states(
 
 def _check(table: ChartTable, region: str, state: str, path: Path, problems: Problems) -> bool:
     if region not in table.regions:
-        problems.add(
-            "mission.start", path, f"there is no region '{region}'",
-            expected=one_of(table.regions), suggestion=nearest(region, table.regions) or "",
-            key=True,
-        )  # fmt: skip
+        problems.add_unknown("mission.start", path, "region", region, table.regions, key=True)
         return False
     names = table.states[table.regions.index(region)]
     if state not in names:
-        problems.add(
-            "mission.start", path, f"{region} has no state '{state}'",
-            expected=one_of(names), suggestion=nearest(state, names) or "",
-        )  # fmt: skip
+        problems.add_unknown(
+            "mission.start", path, "", state, names, message=f"{region} has no state '{state}'"
+        )
         return False
     return True
 

@@ -13,7 +13,6 @@ from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.loading.robot.slots import Slots
 from pirate_sm.model.actuation import KEEP, Duty, Setpoint, Share, Target
 from pirate_sm.model.profile import Profile
-from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE
 
 
@@ -91,10 +90,7 @@ def _source(
         return -1
     joints = [joint.name for joint in profile.body.joints]
     if share.joint not in joints:
-        problems.add(
-            "robot.joint", path, f"there is no joint '{share.joint}'",
-            expected=one_of(joints), suggestion=nearest(share.joint, joints) or "",
-        )  # fmt: skip
+        problems.add_unknown("robot.joint", path, "joint", share.joint, joints)
         return -1
     return signals.number(share.joint, path, ANGLE)
 
@@ -117,9 +113,10 @@ def _write(
         return Write(index, "set", sign * setpoint.angle_rad + 0.0)
     if slot.loop is None:
         problems.add(
-            "robot.setpoint", path,
+            "robot.setpoint",
+            path,
             f"'{slot.name}' takes a duty cycle: its motor has no position loop to hold an angle",
-        )  # fmt: skip
+        )
     return Write(index, "seek", sign * setpoint.angle_rad + 0.0)
 
 
@@ -138,12 +135,15 @@ def _check_slots(
             if missing:
                 names = ", ".join(slots.specs[slot].name for slot in missing)
                 problems.add(
-                    "robot.actuation", ("actuation", region, state),
+                    "robot.actuation",
+                    ("actuation", region, state),
                     f"other states of {region} write {names}, this one does not",
-                )  # fmt: skip
+                )
     for slot in sorted(every):
         if owners.setdefault(slot, region) != region:
             problems.add(
-                "robot.actuation", ("actuation", region),
-                f"'{slots.specs[slot].name}' is written by {owners[slot]} too", key=True,
-            )  # fmt: skip
+                "robot.actuation",
+                ("actuation", region),
+                f"'{slots.specs[slot].name}' is written by {owners[slot]} too",
+                key=True,
+            )

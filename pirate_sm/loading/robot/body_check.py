@@ -8,7 +8,6 @@ from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.model import profile as model
 from pirate_sm.model.body import Body
 from pirate_sm.model.simulation import Defect
-from pirate_sm.spelling import nearest, one_of
 
 MOTOR_NEEDS = {
     "sprung_worm": ("stall_torque", "stall_current", "no_load_speed", "stiffness"),
@@ -50,10 +49,11 @@ def _check_chain(body: Body, problems: Problems) -> None:
     needed = len(body.wheels) - 1
     if len(body.links) != needed:
         problems.add(
-            "robot.link", ("body", "links"),
+            "robot.link",
+            ("body", "links"),
             f"{len(body.wheels)} wheels are joined by {needed} links, got {len(body.links)}",
             key=True,
-        )  # fmt: skip
+        )
     _refuse_twice([wheel.name for wheel in body.wheels], ("body", "wheels"), problems)
     _refuse_twice([joint.name for joint in body.joints], ("body", "joints"), problems)
     rolls = [number for number, link in enumerate(body.links) if link.roll is not None]
@@ -206,10 +206,7 @@ def _must_be(
     if len(set(names)) < len(names):
         return  # one that stands twice is reported, and hides the one that is missing
     if name not in names:
-        problems.add(
-            f"robot.{kind.rpartition(' ')[2]}", path, f"there is no {kind} '{name}'",
-            expected=one_of(names), suggestion=nearest(name, names) or "", key=key,
-        )  # fmt: skip
+        problems.add_unknown(f"robot.{kind.rpartition(' ')[2]}", path, kind, name, names, key=key)
 
 
 def _refuse_twice(names: list[str], path: Path, problems: Problems) -> None:

@@ -20,7 +20,6 @@ from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.calibration import Calibration
-from pirate_sm.spelling import nearest, one_of
 
 LARGEST_ZERO_RAD = radians(30)
 """Beyond it a magnet has slipped, which a number must not hide."""
@@ -62,10 +61,9 @@ def load_calibration(path: Path, robot: LoadedRobot) -> Calibration:
     joints = joints_of(robot)
     for name, zero in calibration.zeros.items():
         if name not in joints:
-            problems.add(
-                "calibration.joint", ("zeros", name), f"there is no joint '{name}'",
-                expected=one_of(joints), suggestion=nearest(name, joints) or "", key=True,
-            )  # fmt: skip
+            problems.add_unknown(
+                "calibration.joint", ("zeros", name), "joint", name, joints, key=True
+            )
         if abs(zero) > LARGEST_ZERO_RAD:
             most = f"at most {degrees(LARGEST_ZERO_RAD):g} deg either way"
             message = f"{degrees(zero):.1f} deg is too far from zero to be calibrated away"

@@ -36,10 +36,9 @@ def resolve_parts(
         conditions.append(on_states(part.held, table, signals, path, problems))
         joints = [joint.name for joint in profile.body.joints]
         if part.apex not in joints:
-            problems.add(
-                "robot.joint", ("body", "parts", name, "apex"), f"there is no joint '{part.apex}'",
-                expected=one_of(joints), suggestion=nearest(part.apex, joints) or "",
-            )  # fmt: skip
+            problems.add_unknown(
+                "robot.joint", ("body", "parts", name, "apex"), "joint", part.apex, joints
+            )
     held = tuple(
         frozenset(i for i, condition in enumerate(conditions) if is_true(condition, states))
         for states in table.configurations
@@ -79,17 +78,21 @@ def resolve_commands(
         unneeded.append(met)
         posture = command.posture
         if posture is not None and posture not in postures:
-            problems.add(
-                "robot.name", (*path, "posture"), f"there is no posture '{posture}'",
-                expected=one_of(postures) if postures else "no posture",
-                suggestion=nearest(posture, postures) or "",
-            )  # fmt: skip
+            problems.add_unknown(
+                "robot.name", (*path, "posture"), "posture", posture, postures, none="no posture"
+            )
         specs.append(
             CommandSpec(
-                name, done, command.timeout, command.nominal, command.lets_go,
-                postures.get(posture or "", ()), asks, every,
+                name,
+                done,
+                command.timeout,
+                command.nominal,
+                command.lets_go,
+                postures.get(posture or "", ()),
+                asks,
+                every,
             )
-        )  # fmt: skip
+        )
     return tuple(specs), tuple(zip(*unneeded, strict=True))
 
 
@@ -129,10 +132,12 @@ def _denied(
             yield parts.index(name)
             continue
         problems.add(
-            "robot.name", ("faults", number, "denies", place),
+            "robot.name",
+            ("faults", number, "denies", place),
             f"the robot has no part '{name}' that a chart state holds",
-            expected=one_of(sorted(parts)), suggestion=nearest(name, parts) or "",
-        )  # fmt: skip
+            expected=one_of(sorted(parts)),
+            suggestion=nearest(name, parts) or "",
+        )
 
 
 def _check_catchable(

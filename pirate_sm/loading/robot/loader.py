@@ -18,19 +18,19 @@ from pirate_sm.loading.chart.table_cache import cached_table
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.robot.actuation import resolve_actuation
+from pirate_sm.loading.robot.boards import resolve_boards
 from pirate_sm.loading.robot.body_chain import resolve_chain, words_behind
 from pirate_sm.loading.robot.body_check import check_body
 from pirate_sm.loading.robot.commands import resolve_commands, resolve_faults, resolve_parts
 from pirate_sm.loading.robot.postures import resolve_postures
 from pirate_sm.loading.robot.safety_rules import resolve_rules
 from pirate_sm.loading.robot.sensor_limits import thresholds
-from pirate_sm.loading.robot.signals import Signals, resolve_signals
 from pirate_sm.loading.robot.slots import resolve_slots
 from pirate_sm.loading.robot.state_confirmation import resolve_sight
+from pirate_sm.loading.robot.vocabulary import resolve_signals
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
 from pirate_sm.model.profile import Profile
-from pirate_sm.spelling import nearest, one_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -165,25 +165,26 @@ def _check_reached(outline: ChartOutline, table: ChartTable, problems: Problems)
         for state in states:
             if state not in reached:
                 problems.add(
-                    "chart.unreachable", outline.place_of(region, state),
-                    f"no commands lead to {region}.{state}", key=True,
-                )  # fmt: skip
+                    "chart.unreachable",
+                    outline.place_of(region, state),
+                    f"no commands lead to {region}.{state}",
+                    key=True,
+                )
 
 
 def _dangling(
     problems: Problems, path: tuple[str, ...], message: str, name: str, valid: Iterable[str]
 ) -> None:
     names = sorted(valid)
-    problems.add(
-        "robot.name", path, message,
-        expected=one_of(names), suggestion=nearest(name, names) or "", key=path[0] != "aliases",
-    )  # fmt: skip
+    problems.add_unknown(
+        "robot.name", path, "", name, names, message=message, key=path[0] != "aliases"
+    )
 
 
 def _resolve(
     profile: Profile, table: ChartTable, polarity: Polarity, problems: Problems
 ) -> RobotSpec:
-    signals: Signals = resolve_signals(profile, table, polarity, problems)
+    signals = resolve_signals(profile, table, polarity, problems)
     slots = resolve_slots(profile, signals, problems)
     parts, held, part_regions = resolve_parts(profile, table, signals, problems)
     actuation = resolve_actuation(profile, table, signals, slots, polarity, problems)
@@ -207,7 +208,7 @@ def _resolve(
         part_regions=part_regions,
         unneeded=unneeded,
         safe_zero=zero,
-        boards=signals.boards(faults),
+        boards=resolve_boards(signals, faults),
         wheels=signals.wheels,
         odometry=signals.first_of("odometry_of"),
         speed=signals.first_of("speed_of"),

@@ -95,9 +95,14 @@ def _case(robot: _Robot, name: str, case: PostureCase, at: Path) -> PostureSpec:
             message = f"'{slot}' drives no bend joint, and a posture moves only those"
             robot.problems.add("robot.posture", (*at, "set", slot), message, key=True)
     writes = resolve_stage(
-        written, robot.profile, robot.signals, robot.slots, robot.polarity, (*at, "set"),
+        written,
+        robot.profile,
+        robot.signals,
+        robot.slots,
+        robot.polarity,
+        (*at, "set"),
         robot.problems,
-    )  # fmt: skip
+    )
     within_rad = nan if case.within is None else case.within
     done: CriterionSpec = AcceptedSpec()
     if case.done is not None:

@@ -9,7 +9,6 @@ from pirate_sm.engine.robot.robot_spec import LoopSpec, SlotSpec
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import profile as model
-from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE, TORQUE
 
 
@@ -26,10 +25,7 @@ class Slots:
         names = [slot.name for slot in self.specs]
         if name in names:
             return names.index(name)
-        self.problems.add(
-            "robot.slot", path, f"there is no slot '{name}'",
-            expected=one_of(names), suggestion=nearest(name, names) or "",
-        )  # fmt: skip
+        self.problems.add_unknown("robot.slot", path, "slot", name, names)
         return 0
 
 
@@ -48,10 +44,7 @@ def _slot(
 ) -> SlotSpec:
     motor = profile.motors.get(slot.motor)
     if motor is None:
-        problems.add(
-            "robot.motor", (*path, "motor"), f"there is no motor '{slot.motor}'",
-            expected=one_of(profile.motors), suggestion=nearest(slot.motor, profile.motors) or "",
-        )  # fmt: skip
+        problems.add_unknown("robot.motor", (*path, "motor"), "motor", slot.motor, profile.motors)
         motor = model.Motor(kind="none")
     known = _check_targets(profile, slot, path, problems)
     link = profile.link
@@ -68,16 +61,23 @@ def _slot(
     loop, settings = None, motor.position_loop
     if settings is not None:
         loop = LoopSpec(
-            settings.gain, settings.threshold, settings.least_duty, settings.limit,
+            settings.gain,
+            settings.threshold,
+            settings.least_duty,
+            settings.limit,
             motor.stall_torque or inf,
-        )  # fmt: skip
+        )
     return SlotSpec(
-        slot.name, "duty", -1.0, 1.0, link.duty_resolution,
+        slot.name,
+        "duty",
+        -1.0,
+        1.0,
+        link.duty_resolution,
         angle=signals.number(slot.joint, (*path, "joint"), ANGLE) if known else -1,
         rate=signals.rate_of(slot.joint),
         torque=signals.number(torque, torque_path, TORQUE) if torque else -1,
         loop=loop,
-    )  # fmt: skip
+    )
 
 
 _SAID = {"joint": "joint", "wheel": "wheel", "roll": "roll joint"}
@@ -97,9 +97,13 @@ def _check_targets(
         name = getattr(slot, kind)
         if name is not None and name not in names:
             known = False
-            problems.add(
-                f"robot.{kind}", (*path, kind), f"the body has no {_SAID[kind]} '{name}'",
-                expected=one_of(names) if names else f"no slot for a {_SAID[kind]}",
-                suggestion=nearest(name, names) or "",
-            )  # fmt: skip
+            problems.add_unknown(
+                f"robot.{kind}",
+                (*path, kind),
+                "",
+                name,
+                names,
+                message=f"the body has no {_SAID[kind]} '{name}'",
+                none=f"no slot for a {_SAID[kind]}",
+            )
     return known

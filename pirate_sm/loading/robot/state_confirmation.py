@@ -23,7 +23,6 @@ from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import seen as model
 from pirate_sm.model.derived import DiameterOf
 from pirate_sm.model.profile import Profile
-from pirate_sm.spelling import nearest, one_of
 
 Actuation = tuple[Mapping[str, tuple[StageSpec, ...]], ...]
 
@@ -64,10 +63,7 @@ def _check_names(
     given: Mapping[str, object], valid: tuple[str, ...], path: Path, kind: str, problems: Problems
 ) -> None:
     for name in given.keys() - set(valid):
-        problems.add(
-            "robot.seen", (*path, name), f"there is no {kind} '{name}'",
-            expected=one_of(valid), suggestion=nearest(name, valid) or "", key=True,
-        )  # fmt: skip
+        problems.add_unknown("robot.seen", (*path, name), kind, name, valid, key=True)
 
 
 def _part(
@@ -86,10 +82,11 @@ def _part(
     )
     if diameter is None:
         problems.add(
-            "robot.seen", path,
+            "robot.seen",
+            path,
             f"whether '{name}' shows the pipe needs a derived signal {{diameter_of: {name}}}",
             key=True,
-        )  # fmt: skip
+        )
     if how.slack >= how.torque:
         problems.add("robot.seen", (*path, "slack"), "`slack` must be smaller than `torque`")
     if how.span >= how.span_off:
@@ -102,10 +99,16 @@ def _part(
         return None
     return HeldSpec(
         tuple(joint for joint in joints if joint is not None),
-        how.torque, how.slack, how.still,
-        signals.number(diameter, path), signals.number(apex.name, path),
-        apex.end_stop - how.end_stop, how.span, how.span_off, how.for_s,
-    )  # fmt: skip
+        how.torque,
+        how.slack,
+        how.still,
+        signals.number(diameter, path),
+        signals.number(apex.name, path),
+        apex.end_stop - how.end_stop,
+        how.span,
+        how.span_off,
+        how.for_s,
+    )
 
 
 def _joint(
@@ -118,10 +121,14 @@ def _joint(
     slot = next((n for n, each in enumerate(profile.slots) if each.joint == name), -1)
     if joint is None or joint.torque is None or slot < 0:
         names = [each.name for each in profile.body.joints if each.torque is not None]
-        problems.add(
-            "robot.seen", path, f"'{name}' is no driven joint with a torque signal",
-            expected=one_of(names), suggestion=nearest(name, names) or "",
-        )  # fmt: skip
+        problems.add_unknown(
+            "robot.seen",
+            path,
+            "",
+            name,
+            names,
+            message=f"'{name}' is no driven joint with a torque signal",
+        )
         return None
     rate = signals.rate_of(name)
     if rate < 0:

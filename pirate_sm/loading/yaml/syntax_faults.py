@@ -11,8 +11,11 @@ from pirate_sm.loading.yaml.nodes import Node, YamlFault
 
 # What the parser says, in part, and what a person can do about it.
 _ADVICE: Final = (
-    ("mapping values are not allowed", "a ':' cannot stand here",
-     "the same indentation as the line before, or text with ': ' in quotes"),
+    (
+        "mapping values are not allowed",
+        "a ':' cannot stand here",
+        "the same indentation as the line before, or text with ': ' in quotes",
+    ),
     ("entries are not allowed", "a '- ' cannot stand here", "list items on lines of their own"),
     ("tab character", "a tab cannot indent a line", "blanks"),
     ("unknown escape", "an unknown escape in double quotes", "single quotes, or '\\\\' for '\\'"),
@@ -22,10 +25,13 @@ _ADVICE: Final = (
     ("flow mapping", "a '{' is not closed, or a ',' is missing", "',' or '}'"),
     ("end of stream", "a quote is not closed", "the closing quote"),
     ("expected ':'", "a ':' is missing after a key", "'key: value'"),
-    ("block mapping", "this does not continue the mapping",
-     "'key: value' in line with the keys above, and nothing after a closing quote"),
+    (
+        "block mapping",
+        "this does not continue the mapping",
+        "'key: value' in line with the keys above, and nothing after a closing quote",
+    ),
     ("block collection", "this does not continue the list", "'- ' in line with the items above"),
-)  # fmt: skip
+)
 
 
 def syntax_fault(error: yaml.MarkedYAMLError, innermost: Node | None) -> YamlFault:
