@@ -72,7 +72,11 @@ ALPHABETS = {
         "model/mission.py",
         '| Annotated[WaitStep, Tag("wait")]',
         "NewStep(_AnyStep)",
-        ("drawing/step_text.py", "loading/calls.py", "loading/program.py"),
+        (
+            "drawing/step_text.py",
+            "loading/mission/called_missions.py",
+            "loading/mission/program_writer.py",
+        ),
     ),
     "trigger": Alphabet(
         "model/triggers.py",
@@ -82,15 +86,14 @@ ALPHABETS = {
             "checking/mission/mission_parameters.py",
             "drawing/mission_graph.py",
             "drawing/step_text.py",
-            "loading/program.py",
-            "loading/scope.py",
+            "loading/mission/wait_writer.py",
         ),
     ),
     "criterion": Alphabet(
         "model/criteria.py",
         "| Aligned | Below",
         "NewCriterion(Frozen)",
-        ("drawing/criterion_text.py", "loading/robot_commands.py"),
+        ("drawing/criterion_text.py", "loading/robot/commands.py"),
     ),
     "resolved criterion": Alphabet(
         "engine/robot/criteria.py",
@@ -108,7 +111,7 @@ ALPHABETS = {
         "model/derived.py",
         '| Annotated[SpeedOf, Tag("speed_of")]',
         "NewOf(Frozen)",
-        ("loading/robot_signals.py", "showing/anatomy.py"),
+        ("loading/robot/boards.py", "loading/robot/derived_signals.py", "showing/anatomy.py"),
     ),
     "origin of a fault": Alphabet(
         "model/fault_codes.py",

@@ -35,7 +35,8 @@ PACKAGES = {
         "pirate_sm/rosserial",
     ),
     "program": tuple(
-        f"pirate_sm/loading/{name}.py" for name in ("program", "assembly", "calls", "scope")
+        f"pirate_sm/loading/mission/{name}.py"
+        for name in ("program_writer", "wait_writer", "assembler", "called_missions", "scope")
     ),
     "exploration": ("pirate_sm/checking/exploring",),
 }

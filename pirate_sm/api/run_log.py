@@ -13,7 +13,7 @@ from pirate_sm.api.result import Run
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
-from pirate_sm.loading.folders import shown
+from pirate_sm.loading.file_names import shown
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 from pirate_sm.recording.file import DiskFile, RecordingFile

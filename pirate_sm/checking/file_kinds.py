@@ -7,7 +7,7 @@ import stat
 from enum import StrEnum
 from pathlib import Path
 
-from pirate_sm.loading.source import LARGEST_FILE
+from pirate_sm.loading.yaml.document import LARGEST_FILE
 
 
 class Kind(StrEnum):

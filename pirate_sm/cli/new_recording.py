@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from pirate_sm.cli.errors import say
 from pirate_sm.errors import RecordingError
-from pirate_sm.loading.folders import shown
+from pirate_sm.loading.file_names import shown
 
 if TYPE_CHECKING:
     from pirate_sm.recording.file import RecordingFile, Sink

@@ -10,9 +10,9 @@ from pathlib import Path
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
 from pirate_sm.cli.options.values import read_duration, read_length, read_pairs, read_settings
 from pirate_sm.errors import UsageError
-from pirate_sm.loading import script as loading
-from pirate_sm.loading.source import read_document
-from pirate_sm.model.course import Happening
+from pirate_sm.loading import trace_script as loading
+from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.model.trace_script import Happening
 from pirate_sm.runtime.trigger_script import Firing
 from pirate_sm.wiring import Order
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.new_recording import begin_recording, usual_path
 from pirate_sm.errors import UsageError
-from pirate_sm.loading.folders import shown
+from pirate_sm.loading.file_names import shown
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Event
 from pirate_sm.wiring.recorded import run_header, shown_to_viewers

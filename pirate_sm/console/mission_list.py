@@ -11,11 +11,11 @@ from typing import NamedTuple
 from pirate_sm.checking.gate import pass_or_raise
 from pirate_sm.errors import PirateError, UsageError
 from pirate_sm.loading import library
-from pirate_sm.loading.by_hand import by_hand
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.mission.manual_mission import by_hand
 from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
-from pirate_sm.loading.source import read_document
+from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.wiring import Order, load
 
 

@@ -11,7 +11,7 @@ from pirate_sm.errors import RecordingError
 from pirate_sm.geometry.plane import walls
 from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.truth import Truth
+from pirate_sm.model.true_position import Truth
 from pirate_sm.recording.reader import Recording
 from pirate_sm.recording.reloading import recorded_mission
 from pirate_sm.recording.replay import engine_of, rerun

@@ -18,7 +18,7 @@ from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import DetectorWord, Event
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.model.truth import Truth
+from pirate_sm.model.true_position import Truth
 
 LOOK_EVERY_S = 0.05
 """At 0.1 m/s a robot drives 5 mm in this time."""

@@ -20,7 +20,7 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.model.truth import Truth
+from pirate_sm.model.true_position import Truth
 from pirate_sm.registry import Plugin, Registry
 
 

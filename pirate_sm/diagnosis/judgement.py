@@ -7,9 +7,15 @@ from dataclasses import replace
 from statistics import median
 
 from pirate_sm.backends.serial.link.connection_errors import NO_SENSORS, mute
-from pirate_sm.diagnosis.facts import Facts, Finding, MoveFact, Subject, TopicFact
+from pirate_sm.diagnosis.facts import (
+    Facts,
+    Finding,
+    MoveFact,
+    Subject,
+    TopicFact,
+)
 from pirate_sm.diagnosis.sensor_judgement import judge_board
-from pirate_sm.model.wire import Advice
+from pirate_sm.model.serial_link import Advice
 
 LATE_SHARE = 0.5
 """A board that reports less often than this share of what it should is suspicious."""

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Iterator
 
 from pirate_sm.drawing.model import Cluster, Edge, EdgeKind, Graph, Node, NodeKind, Note
-from pirate_sm.loading.chart_outline import ChartOutline, Transition
+from pirate_sm.loading.chart.outline import ChartOutline, Transition
 
 START = "(start)"
 LONGEST_GUARD = 24

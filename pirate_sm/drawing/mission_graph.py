@@ -9,9 +9,9 @@ from pathlib import Path
 from pirate_sm.drawing.model import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.drawing.step_text import amount, every_step, short, step_lines, trigger_text
 from pirate_sm.loading import library
-from pirate_sm.loading.folders import shown
-from pirate_sm.loading.source import read_document
-from pirate_sm.loading.validate import validate
+from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model import mission as model
 
 START = "(start)"

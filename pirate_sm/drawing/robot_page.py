@@ -10,7 +10,7 @@ from pirate_sm.drawing.criterion_text import angle, done_when, listed, seconds
 from pirate_sm.drawing.model import Cluster, Graph
 from pirate_sm.drawing.page import Block, Drawing, Heading, Paragraph, Table
 from pirate_sm.engine.robot.command_needs import Change, Need, changes, needs
-from pirate_sm.loading.chart_outline import ChartOutline
+from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.pipe_file import reach
 from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.model.actuation import Duty, Share, Stage, Target

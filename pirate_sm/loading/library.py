@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from pirate_sm.errors import UsageError
-from pirate_sm.loading.folders import PROFILE_FILE, shown
+from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.spelling import nearest, one_of
 
 _PACKAGE = Path(__file__).resolve().parent.parent

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from pirate_sm.geometry.clamping import height_m
 from pirate_sm.geometry.plane import crossing
-from pirate_sm.loading.folders import shown
+from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.problems import Path as At
 from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.source import Document, read_document
-from pirate_sm.loading.validate import validate
+from pirate_sm.loading.yaml.document import Document, read_document
+from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.pipe import Mitre, Pipe, Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.units import LENGTH, format_quantity

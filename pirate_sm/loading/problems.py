@@ -9,6 +9,7 @@ from typing import ClassVar, Protocol, TypeAlias
 
 from pirate_sm.errors import PirateError
 from pirate_sm.expressions import ExpressionError
+from pirate_sm.spelling import nearest, one_of
 
 Path: TypeAlias = tuple[str | int, ...]
 
@@ -163,6 +164,40 @@ class Problems:
         place = self._document.place_of(path, key=key, offset=offset)
         excerpt = self._document.excerpt(place.line)
         self.put(Problem(code, place, message, expected, suggestion, excerpt, severity))
+
+    def add_unknown(
+        self,
+        code: str,
+        path: Path,
+        kind: str,
+        name: str,
+        known: Iterable[str],
+        *,
+        message: str = "",
+        none: str = "",
+        key: bool = False,
+    ) -> None:
+        """Add that there is nothing of this kind and name, and which name was probably meant.
+
+        Args:
+            code: A stable word for programs.
+            path: Where the name stands.
+            kind: What is named, such as `joint`.
+            name: The unknown name.
+            known: The names that are valid there.
+            message: What is wrong, in place of `there is no KIND 'NAME'`.
+            none: What is expected when no name at all is valid.
+            key: Point at the key instead of at its value.
+        """
+        names = list(known)
+        self.add(
+            code,
+            path,
+            message or f"there is no {kind} '{name}'",
+            expected=none if none and not names else one_of(names),
+            suggestion=nearest(name, names) or "",
+            key=key,
+        )
 
     def add_expression(self, path: Path, error: ExpressionError) -> None:
         """Add each fault of the expression that is the text at `path`, at its own column."""

@@ -15,7 +15,7 @@ from pathlib import Path as FilePath
 from pirate_sm.errors import PirateError, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.problems import LoadError, Path, Problems
-from pirate_sm.loading.source import LARGEST_FILE
+from pirate_sm.loading.yaml.document import LARGEST_FILE
 
 MISSION = ("mission", "robot", "start", "phases", "ends")
 PIPE = ("pipe", "diameter", "segments")

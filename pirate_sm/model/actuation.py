@@ -9,8 +9,8 @@ from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, mo
 
 from pirate_sm.model.base import Condition, Frozen, Name
 from pirate_sm.model.criteria import Criterion
-from pirate_sm.model.patterns import written, written_ratio
 from pirate_sm.model.quantities import Angle
+from pirate_sm.model.quantity_patterns import written, written_ratio
 from pirate_sm.units import ANGLE, DIMENSIONLESS, QuantityError, parse_quantity
 
 

@@ -38,8 +38,8 @@ from pirate_sm.model.quantities import (
 )
 from pirate_sm.model.safety import SafetyRule
 from pirate_sm.model.seen import Seen
+from pirate_sm.model.serial_link import Serial
 from pirate_sm.model.simulation import Simulation
-from pirate_sm.model.wire import Serial
 
 PositiveDuration = Annotated[Duration, Field(gt=0)]
 

@@ -24,7 +24,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from pirate_sm import units
-from pirate_sm.model import patterns
+from pirate_sm.model import quantity_patterns as patterns
 from pirate_sm.units import Dimension, Quantity, QuantityError
 
 FROM_FILE: Final[Mapping[str, Any]] = {"from_file": True}
@@ -147,8 +147,11 @@ class _WrittenRatio:
 
 
 _JSON_BOUNDS: Final = {
-    "gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum",
-}  # fmt: skip
+    "gt": "exclusiveMinimum",
+    "ge": "minimum",
+    "lt": "exclusiveMaximum",
+    "le": "maximum",
+}
 _LIMITS: Final = {"gt": "more than", "ge": "at least", "lt": "less than", "le": "at most"}
 
 
@@ -190,37 +193,13 @@ AngularSpeed: TypeAlias = Annotated[
 Acceleration: TypeAlias = Annotated[
     float, BeforeValidator(_reader(units.ACCELERATION)), _Written(units.ACCELERATION)
 ]
-AngularAcceleration: TypeAlias = Annotated[
-    float,
-    BeforeValidator(_reader(units.ANGULAR_ACCELERATION)),
-    _Written(units.ANGULAR_ACCELERATION),
-]
 Torque: TypeAlias = Annotated[float, BeforeValidator(_reader(units.TORQUE)), _Written(units.TORQUE)]
-Force: TypeAlias = Annotated[float, BeforeValidator(_reader(units.FORCE)), _Written(units.FORCE)]
 Current: TypeAlias = Annotated[
     float, BeforeValidator(_reader(units.CURRENT)), _Written(units.CURRENT)
 ]
 Mass: TypeAlias = Annotated[float, BeforeValidator(_reader(units.MASS)), _Written(units.MASS)]
 Stiffness: TypeAlias = Annotated[
     float, BeforeValidator(_reader(units.STIFFNESS)), _Written(units.STIFFNESS)
-]
-ForcePerLength: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.FORCE_PER_LENGTH)), _Written(units.FORCE_PER_LENGTH)
-]
-Frequency: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.FREQUENCY)), _Written(units.FREQUENCY)
-]
-Voltage: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.VOLTAGE)), _Written(units.VOLTAGE)
-]
-Inertia: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.INERTIA)), _Written(units.INERTIA)
-]
-Damping: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.DAMPING)), _Written(units.DAMPING)
-]
-MotorConstant: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.MOTOR_CONSTANT)), _Written(units.MOTOR_CONSTANT)
 ]
 Ratio: TypeAlias = Annotated[float, BeforeValidator(_read_ratio), _WrittenRatio()]
 Number: TypeAlias = Annotated[
@@ -295,21 +274,6 @@ _COUNT_SCHEMA = WithJsonSchema(
 DurationOrParameter: TypeAlias = Annotated[
     Annotated[float, _Written(units.TIME)] | Parameter,
     BeforeValidator(_or_parameter(_reader(units.TIME))),
-    _OrParameter(),
-]
-LengthOrParameter: TypeAlias = Annotated[
-    Annotated[float, _Written(units.LENGTH)] | Parameter,
-    BeforeValidator(_or_parameter(_reader(units.LENGTH))),
-    _OrParameter(),
-]
-AngleOrParameter: TypeAlias = Annotated[
-    Annotated[float, _Written(units.ANGLE)] | Parameter,
-    BeforeValidator(_or_parameter(_reader(units.ANGLE))),
-    _OrParameter(),
-]
-RatioOrParameter: TypeAlias = Annotated[
-    Annotated[float, _WrittenRatio()] | Parameter,
-    BeforeValidator(_or_parameter(_read_ratio)),
     _OrParameter(),
 ]
 CountOrParameter: TypeAlias = Annotated[

@@ -9,7 +9,7 @@ from pathlib import Path
 from mcap.records import Attachment
 
 from pirate_sm.errors import RecordingError
-from pirate_sm.loading.folders import shown
+from pirate_sm.loading.file_names import shown
 from pirate_sm.model.events import ALPHABET_VERSION
 from pirate_sm.recording.header import FORMAT, RUN, RunHeader, header_from_json
 from pirate_sm.recording.mcap_records import Content

@@ -12,7 +12,7 @@ from typing import Any
 from pirate_sm import __version__
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
-from pirate_sm.loading.folders import shown
+from pirate_sm.loading.file_names import shown
 from pirate_sm.model.effects import Effect
 from pirate_sm.recording.alphabet import STATE, Abandoned, Started, Topic, Topics
 from pirate_sm.recording.beginning import DamagedInsideError

@@ -18,7 +18,7 @@ from math import inf
 from pathlib import Path
 
 from pirate_sm.errors import RecordingError
-from pirate_sm.loading.folders import shown
+from pirate_sm.loading.file_names import shown
 from pirate_sm.model.effects import Ended
 from pirate_sm.recording.alphabet import ENGINE
 from pirate_sm.recording.beginning import DamagedInsideError, read_header

@@ -12,9 +12,9 @@ from typing import Any
 
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import RecordingError, UsageError
-from pirate_sm.loading.calibration import with_zeros
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.problems import LoadError
+from pirate_sm.loading.robot.calibration_files import with_zeros
 from pirate_sm.recording.header import RecordedFile, RunHeader
 
 _PROFILE = "profile.yaml"

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from pirate_sm.errors import RecordingError
-from pirate_sm.loading.folders import shown
+from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.recording.reader import Recording
 from pirate_sm.recording.replay import engine_of, rerun

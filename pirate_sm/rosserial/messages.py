@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
-from pirate_sm.model.wire import Serial, SetpointTopic, StateTopic
+from pirate_sm.model.serial_link import Serial, SetpointTopic, StateTopic
 from pirate_sm.rosserial.message_types import INTEGERS, Malformed, MessageType, message_types
 from pirate_sm.rosserial.state_messages import StateCodec
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from pirate_sm.errors import UsageError
-from pirate_sm.model.wire import StateTopic
+from pirate_sm.model.serial_link import StateTopic
 from pirate_sm.rosserial.message_types import MessageType
 
 

@@ -8,7 +8,6 @@ from math import inf, isfinite
 from pirate_sm.engine.mission.program import Program, Question, Wait
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
-from pirate_sm.model.course import Happening
 from pirate_sm.model.effects import (
     Ask,
     Effect,
@@ -28,6 +27,7 @@ from pirate_sm.model.events import (
     SubmitStatus,
     Tick,
 )
+from pirate_sm.model.trace_script import Happening
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.trace_repeats import LoopWatch
 from pirate_sm.runtime.trigger_script import TriggerScript

@@ -1,6 +1,6 @@
 """The JSON Schema of a chart: as much of the statechart library's own as a chart here may use.
 
-:mod:`pirate_sm.loading.chart_outline` says the same with words; what refers to what, and whether a
+:mod:`pirate_sm.loading.chart.outline` says the same with words; what refers to what, and whether a
 guard can be read, only it can tell.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any, Final
 
 from pirate_sm.expressions.vocabulary import FUNCTIONS, KEYWORDS
-from pirate_sm.loading.chart_outline import RESERVED
+from pirate_sm.loading.chart.outline_reader import RESERVED
 from pirate_sm.schemas.models import DRAFT
 from pirate_sm.units import UNITS
 

@@ -9,7 +9,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import core_schema
 
 from pirate_sm.model.base import DEFINED
-from pirate_sm.model.patterns import QUANTITY
+from pirate_sm.model.quantity_patterns import QUANTITY
 from pirate_sm.schemas.explanations import explanations, summary
 from pirate_sm.schemas.shapes import SHAPES
 

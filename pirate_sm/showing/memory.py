@@ -8,7 +8,7 @@ from copy import copy
 from typing import NamedTuple
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.loading.scope import TIME_LIMIT
+from pirate_sm.loading.mission.wait_writer import TIME_LIMIT
 from pirate_sm.model import effects as fx
 from pirate_sm.showing.telling import Line, Teller
 

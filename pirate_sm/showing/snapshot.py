@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
-from pirate_sm.loading.by_hand import BY_HAND
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.truth import Truth
+from pirate_sm.loading.mission.manual_mission import BY_HAND
+from pirate_sm.model.true_position import Truth
 from pirate_sm.showing.anatomy import Anatomy
 from pirate_sm.showing.memory import Story
 

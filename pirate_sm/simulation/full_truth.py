@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pirate_sm.model.truth import Truth
+from pirate_sm.model.true_position import Truth
 
 
 @dataclass(frozen=True, kw_only=True)

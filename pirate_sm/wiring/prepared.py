@@ -10,7 +10,7 @@ from pirate_sm.companion import Companion
 from pirate_sm.detectors.registry import Places
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.truth import Truth
+from pirate_sm.model.true_position import Truth
 from pirate_sm.wiring.run_order import Order
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from pirate_sm.model.course import Happening
+from pirate_sm.model.trace_script import Happening
 from pirate_sm.runtime.trigger_script import Firing
 
 

@@ -48,7 +48,7 @@ def calibrated(order: Order, loaded: LoadedMission) -> tuple[LoadedMission, tupl
 
     It is returned as it was, without a line, where the order wants no zeros or there are none.
     """
-    from pirate_sm.loading.calibration import newest_calibration, summary, with_zeros
+    from pirate_sm.loading.robot.calibration_files import newest_calibration, summary, with_zeros
 
     calibration = newest_calibration(loaded.loaded_robot) if order.calibration else None
     if calibration is None:

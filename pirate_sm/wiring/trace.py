@@ -8,8 +8,8 @@ from dataclasses import replace
 from pirate_sm.backends.trace import IDEAL, SCRIPTED, TraceBackend, Verdicts
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import UsageError
-from pirate_sm.loading.course import played
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.trace_script import resolve_course
 from pirate_sm.registry import Plugin
 from pirate_sm.runtime.course_player import CoursePlayer, longest_s
 from pirate_sm.runtime.trace_repeats import LoopWatch
@@ -41,7 +41,7 @@ def _course(order: Order, loaded: LoadedMission) -> Equipment:
     """Return a trace in which what happens is laid down."""
     if order.firings:
         raise UsageError("a course of events and --fire exclude each other")
-    events = played(order.course, loaded.robot)
+    events = resolve_course(order.course, loaded.robot)
     known = [each.report for each in events if each.happening.happens == "start" and each.report]
     later = [each for each in events if each.happening.happens != "start"]
     verdicts = Verdicts(scripted=True)

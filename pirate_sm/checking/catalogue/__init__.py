@@ -10,8 +10,8 @@ from functools import cache
 from pathlib import Path
 from typing import Literal
 
-from pirate_sm.loading.source import read_document
-from pirate_sm.loading.validate import validate
+from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.base import Frozen
 from pirate_sm.spelling import nearest
 

@@ -23,7 +23,7 @@ from pirate_sm.checking.mission.wait_triggers import wait_triggers
 from pirate_sm.checking.pipe.check_in_pipe import in_its_pipe
 from pirate_sm.loading.mission import TOLERABLE, LoadedMission, read_mission
 from pirate_sm.loading.problems import LoadError
-from pirate_sm.loading.source import Document
+from pirate_sm.loading.yaml.document import Document
 
 
 @dataclass(frozen=True)

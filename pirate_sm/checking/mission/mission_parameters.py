@@ -15,9 +15,9 @@ from pirate_sm.checking.mission.driving import within_reach
 from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.expressions import ExpressionError, compile_condition
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.loading.parameters import Value, Values, defaults, read_value
+from pirate_sm.loading.mission.parameter_values import Value, Values, defaults, read_value
 from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.source import Document
+from pirate_sm.loading.yaml.document import Document
 from pirate_sm.model.mission import AskStep, End, LogStep, Mission, Phase, WaitStep
 from pirate_sm.model.quantities import Parameter
 from pirate_sm.model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger

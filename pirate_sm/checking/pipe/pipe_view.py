@@ -10,7 +10,7 @@ from pirate_sm.checking.pipe.usual_course import UsualCourse
 from pirate_sm.geometry.route import Piece
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
-from pirate_sm.loading.source import Document
+from pirate_sm.loading.yaml.document import Document
 from pirate_sm.model.pipe import Pipe
 
 

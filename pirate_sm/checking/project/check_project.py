@@ -21,15 +21,15 @@ from pirate_sm.checking.reports.counterexamples import Examples
 from pirate_sm.checking.robot.check_robot import check_robot
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, references
-from pirate_sm.loading.calibration import load_calibration
-from pirate_sm.loading.chart_outline import outline_chart
-from pirate_sm.loading.folders import PROFILE_FILE, shown
+from pirate_sm.loading.chart.outline_reader import outline_chart
+from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.pipe_file import check_pipe, load_pipe
 from pirate_sm.loading.problems import LoadError, Place, Problems
 from pirate_sm.loading.robot import load_robot
-from pirate_sm.loading.script import read_script
-from pirate_sm.loading.source import LARGEST_FILE, Document, read_document
-from pirate_sm.loading.validate import validate
+from pirate_sm.loading.robot.calibration_files import load_calibration
+from pirate_sm.loading.trace_script import read_script
+from pirate_sm.loading.yaml.document import LARGEST_FILE, Document, read_document
+from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.calibration import Calibration
 
 

@@ -11,7 +11,7 @@ from pirate_sm.checking.file_kinds import Kind, kind_of
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
-from pirate_sm.loading.folders import PROFILE_FILE, shown
+from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.problems import Place
 from pirate_sm.spelling import nearest
 

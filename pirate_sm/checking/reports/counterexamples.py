@@ -26,9 +26,9 @@ from pirate_sm.expressions import NumberType, Vocabulary
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import TOLERABLE, LoadedMission
 from pirate_sm.loading.problems import Path as At
-from pirate_sm.loading.source import Document
-from pirate_sm.model.course import UNKNOWN
+from pirate_sm.loading.yaml.document import Document
 from pirate_sm.model.events import FaultReport
+from pirate_sm.model.trace_script import UNKNOWN
 from pirate_sm.units import DIMENSIONLESS, format_quantity
 
 SCRIPT_SUFFIX = ".script.yaml"

@@ -17,7 +17,7 @@ from pirate_sm.checking.robot.guard_logic import (
     offset_of,
     regions_of,
 )
-from pirate_sm.loading.chart_outline import ChartOutline, Transition
+from pirate_sm.loading.chart.outline import ChartOutline, Transition
 from pirate_sm.loading.problems import Path, Place
 
 

@@ -27,10 +27,11 @@ from pirate_sm.checking.robot.chart_transitions import TransitionRules
 from pirate_sm.checking.robot.chart_view import ChartView
 from pirate_sm.checking.robot.dead_ends import idle_commands, traps
 from pirate_sm.engine.robot.chart_table import ChartTable
-from pirate_sm.loading.chart_outline import ChartOutline, Transition, outline_chart
+from pirate_sm.loading.chart.outline import ChartOutline, Transition
+from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot import LoadedRobot
-from pirate_sm.loading.source import Document
+from pirate_sm.loading.yaml.document import Document
 
 
 class ChartCheck(NamedTuple):

@@ -29,12 +29,12 @@ from pirate_sm.checking.robot.wheels_and_clamps import (
     unconfirmed_clamps,
     wheel_directions,
 )
-from pirate_sm.loading.chart_cache import cached_table
-from pirate_sm.loading.chart_outline import outline_chart
-from pirate_sm.loading.folders import PROFILE_FILE, shown
+from pirate_sm.loading.chart.outline_reader import outline_chart
+from pirate_sm.loading.chart.table_cache import cached_table
+from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.problems import LoadError, Problem, Problems
 from pirate_sm.loading.robot import LoadedRobot, load_robot
-from pirate_sm.loading.source import Document, read_document
+from pirate_sm.loading.yaml.document import Document, read_document
 
 UNREACHABLE = "chart.unreachable"
 

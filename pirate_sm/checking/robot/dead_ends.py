@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.chart_view import ChartView
-from pirate_sm.loading.chart_outline import Transition
+from pirate_sm.loading.chart.outline import Transition
 from pirate_sm.loading.problems import Path
 
 

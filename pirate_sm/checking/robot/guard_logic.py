@@ -13,7 +13,7 @@ from itertools import product
 from math import prod
 from typing import TYPE_CHECKING
 
-from pirate_sm.loading.chart_outline import ANY_OF
+from pirate_sm.loading.chart.guards import ANY_OF
 
 if TYPE_CHECKING:
     from pirate_sm.engine.robot.chart_table import ChartTable

@@ -15,15 +15,15 @@ from pirate_sm.cli.robot_connection import StoppedError, connection, find_loaded
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.diagnosis.straightness import JointReading, objections, read_joints
 from pirate_sm.errors import UsageError
-from pirate_sm.loading.calibration import (
+from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.problems import LoadError
+from pirate_sm.loading.robot import LoadedRobot
+from pirate_sm.loading.robot.calibration_files import (
     LARGEST_ZERO_RAD,
     joints_of,
     keep_calibration,
     newest_calibration,
 )
-from pirate_sm.loading.folders import shown
-from pirate_sm.loading.problems import LoadError
-from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.model.calibration import Calibration
 from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
 from pirate_sm.spelling import nearest, one_of

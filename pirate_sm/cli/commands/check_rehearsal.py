@@ -12,7 +12,7 @@ from pirate_sm.cli.errors import say
 from pirate_sm.engine.deadlines import ROUNDING_S
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import UsageError
-from pirate_sm.loading.folders import shown
+from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect, TriggerFired, WaitArmed
 from pirate_sm.model.events import Event

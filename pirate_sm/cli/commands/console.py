@@ -17,7 +17,7 @@ from pirate_sm.cli.output.progress import progress
 from pirate_sm.cli.output.terminal import is_terminal
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.errors import UsageError
-from pirate_sm.loading.by_hand import BY_HAND
+from pirate_sm.loading.mission.manual_mission import BY_HAND
 from pirate_sm.runtime.outcome import BUG, SUCCEEDED
 from pirate_sm.runtime.stop_requests import CaughtSignals
 from pirate_sm.visible import visible

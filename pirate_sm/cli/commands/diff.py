@@ -17,7 +17,7 @@ from pirate_sm.cli.options.values import read_settings
 from pirate_sm.cli.output.encoding import writable
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
-from pirate_sm.loading.folders import shown
+from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.visible import visible
 

@@ -17,7 +17,7 @@ from pirate_sm.diagnosis.facts import Facts, Finding, Subject
 from pirate_sm.diagnosis.judgement import judged
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.diagnosis.moving import DUTY, TURN_FOR_S, Moving
-from pirate_sm.loading.calibration import newest_calibration, summary, with_zeros
+from pirate_sm.loading.robot.calibration_files import newest_calibration, summary, with_zeros
 from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
 
 GO, NO_GO = 0, 1

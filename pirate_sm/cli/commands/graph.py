@@ -18,12 +18,12 @@ from pirate_sm.drawing.model import Graph
 from pirate_sm.drawing.svg.picture import svg
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
-from pirate_sm.loading.chart_outline import outline_chart
-from pirate_sm.loading.folders import PROFILE_FILE, shown
+from pirate_sm.loading.chart.outline_reader import outline_chart
+from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot import load_robot
-from pirate_sm.loading.source import Document, read_document
+from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.spelling import nearest, one_of
 
 WRITERS: dict[str, Callable[[Graph], str]] = {"mermaid": mermaid, "dot": dot, "svg": svg}

@@ -11,8 +11,8 @@ from pirate_sm.errors import PirateError
 from pirate_sm.expressions import EnumType, NumberType
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import LoadedRobot, load_robot
-from pirate_sm.loading.source import read_document
-from pirate_sm.loading.validate import validate
+from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.base import Frozen
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import Pipe

@@ -22,9 +22,9 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState, at_rest_in, states_of
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
-from pirate_sm.loading.by_hand import by_hand
-from pirate_sm.loading.configuration import read_states
 from pirate_sm.loading.mission import load_mission
+from pirate_sm.loading.mission.manual_mission import by_hand
+from pirate_sm.loading.mission.start_configuration import read_states
 from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.visible import visible

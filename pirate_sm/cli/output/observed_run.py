@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isnan
 from typing import TYPE_CHECKING
 
-from pirate_sm.model.truth import Truth
+from pirate_sm.model.true_position import Truth
 from pirate_sm.wiring import Prepared
 
 if TYPE_CHECKING:

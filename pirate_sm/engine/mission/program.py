@@ -1,7 +1,8 @@
 """A mission as the interpreter runs it: a flat list of instructions, targets resolved to indexes.
 
-Calls are inlined and repeats unrolled (:mod:`pirate_sm.loading.program`), so a program has no
-variables and no stack: the program counter alone says where it is, and a checker can walk it.
+Calls are inlined and repeats unrolled (:mod:`pirate_sm.loading.mission.program`), so a program
+has no variables and no stack: the program counter alone says where it is, and a checker can walk
+it.
 """
 
 from __future__ import annotations

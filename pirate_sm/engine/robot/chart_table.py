@@ -1,7 +1,7 @@
 """A robot's statechart as a flat table: which command leads from which configuration where.
 
 The table is made by exploring the chart with the statechart library, which alone knows the
-semantics (:mod:`pirate_sm.loading.chart`); here it is only looked up.
+semantics (:mod:`pirate_sm.loading.chart.exploration`); here it is only looked up.
 """
 
 from __future__ import annotations

@@ -9,11 +9,11 @@ import pytest
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.errors import UsageError
-from pirate_sm.loading.source import read_document
-from pirate_sm.loading.validate import validate
+from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.model.wire import Serial
+from pirate_sm.model.serial_link import Serial
 from pirate_sm.rosserial.frames import encode
 from pirate_sm.rosserial.messages import Array
 

@@ -15,7 +15,7 @@ from pirate_sm.diagnosis.judgement import judged
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.diagnosis.moving import Moving
 from pirate_sm.errors import BackendError
-from pirate_sm.loading.calibration import with_zeros
+from pirate_sm.loading.robot.calibration_files import with_zeros
 
 from .conftest import BayPort, Connect, bay_of
 

@@ -5,10 +5,11 @@ from pathlib import Path
 from pirate_sm.drawing.chart_graph import chart_graph
 from pirate_sm.drawing.mission_graph import called_missions, mission_graph
 from pirate_sm.drawing.model import Graph
-from pirate_sm.loading.chart_outline import ChartOutline, outline_chart
+from pirate_sm.loading.chart.outline import ChartOutline
+from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.source import parse_document, read_document
-from pirate_sm.loading.validate import validate
+from pirate_sm.loading.yaml.document import parse_document, read_document
+from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.mission import Mission
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -7,7 +7,7 @@ import pytest
 
 from pirate_sm.drawing.chart_graph import LONGEST_GUARD, chart_graph
 from pirate_sm.drawing.model import EdgeKind, NodeKind
-from pirate_sm.loading.chart_outline import ChartOutline, Transition
+from pirate_sm.loading.chart.outline import ChartOutline, Transition
 
 from .conftest import CHARTS, name, read_chart
 

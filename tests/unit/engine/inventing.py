@@ -10,12 +10,12 @@ from driving import PIRATE
 from hypothesis import strategies as st
 
 from pirate_sm.engine.mission.program import Program
+from pirate_sm.loading.mission.program import build_program
+from pirate_sm.loading.mission.scope import Source
 from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.program import build_program
 from pirate_sm.loading.robot import load_robot
-from pirate_sm.loading.scope import Source
-from pirate_sm.loading.source import parse_document
-from pirate_sm.loading.validate import validate
+from pirate_sm.loading.yaml.document import parse_document
+from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.mission import Mission
 
 PHASES = ("p0", "p1", "p2", "p3")

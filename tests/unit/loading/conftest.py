@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from pirate_sm.errors import UsageError
-from pirate_sm.loading import chart_cache
+from pirate_sm.loading.chart import table_cache as chart_cache
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.robot import LoadedRobot, load_robot

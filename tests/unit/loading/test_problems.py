@@ -7,7 +7,7 @@ import pytest
 from pirate_sm.errors import PirateError
 from pirate_sm.expressions import ExpressionError, Fault
 from pirate_sm.loading.problems import LoadError, Place, Problem, Problems, Severity
-from pirate_sm.loading.source import parse_document
+from pirate_sm.loading.yaml.document import parse_document
 
 DOCUMENT = parse_document("robot: two_arms\nwhen: 'pth > 1 && x'\n", "m.yaml")
 

@@ -21,7 +21,6 @@ from pirate_sm.model.quantities import (
     Number,
     Parameter,
     Ratio,
-    RatioOrParameter,
     Stiffness,
 )
 from pirate_sm.units import DIMENSIONLESS, LENGTH, Quantity
@@ -54,7 +53,6 @@ def refusal(kind: Any, value: object) -> str:
         (AnyQuantity, 4, Quantity(4.0, DIMENSIONLESS)),
         (DurationOrParameter, "2 s", 2.0),
         (DurationOrParameter, "$patience", Parameter("patience")),
-        (RatioOrParameter, "5 %", 0.05),
         (CountOrParameter, 2, 2),
         (CountOrParameter, "$tries", Parameter("tries")),
     ],

@@ -20,8 +20,8 @@ from pirate_sm.model.mission import (
 )
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.quantities import Parameter
+from pirate_sm.model.serial_link import Serial, SetpointTopic, StateTopic
 from pirate_sm.model.simulation import Friction
-from pirate_sm.model.wire import Serial, SetpointTopic, StateTopic
 
 SETPOINT = TypeAdapter(SlotSetpoint)
 STEP = TypeAdapter(Step)

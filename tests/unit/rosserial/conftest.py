@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.loading.robot import load_robot
-from pirate_sm.model.wire import Serial
+from pirate_sm.model.serial_link import Serial
 from pirate_sm.rosserial.messages import Messages, read_messages, serial_of
 
 SIX_WHEELED = Path(__file__).resolve().parents[3] / "hardware_profiles" / "pirate_ii"

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.errors import UsageError
-from pirate_sm.model.wire import Serial, SetpointTopic, StateTopic
+from pirate_sm.model.serial_link import Serial, SetpointTopic, StateTopic
 from pirate_sm.rosserial.message_types import Malformed
 from pirate_sm.rosserial.messages import (
     Array,

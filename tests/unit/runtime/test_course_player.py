@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from pirate_sm.model import effects as fx
-from pirate_sm.model.course import Happening
+from pirate_sm.model.trace_script import Happening
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
 

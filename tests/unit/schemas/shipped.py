@@ -8,7 +8,7 @@ from typing import Any
 
 import jsonschema
 
-from pirate_sm.loading.source import read_document
+from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.schemas.writing import KINDS
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -15,9 +15,9 @@ from pydantic import BaseModel, Field, TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
 from pirate_sm import units
-from pirate_sm.loading.chart_outline import outline_chart
+from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.source import parse_document
+from pirate_sm.loading.yaml.document import parse_document
 from pirate_sm.model import quantities
 from pirate_sm.model.actuation import SlotSetpoint
 from pirate_sm.model.mission import Mission

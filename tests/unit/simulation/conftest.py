@@ -11,8 +11,8 @@ import pytest
 
 from pirate_sm.geometry.network import Mitre, Network, Straight, planar
 from pirate_sm.geometry.route import Route
-from pirate_sm.loading.source import read_document
-from pirate_sm.loading.validate import validate
+from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.actuators import routes_of

@@ -11,7 +11,7 @@ from pirate_sm.backends.serial.link.wire_slots import WireSlot
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile, Slot
-from pirate_sm.model.wire import Serial
+from pirate_sm.model.serial_link import Serial
 from pirate_sm.rosserial.frames import LONGEST_PAYLOAD
 from pirate_sm.rosserial.message_types import MessageType
 from pirate_sm.rosserial.messages import Messages, serial_of

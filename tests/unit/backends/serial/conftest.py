@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.backends.serial.link.link_plan import LinkPlan, plan_of, serial_of
+from pirate_sm.backends.serial.link.link_plan import LinkPlan, plan_of
 from pirate_sm.loading.robot import load_robot
-from pirate_sm.rosserial.messages import read_messages
+from pirate_sm.rosserial.messages import read_messages, serial_of
 
 ROOT = Path(__file__).resolve().parents[4]
 SIX_WHEELED = ROOT / "hardware_profiles" / "pirate_ii"

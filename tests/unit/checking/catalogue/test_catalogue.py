@@ -11,7 +11,7 @@ import pytest
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Severity
-from pirate_sm.loading.compose import compose
+from pirate_sm.loading.yaml.composer import compose
 
 from ..robots import ROOT
 

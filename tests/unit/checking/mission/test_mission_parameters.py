@@ -7,8 +7,8 @@ import pytest
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.mission_parameters import unused_in
 from pirate_sm.loading import library
-from pirate_sm.loading.source import parse_document, read_document
-from pirate_sm.loading.validate import validate
+from pirate_sm.loading.yaml.document import parse_document, read_document
+from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.mission import Mission
 
 from ..robots import NEWT, ROOT

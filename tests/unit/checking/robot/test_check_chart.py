@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 from pirate_sm.checking.robot import guard_logic as guards
 from pirate_sm.checking.robot.check_chart import check_chart, examine
 from pirate_sm.checking.robot.check_robot import check_robot
-from pirate_sm.loading import chart_cache
-from pirate_sm.loading.chart import compile_chart
-from pirate_sm.loading.chart_outline import outline_chart
+from pirate_sm.loading.chart import table_cache as chart_cache
+from pirate_sm.loading.chart.exploration import compile_chart
+from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot import load_robot
-from pirate_sm.loading.source import parse_document
+from pirate_sm.loading.yaml.document import parse_document
 
 from ..robots import NEWT, PIRATE, changed, told
 

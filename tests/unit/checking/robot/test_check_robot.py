@@ -9,7 +9,7 @@ import pytest
 
 from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.robot.check_robot import check_robot, robot_findings
-from pirate_sm.loading import chart_cache
+from pirate_sm.loading.chart import table_cache as chart_cache
 from pirate_sm.loading.robot import load_robot
 
 from ..robots import NEWT, PIRATE, changed, told

@@ -7,7 +7,7 @@ from typing import Any
 import jsonschema
 import pytest
 
-from pirate_sm.loading.source import read_document
+from pirate_sm.loading.yaml.document import read_document
 
 from ..conftest import NEWT
 

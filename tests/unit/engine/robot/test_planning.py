@@ -11,7 +11,7 @@ import pytest
 from pirate_sm.engine.robot.command_outcome import refusal
 from pirate_sm.engine.robot.planning import opened, plans
 from pirate_sm.engine.robot.robot_state import Mark, at_rest_in, states_of
-from pirate_sm.loading.by_hand import by_hand
+from pirate_sm.loading.mission.manual_mission import by_hand
 from pirate_sm.loading.robot import load_robot
 
 ROOT = Path(__file__).resolve().parents[4]

@@ -1,0 +1,1 @@
+"""Read chart files and explore every configuration that a chart can reach."""

@@ -1,0 +1,208 @@
+"""A chart file becomes a table: the library runs it, once, over everything it can reach.
+
+The library is the semantics. It is asked what follows from every reachable configuration by
+every command; nothing here decides a transition.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from pirate_sm.engine.robot.chart_table import ChartTable, Configuration
+from pirate_sm.loading.chart.guards import ANY_OF
+from pirate_sm.loading.chart.outline import ChartOutline, StateNode
+from pirate_sm.loading.problems import Problems
+
+if TYPE_CHECKING:
+    from pirate_sm.loading.yaml.document import Document
+
+MOST_CONFIGURATIONS = 20_000
+"""A chart that reaches more is refused: everything after this relies on walking all of them."""
+
+
+def compile_chart(document: Document, outline: ChartOutline, problems: Problems) -> ChartTable:
+    """Every reachable configuration and what each command does to it is in the table.
+
+    Raises:
+        LoadError: The library refuses the chart, or it reaches too many configurations.
+    """
+    from statemachine.io import load  # noqa: PLC0415
+
+    about = problems.about(document)
+    try:
+        # As JSON: the library would read the file as YAML 1.1, where `on` and `Off` are booleans.
+        machine = load(json.dumps(_plain(outline)), format="json")()
+    except Exception as error:  # whatever it stumbles over stands in the file
+        about.add("chart.invalid", (), f"the statechart library refuses this chart: {error}")
+        about.raise_errors()
+        raise
+    explored = _explore(machine, outline)
+    if explored is None:
+        about.add(
+            "chart.too_large", (), f"the chart reaches more than {MOST_CONFIGURATIONS} combinations"
+        )
+        about.raise_errors()
+        raise AssertionError("raise_errors raises here")
+    configurations, following = explored
+    reasons: dict[str, int] = {"": 0}
+    refusals = tuple(
+        tuple(
+            reasons.setdefault(_reason(outline, states, command), len(reasons))
+            if following[index][number] == index
+            else 0
+            for number, command in enumerate(outline.commands)
+        )
+        for index, states in enumerate(configurations)
+    )
+    return ChartTable(
+        outline.regions,
+        outline.states,
+        outline.commands,
+        configurations,
+        following,
+        refusals,
+        tuple(reasons),
+    )
+
+
+def _plain(outline: ChartOutline) -> dict[str, Any]:
+    """The chart with names for regions and events that mean nothing to the library.
+
+    It makes attributes of them, and one that is called `send` would take the place of its own.
+    """
+    regions = {
+        f"region_{number}": {"states": {each.name: _state(each, outline) for each in nodes}}
+        for number, nodes in enumerate(outline.nodes)
+    }
+    return {"name": "chart", "states": {"top": {"parallel": True, "states": regions}}}
+
+
+def _state(node: StateNode, outline: ChartOutline) -> dict[str, Any]:
+    moves = [
+        {
+            "event": " ".join(_event(outline.commands.index(event)) for event in move.events),
+            "target": move.target,
+            **({"cond": move.guard} if move.guard else {}),
+        }
+        for move in node.moves
+    ]
+    inner = {each.name: _state(each, outline) for each in node.inner}
+    return {
+        "initial": node.initial,
+        "transitions": moves,
+        **({"states": inner} if inner else {}),
+    }
+
+
+def _event(number: int) -> str:
+    return f"command_{number}"
+
+
+def _explore(
+    machine: Any, outline: ChartOutline
+) -> tuple[tuple[Configuration, ...], tuple[tuple[int, ...], ...]] | None:
+    """Breadth-first over everything that the library says can be reached."""
+    from statemachine.orderedset import OrderedSet  # noqa: PLC0415
+
+    first = tuple(machine.configuration_values)
+    found: dict[frozenset[str], int] = {frozenset(first): 0}
+    order: list[tuple[str, ...]] = [first]
+    following: list[tuple[int, ...]] = []
+    for values in order:
+        row = []
+        for number in range(len(outline.commands)):
+            machine.current_state_value = OrderedSet(values)
+            machine.send(_event(number))
+            reached = tuple(machine.configuration_values)
+            index = found.setdefault(frozenset(reached), len(order))
+            if index == len(order):
+                order.append(reached)
+                if len(order) > MOST_CONFIGURATIONS:
+                    return None
+            row.append(index)
+        following.append(tuple(row))
+    return tuple(_names(outline, values) for values in order), tuple(following)
+
+
+def _names(outline: ChartOutline, values: tuple[str, ...]) -> Configuration:
+    return tuple(
+        next(name for name in names if f"{region}.{name}" in values)
+        for region, names in zip(outline.regions, outline.states, strict=True)
+    )
+
+
+def _reason(outline: ChartOutline, states: Configuration, command: str) -> str:
+    """What the command needs and is not so, or the states that take it."""
+    active = {f"{region}.{state}" for region, state in zip(outline.regions, states, strict=True)}
+    needs = [
+        _denials(transition.tree, active)
+        for transition in outline.transitions
+        if transition.event == command and transition.source in active and transition.tree
+    ]
+    ways = dict.fromkeys(map(_joined, filter(None, needs)))
+    return f"it needs {', or '.join(ways or _sources(outline, command))}"
+
+
+def _sources(outline: ChartOutline, command: str) -> Iterator[str]:
+    """The states that take a command, as a mission would write them."""
+    found: dict[str, dict[str, None]] = {}
+    for transition in outline.transitions:
+        if transition.event == command:
+            state = transition.source.partition(".")[2]
+            found.setdefault(transition.region, {})[state] = None
+    for region, states in found.items():
+        some = len(states) > 1
+        yield f"{region} in ({', '.join(states)})" if some else f"{region} == {next(iter(states))}"
+
+
+def _joined(parts: Sequence[str]) -> str:
+    if len(parts) == 1:
+        return parts[0]
+    return " and ".join(f"({part})" if " or " in part else part for part in parts)
+
+
+def _denials(guard: ast.expr, active: set[str]) -> list[str]:
+    """The conjuncts of a guard that are false in this configuration."""
+    parts = (
+        guard.values if isinstance(guard, ast.BoolOp) and isinstance(guard.op, ast.And) else [guard]
+    )
+    return [_said(part) for part in parts if not _holds(part, active)]
+
+
+def _said(node: ast.expr) -> str:
+    """A part of a guard as a mission would write it: ``Region == state``, ``Region in (…)``."""
+    if isinstance(node, ast.Call) and isinstance(node.args[0], ast.Constant):
+        region, _, states = str(node.args[0].value).partition(".")
+        several = ANY_OF in states
+        return (
+            f"{region} in ({states.replace(ANY_OF, ', ')})" if several else f"{region} == {states}"
+        )
+    if isinstance(node, ast.UnaryOp) and isinstance(node.operand, ast.Call):
+        said = _said(node.operand)
+        return said.replace(" == ", " != ") if " == " in said else f"not {said}"
+    if isinstance(node, ast.BoolOp):
+        word = " and " if isinstance(node.op, ast.And) else " or "
+        parts = [_said(part) for part in node.values]
+        regions = {part.partition(" == ")[0] for part in parts}
+        if word == " or " and len(regions) == 1 and all(" == " in part for part in parts):
+            return f"{regions.pop()} in ({', '.join(part.partition(' == ')[2] for part in parts)})"
+        return word.join(
+            f"({part})" if " and " in part or " or " in part else part for part in parts
+        )
+    return ast.unparse(node)
+
+
+def _holds(node: ast.expr, active: set[str]) -> bool:
+    """Whether a part of a guard holds; for explaining only, the library decides what happens."""
+    if isinstance(node, ast.BoolOp):
+        values = [_holds(part, active) for part in node.values]
+        return all(values) if isinstance(node.op, ast.And) else any(values)
+    if isinstance(node, ast.UnaryOp):
+        return not _holds(node.operand, active)
+    if isinstance(node, ast.Call) and isinstance(node.args[0], ast.Constant):
+        region, _, states = str(node.args[0].value).partition(".")
+        return any(f"{region}.{state}" in active for state in states.split(ANY_OF))
+    return True

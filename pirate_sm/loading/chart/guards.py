@@ -1,0 +1,58 @@
+"""Read the guards of a chart and report what is wrong with them."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+
+from pirate_sm.loading.chart.outline import Move, StateNode
+from pirate_sm.loading.problems import Problems
+from pirate_sm.spelling import nearest
+
+ANY_OF = "|"
+"""Between the names of states in a guard that is written out: ``In('Region.one|two')``."""
+
+
+def guard_on_leaves(guard: str, every: Mapping[str, StateNode]) -> ast.expr | None:
+    """Return a guard that names leaves only, in place of compound states; None without a guard."""
+    try:
+        tree = ast.parse(guard, mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None  # there is no guard, or a faulty one that is reported
+    for node in ast.walk(tree):
+        named = every.get(str(node.value)) if isinstance(node, ast.Constant) else None
+        if named is not None and named.inner and isinstance(node, ast.Constant):
+            region = named.name.partition(".")[0]
+            node.value = f"{region}.{ANY_OF.join(leaf.short_name for leaf in named.leaves)}"
+    return tree
+
+
+def check_guard(move: Move, known: list[str], problems: Problems) -> None:
+    """Report what is wrong with the guard of a transition."""
+    path = (*move.path, "cond")
+    try:
+        guard = ast.parse(move.guard, mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        expected = "In('…') with and, or, not"
+        problems.add("chart.guard", path, "this guard cannot be read", expected=expected)
+        return
+    for message, name in dict.fromkeys(_faults(guard, known)):
+        problems.add("chart.guard", path, message, suggestion=name)
+
+
+def _faults(node: ast.expr, known: list[str]) -> Iterator[tuple[str, str]]:
+    """Yield each fault of a guard, with the state that was probably meant or nothing."""
+    match node:
+        case ast.BoolOp(values=parts):
+            for part in parts:
+                yield from _faults(part, known)
+        case ast.UnaryOp(op=ast.Not(), operand=operand):
+            yield from _faults(operand, known)
+        case ast.Call(func=ast.Name(id="In"), args=[ast.Constant(value=str(name))], keywords=[]):
+            if name not in known:
+                yield f"there is no state '{name}'", nearest(name, known) or ""
+        case ast.Call(func=ast.Name(id="In"), args=[argument], keywords=[]):
+            written = ast.unparse(argument)
+            yield f"In({written}) is always true without quotes; write In('{written}')", ""
+        case _:
+            yield "a guard may only use In('Region.State'), and, or, not, and parentheses", ""

@@ -1,0 +1,12 @@
+"""Load a mission: its file, its robot, its pipe and the missions it calls become one program."""
+
+from __future__ import annotations
+
+from pirate_sm.loading.mission.loader import (
+    TOLERABLE,
+    LoadedMission,
+    load_mission,
+    read_mission,
+)
+
+__all__ = ["TOLERABLE", "LoadedMission", "load_mission", "read_mission"]

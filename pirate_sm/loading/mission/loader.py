@@ -1,0 +1,234 @@
+"""A mission file, its robot, its pipe and the missions it calls become one program."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from pathlib import Path
+
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import library, references
+from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.mission import parameter_values as parameters
+from pirate_sm.loading.mission.partial_mission import spared
+from pirate_sm.loading.mission.program import build_program
+from pirate_sm.loading.mission.scope import Source
+from pirate_sm.loading.pipe_file import check_fit, load_pipe
+from pirate_sm.loading.problems import LoadError, Problems, Severity
+from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.loading.yaml.document import Document, read_document
+from pirate_sm.loading.yaml.validation import try_validate
+from pirate_sm.model.mission import Mission
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.spelling import nearest, one_of
+from pirate_sm.units import QuantityError
+
+
+@dataclass(frozen=True)
+class LoadedMission:
+    """Everything that a run needs, free of faults.
+
+    Attributes:
+        documents: The files it was made from: its own first, its pipe's last (its own again
+            where that is written out in it, or where there is none).
+        files: Hash of each of them, by the name it was read under.
+        parameters: The values in force, as messages write them.
+        notices: What a person should know although nothing is wrong.
+    """
+
+    mission: Mission
+    loaded_robot: LoadedRobot
+    robot: RobotSpec
+    program: Program
+    pipe: Pipe | None
+    pipe_name: str
+    documents: tuple[Document, ...]
+    files: Mapping[str, str]
+    parameters: Mapping[str, str]
+    notices: tuple[str, ...] = ()
+
+
+def load_mission(
+    path: Path,
+    *,
+    robot: str | None = None,
+    pipe: str | None = None,
+    settings: Mapping[str, str] | None = None,
+    start_phase: str | None = None,
+    states: Mapping[str, str] | None = None,
+) -> LoadedMission:
+    """The mission is ready to run.
+
+    Args:
+        path: The mission's file.
+        robot: Name or path of a robot, in place of the mission's own.
+        pipe: Name or path of a pipe, in place of the mission's own.
+        settings: Values of parameters, as text.
+        start_phase: The phase to begin with, in place of the mission's own.
+        states: State names by region that the robot is in, in place of ``starts_in``.
+
+    Raises:
+        LoadError: Everything that is wrong with the files.
+        UsageError: An argument does not fit.
+    """
+    loaded, problems = read_mission(
+        path, robot=robot, pipe=pipe, settings=settings, start_phase=start_phase, states=states
+    )
+    problems.raise_errors()
+    return loaded
+
+
+TOLERABLE = frozenset({"mission.command"})
+"""Faults with which a mission still has a shape: the steps that have them can be left out."""
+
+
+def read_mission(
+    path: Path,
+    *,
+    robot: str | None = None,
+    pipe: str | None = None,
+    settings: Mapping[str, str] | None = None,
+    start_phase: str | None = None,
+    states: Mapping[str, str] | None = None,
+    tolerated: Collection[str] = (),
+) -> tuple[LoadedMission, Problems]:
+    """The mission as far as it can be understood, and what is wrong with it.
+
+    Args:
+        path: As for :func:`load_mission`, like all others.
+        robot: Robot.
+        pipe: Pipe.
+        settings: Parameters.
+        start_phase: First phase.
+        states: Where it begins.
+        tolerated: Codes of faults with which it shall be returned all the same.
+
+    Raises:
+        LoadError: There are faults of other codes; holds all of them.
+        UsageError: An argument does not fit.
+    """
+    document = read_document(path, shown(path))
+    problems = Problems(document)
+    mission = _shape(document, problems, spare=bool(tolerated))
+    folder = path.resolve().parent
+    loaded = _robot(robot, mission, folder, problems)
+    shadow = "" if robot is not None else library.shadowing(mission.robot, loaded.folder)
+    if shadow:
+        problems.add(
+            "mission.robot_shadows",
+            ("robot",),
+            shadow,
+            expected=f"./{mission.robot}, a path",
+            severity=Severity.WARNING,
+        )
+    chosen, pipe_name, pipe_document = _pipe(pipe, mission, document, folder, problems)
+    if chosen is not None:
+        check_fit(chosen, loaded.profile, pipe_document, problems)
+    values = _values(mission, settings or {}, problems, assumed=bool(tolerated))
+    spec = loaded.oriented(mission.polarity or "normal")
+    if start_phase is not None and start_phase not in mission.phases:
+        raise _unknown("phase", start_phase, mission.phases)
+    source = Source(mission, document, path)
+    program, called = build_program(
+        source, loaded, values, start_phase, states, problems, tolerated
+    )
+    problems.raise_errors(tolerated)
+    if chosen is not None:
+        program = replace(program, diameter_m=chosen.diameter)
+    documents = (document, *loaded.documents, *called, pipe_document)
+    result = LoadedMission(
+        mission,
+        loaded,
+        spec,
+        program,
+        chosen,
+        pipe_name,
+        documents,
+        {each.name: _hash(each) for each in documents},
+        {name: value.text for name, value in values.items()},
+        (shadow,) if shadow else (),
+    )
+    return result, problems
+
+
+def _shape(document: Document, problems: Problems, *, spare: bool) -> Mission:
+    """The mission that the document describes, or what of it can be looked at all the same."""
+    mission = try_validate(document, Mission, problems)
+    if mission is None and spare:
+        mission = spared(document)
+    if mission is None:
+        problems.raise_errors()
+        raise AssertionError("raise_errors raises here")
+    return mission
+
+
+def _robot(robot: str | None, mission: Mission, folder: Path, problems: Problems) -> LoadedRobot:
+    if robot is not None:
+        found = library.find_robot(robot)
+    try:
+        if robot is None:
+            found = library.find_robot(mission.robot, folder)
+        return load_robot(found)
+    except UsageError as error:
+        problems.add("mission.robot", ("robot",), str(error))
+    except LoadError as error:
+        for problem in error.problems:
+            problems.put(problem)
+    raise LoadError(problems.all)
+
+
+def _pipe(
+    pipe: str | None, mission: Mission, document: Document, folder: Path, problems: Problems
+) -> tuple[Pipe | None, str, Document]:
+    if pipe is not None:
+        found, source = load_pipe(library.find_pipe(pipe, Path.cwd()))
+        return found, found.pipe or pipe, source
+    if isinstance(mission.pipe, Pipe):
+        return mission.pipe, mission.pipe.pipe or mission.mission, document
+    if mission.pipe is None:
+        return None, "", document
+    try:
+        file = references.followed(library.find_pipe(mission.pipe, folder), folder)
+        found, source = load_pipe(file)
+    except UsageError as error:
+        problems.add(references.code_of(error, "mission.pipe"), ("pipe",), str(error))
+        return None, mission.pipe, document
+    except LoadError as error:
+        references.tell(error, file, references.PIPE, ("pipe",), problems)
+        return None, mission.pipe, document
+    return found, found.pipe or mission.pipe, source
+
+
+def _values(
+    mission: Mission, settings: Mapping[str, str], problems: Problems, *, assumed: bool
+) -> parameters.Values:
+    """The parameters; one that has no value has a sensible one where it may be assumed."""
+    values = parameters.defaults(mission.parameters, problems)
+    for name, text in settings.items():
+        if name not in mission.parameters:
+            raise _unknown("parameter", name, mission.parameters)
+        try:
+            value = parameters.read_value(mission.parameters[name], text)
+        except QuantityError as error:
+            raise UsageError(f"--set {name}={text}: {error}") from None
+        values[name] = parameters.Value(value, text)
+    for name in mission.parameters.keys() - values.keys():
+        if assumed:
+            values[name] = parameters.sample(mission.parameters[name])
+        elif mission.parameters[name].default is None:
+            raise UsageError(f"parameter '{name}' has no default: give it with --set {name}=…")
+    return values
+
+
+def _unknown(kind: str, name: str, known: Mapping[str, object]) -> UsageError:
+    close = nearest(name, known)
+    others = f"expected {one_of(known)}" if known else "it has none"
+    hint = f"did you mean '{close}'?" if close else others
+    return UsageError(f"the mission has no {kind} '{name}': {hint}")
+
+
+def _hash(document: Document) -> str:
+    return sha256(document.text.encode()).hexdigest()

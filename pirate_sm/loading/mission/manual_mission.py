@@ -1,0 +1,47 @@
+"""A mission that does nothing: the robot stands and the operator has it."""
+
+from __future__ import annotations
+
+from math import inf
+
+from pirate_sm.engine.mission.program import Enter, HandlerSpec, Program, Wait
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.robot import LoadedRobot
+from pirate_sm.model.mission import End, Mission, Phase
+from pirate_sm.model.pipe import Pipe
+
+BY_HAND = "by_hand"
+
+
+def by_hand(robot: LoadedRobot, pipe: Pipe | None = None, pipe_name: str = "") -> LoadedMission:
+    """One endless wait: only the operator's commands move the robot.
+
+    Faults that a mission may handle are reported and nothing else, for the operator is there; those
+    that none may handle end it in the safe state. Safety rules that a mission may be allowed to
+    break are the operator's own to break.
+    """
+    spec = robot.normal
+    codes = [code for code, catchable in spec.fault_codes.items() if catchable]
+    handlers = tuple(HandlerSpec(code, None, "") for code in codes)
+    program = Program(
+        mission=BY_HAND,
+        instructions=(Enter(BY_HAND, 1), Wait(BY_HAND, (), inf, -1, "", "")),
+        start=0,
+        start_configuration=robot.table.initial,
+        handlers=(handlers, handlers),
+        phases=(BY_HAND,),
+        phase_of=(BY_HAND, BY_HAND),
+        ends=(),
+        time_limit_s=inf,
+        rules=tuple(rule for rule in robot.rules if not rule.waived_by),
+        diameter_m=pipe.diameter if pipe is not None else None,
+    )
+    mission = Mission(
+        format=1,
+        mission=BY_HAND,
+        robot=robot.profile.robot,
+        start=BY_HAND,
+        phases={BY_HAND: Phase(go=BY_HAND)},
+        ends={BY_HAND: End(succeed="")},
+    )
+    return LoadedMission(mission, robot, spec, program, pipe, pipe_name, robot.documents, {}, {})

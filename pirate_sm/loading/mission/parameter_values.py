@@ -1,0 +1,166 @@
+"""A mission's parameters get their values: defaults, ``--set``, or the arguments of a call."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.model.parameters import ParameterDefinition, ParameterValue
+from pirate_sm.units import (
+    ANGLE,
+    ANGULAR_SPEED,
+    CURRENT,
+    DIMENSIONLESS,
+    FORCE,
+    LENGTH,
+    SPEED,
+    TIME,
+    TORQUE,
+    Dimension,
+    Quantity,
+    QuantityError,
+    describe,
+    read_quantity,
+)
+
+DIMENSIONS: Mapping[str, Dimension] = {
+    "duration": TIME, "length": LENGTH, "angle": ANGLE, "speed": SPEED,
+    "angular_speed": ANGULAR_SPEED, "torque": TORQUE, "force": FORCE, "current": CURRENT,
+    "ratio": DIMENSIONLESS, "count": DIMENSIONLESS, "number": DIMENSIONLESS,
+}  # fmt: skip
+
+
+_COUNT = re.compile(r"[0-9]{1,9}")
+
+
+class Value(NamedTuple):
+    """A parameter's value in SI, and as somebody wrote it."""
+
+    quantity: Quantity
+    text: str
+
+
+Values = dict[str, Value]
+
+
+def read_value(definition: ParameterDefinition, value: ParameterValue) -> Quantity:
+    """The value in SI, of the parameter's dimension and within its limits.
+
+    Raises:
+        QuantityError: It is not.
+    """
+    quantity = _read(definition.type, value)
+    low, high = definition.min, definition.max
+    if low is not None and quantity.value < _read(definition.type, low).value:
+        raise QuantityError(f"{value} is less than the min of {low}")
+    if high is not None and quantity.value > _read(definition.type, high).value:
+        raise QuantityError(f"{value} is more than the max of {high}")
+    return quantity
+
+
+def _read(kind: str, value: ParameterValue) -> Quantity:
+    dimension = DIMENSIONS[kind]
+    if kind == "count":
+        text = str(value)
+        if not _COUNT.fullmatch(text):
+            raise QuantityError(f"expected a whole number such as 3, got '{value}'")
+        return Quantity(float(text), dimension)
+    return Quantity(read_quantity(str(value), dimension), dimension)
+
+
+def defaults(definitions: Mapping[str, ParameterDefinition], problems: Problems) -> Values:
+    """The defaults in SI; a default or limit that does not fit is a problem at its place."""
+    values: Values = {}
+    for name, definition in definitions.items():
+        limits_fit = _check_limits(name, definition, problems)
+        if definition.default is None:
+            continue
+        values[name] = stand_in(definition)
+        try:
+            unbounded = ParameterDefinition(type=definition.type)
+            quantity = read_value(definition if limits_fit else unbounded, definition.default)
+        except QuantityError as error:
+            problems.add("mission.parameter", ("parameters", name, "default"), str(error))
+            continue
+        values[name] = Value(quantity, str(definition.default))
+    return values
+
+
+def _check_limits(name: str, definition: ParameterDefinition, problems: Problems) -> bool:
+    """Whether both limits can be read and leave something between them."""
+    limits: dict[str, float] = {}
+    for key, limit in (("min", definition.min), ("max", definition.max)):
+        if limit is None:
+            continue
+        try:
+            limits[key] = _read(definition.type, limit).value
+        except QuantityError as error:
+            problems.add("mission.parameter", ("parameters", name, key), str(error))
+            return False
+    if len(limits) == 2 and limits["max"] < limits["min"]:
+        message = f"the max of {definition.max} is less than the min of {definition.min}"
+        problems.add("mission.parameter", ("parameters", name, "max"), message)
+        return False
+    return True
+
+
+def stand_in(definition: ParameterDefinition) -> Value:
+    """A value for a parameter that has none, so that its uses are not found faulty as well."""
+    return Value(Quantity(1.0, DIMENSIONS[definition.type]), "")
+
+
+def sample(definition: ParameterDefinition) -> Value:
+    """A value that a parameter without a default may be given: one of its limits, else one."""
+    for limit in (definition.min, definition.max):
+        try:
+            if limit is not None:
+                return Value(read_value(definition, limit), str(limit))
+        except QuantityError:
+            break  # which has been said
+    return stand_in(definition)
+
+
+def given(
+    definitions: Mapping[str, ParameterDefinition],
+    arguments: Mapping[str, Value | ParameterValue],
+    path: Path,
+    problems: Problems,
+) -> Values:
+    """The arguments in SI; an unknown name or a value that does not fit is a problem."""
+    values: Values = {}
+    for name, argument in arguments.items():
+        definition = definitions.get(name)
+        if definition is None:
+            problems.add_unknown(
+                "mission.parameter",
+                (*path, name),
+                "parameter",
+                name,
+                definitions,
+                none="no parameters",
+                key=True,
+            )
+            continue
+        try:
+            text = argument.text if isinstance(argument, Value) else str(argument)
+            values[name] = Value(read_argument(definition, argument), text)
+        except QuantityError as error:
+            values[name] = stand_in(definition)
+            problems.add("mission.parameter", (*path, name), f"parameter '{name}': {error}")
+    return values
+
+
+def read_argument(definition: ParameterDefinition, argument: Value | ParameterValue) -> Quantity:
+    """An argument, written out or handed on from a caller's parameter, in SI.
+
+    Raises:
+        QuantityError: It does not fit.
+    """
+    if not isinstance(argument, Value):
+        return read_value(definition, argument)
+    dimension = argument.quantity.dimension
+    if dimension != DIMENSIONS[definition.type]:
+        raise QuantityError(f"expected a {definition.type}, got {describe(dimension)}")
+    return read_value(definition, argument.text)

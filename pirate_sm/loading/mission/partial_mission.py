@@ -1,0 +1,44 @@
+"""What of a mission can be understood although some of its phases cannot."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from pydantic import TypeAdapter, ValidationError
+
+from pirate_sm.loading.yaml.document import Document
+from pirate_sm.model.mission import Mission, Phase
+from pirate_sm.model.quantities import FROM_FILE
+
+_PHASE: Final = TypeAdapter(Phase)
+
+
+def spared(document: Document) -> Mission | None:
+    """The mission with its faulty phases empty; None where the fault is not in phases alone.
+
+    So the names in all other phases can be looked at. What is empty leads back to itself.
+    """
+    data = document.data
+    phases = data.get("phases") if isinstance(data, dict) else None
+    if not isinstance(phases, dict):
+        return None
+    kept = {name: body if _is_phase(body) else {"go": name} for name, body in phases.items()}
+    try:
+        return Mission.model_validate({**data, "phases": kept}, **_LIKE_A_FILE)
+    except ValidationError:
+        return None
+
+
+def _is_phase(body: Any) -> bool:
+    try:
+        _PHASE.validate_python(body, **_LIKE_A_FILE)
+    except ValidationError:
+        return False
+    return True
+
+
+_LIKE_A_FILE: Final[dict[str, Any]] = {
+    "context": dict(FROM_FILE),
+    "by_alias": True,
+    "by_name": False,
+}

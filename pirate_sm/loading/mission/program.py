@@ -1,0 +1,81 @@
+"""A mission, with the missions it calls, becomes one flat program; every name is resolved here."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from math import inf
+
+from pirate_sm.engine.mission import program as out
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.loading.mission.assembler import MOST_INSTRUCTIONS, Assembly, TooLongError
+from pirate_sm.loading.mission.parameter_values import Values
+from pirate_sm.loading.mission.program_writer import ProgramWriter, labels_of
+from pirate_sm.loading.mission.scope import Scope, Source
+from pirate_sm.loading.mission.start_configuration import start_configuration
+from pirate_sm.loading.problems import Problems
+from pirate_sm.loading.robot import LoadedRobot
+from pirate_sm.loading.robot.safety_rules import rules_for
+from pirate_sm.loading.yaml.document import Document
+
+
+def build_program(
+    source: Source,
+    robot: LoadedRobot,
+    values: Values,
+    start_phase: str | None,
+    states: Mapping[str, str] | None,
+    problems: Problems,
+    tolerated: Collection[str] = (),
+) -> tuple[Program, tuple[Document, ...]]:
+    """The mission's program, and the files of the missions that it calls.
+
+    Steps whose fault has a tolerated code are left out.
+
+    Raises:
+        LoadError: Something in it cannot be resolved; holds all that is wrong.
+        UsageError: ``states`` do not fit the robot.
+    """
+    mission = source.mission
+    at_start = start_configuration(source, robot.table, states, problems)
+    writer = ProgramWriter(robot, Assembly())
+    spec = robot.oriented(mission.polarity or "normal")
+    scope = Scope(
+        source,
+        robot.profile,
+        spec,
+        problems.about(source.document),
+        "",
+        values,
+        labels_of(mission),
+        out.STOP,
+        (),
+        (source.path.resolve(),),
+    )
+    start = scope.target(start_phase or mission.start, ("start",))
+    limit = scope.limit(mission.time_limit, ("time_limit",))
+    try:
+        if writer.calls.least_length(source) > MOST_INSTRUCTIONS:
+            raise TooLongError
+        writer.ends(scope)
+        writer.phases(scope)
+    except TooLongError as error:
+        about, path = error.by or (problems, ())
+        count = f"more than {MOST_INSTRUCTIONS} steps"
+        message = f"with its repeats and calls written out it has {count}"
+        about.add("mission.too_long", path, message)
+    problems.raise_errors(tolerated)
+    instructions, handlers, phase_of, turn_of = writer.assembly.finished()
+    program = Program(
+        mission.mission,
+        instructions,
+        start.index,
+        at_start,
+        handlers,
+        tuple(writer.names),
+        phase_of,
+        tuple(mission.ends),
+        inf if limit is None else limit,
+        rules_for(mission, robot.rules),
+        turn_of=turn_of,
+    )
+    return program, tuple(writer.calls.files.values())

@@ -1,0 +1,283 @@
+"""What the names in a mission mean: commands, phases, conditions, parameters, durations."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.expressions import Expression, ExpressionError, compile_condition
+from pirate_sm.loading.mission.assembler import Handlers, Label
+from pirate_sm.loading.mission.parameter_values import Value, Values
+from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.yaml.document import Document
+from pirate_sm.model.mission import CONTINUE, FAIL, Mission
+from pirate_sm.model.profile import Profile
+from pirate_sm.model.quantities import Parameter
+from pirate_sm.spelling import nearest
+from pirate_sm.units import DIMENSIONLESS, TIME, Quantity, describe
+
+_FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
+CAUSE = "cause"
+ROUND, ROUNDS = "round", "rounds"
+_MEANINGS = {
+    CAUSE: "why something failed",
+    ROUND: "which round of a repeat this is",
+    ROUNDS: "how many rounds a repeat has",
+}
+_UNCAUGHT = "'{}' cannot be caught: it always ends the run"
+
+
+MOST_RETRIES = 100
+"""A command that fails this often will not be done; the check looks at each try."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """A mission, its file, and the path of it."""
+
+    mission: Mission
+    document: Document
+    path: FilePath
+
+
+@dataclass(frozen=True)
+class Scope:
+    """One mission being compiled, with everything its names can mean.
+
+    Attributes:
+        prefix: Comes before the names of its phases: empty, or ``phase/called.``.
+        values: Its parameters.
+        targets: Labels of its phases and ends.
+        caller: Where a failure goes that it does not handle itself.
+        outer: Fault handlers of its callers.
+        calls: Paths of the files being inlined, outermost first.
+        phase: Name of the phase being compiled.
+        inner: Where a failure leads inside a step that says so.
+        turn: Which round of the innermost repeat this is, from 1, and of how many; None outside.
+    """
+
+    source: Source
+    profile: Profile
+    robot: RobotSpec
+    problems: Problems
+    prefix: str
+    values: Values
+    targets: Mapping[str, Label]
+    caller: Label | int
+    outer: Handlers
+    calls: tuple[FilePath, ...]
+    phase: str = ""
+    inner: Label | int | None = None
+    turn: tuple[int, int] | None = None
+
+    @property
+    def full_phase(self) -> str:
+        """The phase's name after those of the callers."""
+        return f"{self.prefix}{self.phase}"
+
+    def place(self, path: Path) -> str:
+        """``file:line:col`` of a part of the mission."""
+        return str(self.source.document.place_of(path))
+
+    def check_names(self) -> None:
+        """No name of the mission means two things, and it starts with a phase."""
+        mission, add = self.source.mission, self.problems.add
+        for name in mission.ends:
+            if name in mission.phases:
+                add("mission.name", ("ends", name), f"'{name}' is a phase too", key=True)
+        for section in ("phases", "ends"):
+            for name in getattr(mission, section).keys() & {CONTINUE, FAIL}:
+                message = f"'{name}' has a meaning of its own: choose another name"
+                add("mission.name", (section, name), message, key=True)
+        for name, meaning in _MEANINGS.items():
+            if name in mission.parameters:
+                message = f"'{{{name}}}' is {meaning}: choose another name"
+                add("mission.name", ("parameters", name), message, key=True)
+        if mission.start in mission.ends:
+            add("mission.name", ("start",), f"'{mission.start}' is an end: start with a phase")
+
+    def target(self, name: str, path: Path) -> Label:
+        """The label of a phase or end; a problem when there is none of that name."""
+        label = self.targets.get(name)
+        if label is None:
+            self._unknown("phase or end", name, self.targets, path)
+            return Label()
+        return label
+
+    def failure(self, own: str | None, path: Path) -> Label | int:
+        """Where a failure leads: the nearest ``on_failure`` (rule 4).
+
+        The phase that handles the mission's failures does not handle its own.
+        """
+        mission = self.source.mission
+        phase = mission.phases.get(self.phase)
+        if own is not None:
+            return self.target(own, (*path, "on_failure"))
+        if self.inner is not None:
+            return self.inner
+        if phase is not None and phase.on_failure is not None:
+            at = ("phases", self.phase, "on_failure")
+            if phase.on_failure == self.phase:
+                self.problems.add("mission.loop", at, "a phase cannot handle its own failures")
+            return self.target(phase.on_failure, at)
+        if mission.on_failure is not None and mission.on_failure != self.phase:
+            return self.target(mission.on_failure, ("on_failure",))
+        return self.caller
+
+    @property
+    def handles_failures(self) -> bool:
+        """Whether the phase, or a step around, says where failures of steps in here lead."""
+        phase = self.source.mission.phases.get(self.phase)
+        return self.inner is not None or (phase is not None and phase.on_failure is not None)
+
+    @property
+    def handlers(self) -> Handlers:
+        """The fault handlers in force: the mission's own, then those of its callers."""
+        known = self.robot.fault_codes
+        own: list[tuple[str, Label | None, str]] = []
+        for number, handler in enumerate(self.source.mission.on_fault):
+            path: Path = ("on_fault", number)
+            go = self.target(handler.go, (*path, "go")) if handler.go else None
+            for place, code in enumerate(handler.fault):
+                at = (*path, "fault", place)
+                if code not in known:
+                    self._unknown_fault(code, known, at)
+                elif not known[code]:
+                    self.problems.add("mission.fault", at, _UNCAUGHT.format(code))
+                own.append((code, go, f"{self.prefix}{handler.go}" if handler.go else ""))
+        return (*own, *self.outer)
+
+    def command(self, name: str, path: Path) -> int | None:
+        """The index of a command, also by an alias; None and a problem when there is none.
+
+        A misspelt command counts as the one that was most likely meant, for what follows from it.
+        """
+        profile, table = self.profile, self.robot.table
+        name = profile.aliases.get(name, name)
+        if name in table.command_index:
+            return table.command_index[name]
+        if name in profile.not_commands:
+            why = profile.not_commands[name]
+            self.problems.add("mission.command", path, f"'{name}' is not a command: {why}")
+            return None
+        names = [*table.commands, *profile.aliases]
+        self._unknown("command", name, names, path, "mission.command")
+        meant = nearest(name, names)
+        return None if meant is None else table.command_index[profile.aliases.get(meant, meant)]
+
+    def condition(self, text: str, path: Path, *, in_wait: bool = False) -> Expression | None:
+        """Return a compiled condition, or None after saying what is wrong with it.
+
+        Args:
+            text: The condition.
+            path: Where it stands.
+            in_wait: Whether it may look at how much a signal has changed since the wait began.
+        """
+        vocabulary = self.robot.vocabulary
+        try:
+            return compile_condition(
+                text, vocabulary.with_changes if in_wait else vocabulary, self._constants
+            )
+        except ExpressionError as error:
+            self.problems.add_expression(path, error)
+            return None
+
+    def waited(self, value: float | Parameter, path: Path, *, zero: bool = False) -> float:
+        """Seconds in which sensors can say something new: at least one cycle of the bus.
+
+        Args:
+            value: As the file gives it; a parameter has its value.
+            path: Where.
+            zero: Whether 0 is allowed too, and means no waiting at all.
+        """
+        seconds = value if not isinstance(value, Parameter) else self._seconds(value, path)
+        least_s = self.profile.link.cycle
+        if seconds < least_s and not (zero and seconds == 0):
+            least = f"at least {1e3 * least_s:g} ms, one cycle of the robot's bus"
+            got = f"{1e3 * seconds:g} ms" if abs(seconds) < 1 else f"{seconds:g} s"
+            expected = f"expected {least}{', or 0 s' if zero else ''}, got {got}"
+            self.problems.add("mission.time", path, expected)
+        return seconds
+
+    def limit(self, value: float | Parameter | None, path: Path) -> float | None:
+        """Seconds of a limit, which is never below a cycle of the bus; None where there is none."""
+        return None if value is None else self.waited(value, path)
+
+    def _seconds(self, parameter: Parameter, path: Path) -> float:
+        quantity = self._value(parameter.name, path).quantity
+        if quantity.dimension != TIME:
+            kind = describe(quantity.dimension)
+            self.problems.add(
+                "mission.parameter", path, f"${parameter.name} is {kind}", expected="a duration"
+            )
+        return abs(quantity.value) if quantity.dimension != TIME else quantity.value
+
+    def count(self, value: int | Parameter, path: Path) -> int:
+        """A whole number; a parameter has its value."""
+        if not isinstance(value, Parameter):
+            return value
+        quantity = self._value(value.name, path).quantity
+        number = quantity.value
+        if quantity.dimension != DIMENSIONLESS or number < 0 or number != int(number):
+            self.problems.add(
+                "mission.parameter", path, f"${value.name} is no count", expected="a whole number"
+            )
+            return 1
+        return int(number)
+
+    def retries(self, value: int | Parameter, path: Path) -> int:
+        """How often a command is sent again; too often is a problem."""
+        number = self.count(value, path)
+        if number <= MOST_RETRIES:
+            return number
+        message = f"expected a count of at most {MOST_RETRIES}, got {number}"
+        self.problems.add("range", path, message)
+        return 0
+
+    def message(self, text: str, path: Path) -> str:
+        """Return the text with parameters and rounds written out; ``{cause}`` stays."""
+        shown = {name: value.text for name, value in self.values.items()}
+        if self.turn is not None:
+            shown |= {ROUND: str(self.turn[0]), ROUNDS: str(self.turn[1])}
+        known = [*self.source.mission.parameters, CAUSE]
+        for name in _FIELD.findall(text):
+            if name in (ROUND, ROUNDS) and self.turn is None:
+                message = f"'{{{name}}}' is {_MEANINGS[name]}, and there is no repeat around this"
+                self.problems.add("mission.name", path, message)
+            elif name not in known and name not in shown:
+                self._unknown("parameter", name, known, path)
+        return _FIELD.sub(lambda match: shown.get(match.group(1), match.group(0)), text)
+
+    def argument(self, value: str | float, path: Path) -> Value | str | float:
+        """An argument of a call; ``$name`` is the caller's parameter."""
+        if isinstance(value, str) and value.startswith("$"):
+            return self._value(value[1:], path)
+        return value
+
+    @property
+    def _constants(self) -> dict[str, Quantity]:
+        return {name: value.quantity for name, value in self.values.items()}
+
+    def _value(self, name: str, path: Path) -> Value:
+        if name in self.values:
+            return self.values[name]
+        self._unknown("parameter", name, self.source.mission.parameters, path)
+        return Value(Quantity(1.0, TIME), "")
+
+    def _unknown_fault(self, code: str, known: Mapping[str, bool], path: Path) -> None:
+        """There is no such fault; those that a mission may handle are named."""
+        close = nearest(code, known)
+        if close and not known[close]:
+            message = f"there is no fault '{code}', and {_UNCAUGHT.format(close)}"
+            self.problems.add("mission.name", path, message)
+        else:
+            self._unknown("fault", code, [each for each in known if known[each]], path)
+
+    def _unknown(
+        self, kind: str, name: str, known: object, path: Path, code: str = "mission.name"
+    ) -> None:
+        names = list(known)  # type: ignore[call-overload]
+        self.problems.add_unknown(code, path, kind, name, names, none=f"no {kind} at all")

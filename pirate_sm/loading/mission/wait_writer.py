@@ -1,0 +1,97 @@
+"""Write the waits of phases and steps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+
+from pirate_sm.engine.mission import program as out
+from pirate_sm.loading.mission.assembler import Label
+from pirate_sm.loading.mission.scope import Scope
+from pirate_sm.loading.problems import Path
+from pirate_sm.model import mission as model
+from pirate_sm.model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
+
+TIME_LIMIT = "within"
+"""The name under which the time limit of a wait fires."""
+
+
+def wait_fields(
+    scope: Scope,
+    it: model.Phase | model.WaitStep,
+    path: Path,
+    after: Label | None,
+    failed: Label | int,
+) -> dict[str, object]:
+    """Return the fields of the instruction for the wait of a phase or step.
+
+    Args:
+        scope: The mission that is being compiled.
+        it: The phase or step.
+        path: Where it stands.
+        after: The next step, for triggers without a target; None in a phase.
+        failed: Where a failure of the step leads.
+    """
+    within, target, name, fails = inf, failed, "", False
+    if it.within is not None:
+        at = (*path, "within")
+        within = scope.waited(it.within.time, (*at, "time"))
+        fails, name = it.within.go is None, it.within.go or model.FAIL
+        target = failed if it.within.go is None else scope.target(name, (*at, "go"))
+    names = _trigger_names(scope, it.wait, path)
+    triggers = tuple(
+        _trigger(scope, trigger, name, (*path, "wait", number), after)
+        for number, (trigger, name) in enumerate(zip(it.wait, names, strict=True))
+    )
+    return {
+        "phase": scope.full_phase,
+        "triggers": triggers,
+        "within_s": within,
+        "within": target,
+        "within_name": name,
+        "place": scope.place((*path, "wait")),
+        "fails": fails,
+        "compares": any(_compares(trigger) for trigger in triggers),
+    }
+
+
+def _trigger(
+    scope: Scope, trigger: Trigger, name: str, path: Path, after: Label | None
+) -> out.TriggerSpec:
+    on = trigger.go is None and after is not None
+    go = after if on else scope.target(trigger.go or "", (*path, "go"))
+    place, go_name = scope.place(path), trigger.go or model.CONTINUE
+    spec = out.TriggerSpec(name, "", go, go_name, place=place)  # type: ignore[arg-type]
+    match trigger:
+        case ConditionTrigger(when=when):
+            held = scope.waited(trigger.held, (*path, "held"), zero=True)
+            condition = scope.condition(when, (*path, "when"), in_wait=True)
+            text = when + (f" for {held:g} s" if held else "")
+            return spec._replace(text=text, condition=condition, held_s=held)
+        case TimeTrigger():
+            after_s = scope.waited(trigger.after, (*path, "after"))
+            return spec._replace(text=f"after {after_s:g} s", after_s=after_s)
+        case OperatorTrigger(operator=word):
+            return spec._replace(text=f"operator: {word}", answer=word)
+
+
+def _trigger_names(scope: Scope, triggers: Sequence[Trigger], path: Path) -> list[str]:
+    """Return a name for each trigger: its own, or its target, numbered where that is taken."""
+    names: list[str] = []
+    for number, trigger in enumerate(triggers):
+        usual = trigger.go or model.CONTINUE
+        name, again = trigger.name or usual, 2
+        if trigger.name is not None and trigger.name in {*names, TIME_LIMIT}:
+            at = (*path, "wait", number, "name")
+            scope.problems.add("mission.name", at, f"'{name}' names another trigger here")
+        while name in names:
+            name, again = f"{usual}_{again}", again + 1
+        names.append(name)
+    return names
+
+
+def _compares(trigger: out.TriggerSpec) -> bool:
+    """Whether the trigger looks at how much a signal has changed since the wait began."""
+    return trigger.condition is not None and any(
+        name.startswith("change(") for name in trigger.condition.names
+    )

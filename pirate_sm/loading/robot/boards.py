@@ -1,0 +1,111 @@
+"""Resolve what each board measures, and what is derived of it, to indexes of signals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Literal
+
+from pirate_sm.engine.robot.robot_spec import FaultSpec
+from pirate_sm.engine.sensing.board_spec import BoardSpec, Vector
+from pirate_sm.loading.robot.sensor_limits import watched
+from pirate_sm.loading.robot.signals import Signals
+from pirate_sm.model import derived as kinds
+from pirate_sm.model import profile as model
+
+
+def resolve_boards(signals: Signals, faults: tuple[FaultSpec, ...]) -> Mapping[int, BoardSpec]:
+    """Return what each board that reports measures, and which fault rules that can change."""
+    listened = [
+        (number, board)
+        for number, board in enumerate(signals.profile.boards)
+        if board.fitted and board.channels_fitted and any(c.signal for c in board.channels)
+    ]
+    names = signals.vocabulary.numbers
+    shared = {signals.first_of("odometry_of"), signals.first_of("speed_of")}
+    found: dict[int, BoardSpec] = {}
+    for position, (number, board) in enumerate(listened):
+        own = _board(signals, number, board, position)
+        mine = {names[index] for index in own.numbers}
+        rules = tuple(
+            index
+            for index, fault in enumerate(faults)
+            if fault.when.names & mine
+            or not {names.index(n) for n in fault.when.names if n in names} - shared
+        )
+        limits = watched(signals.profile, board, own)
+        found[board.id] = replace(own, faults=rules, watched=limits)
+    return found
+
+
+def _board(signals: Signals, number: int, board: model.Board, position: int) -> BoardSpec:
+    names = signals.vocabulary.numbers
+    channels = tuple(
+        (place, names.index(channel.signal), _scale(signals, channel))
+        for place, channel in enumerate(board.channels)
+        if channel.signal
+    )
+    told = {names[target] for _, target, _ in channels}
+    rates: list[tuple[int, int]] = []
+    torques: list[tuple[int, int, float, int]] = []
+    vectors: list[Vector] = []
+    diameters: list[tuple[int, float, float, int]] = []
+    slots = [slot.name for slot in signals.profile.slots]
+    for name, derived in signals.profile.derived.items():
+        target = names.index(name)
+        match derived:
+            case kinds.RateOf(rate_of=source) if source in told:
+                rates.append((names.index(source), target))
+            case kinds.TorqueOf(torque_of=source, slot=slot, scale=scale) if source in told:
+                factor = signals.constant(scale, ("derived", name, "scale"))[0]
+                if slot in slots:
+                    torques.append((names.index(source), slots.index(slot), factor, target))
+            case kinds.RollOf() | kinds.PitchOf() | kinds.NormOf():
+                how, sources = _vector(derived)
+                if set(sources) <= told:
+                    vectors.append(Vector(how, tuple(map(names.index, sources)), target))
+            case kinds.DiameterOf(diameter_of=part):
+                diameters += _diameter(signals, part, told, target)
+            case kinds.RateOf() | kinds.TorqueOf() | kinds.OdometryOf() | kinds.SpeedOf():
+                pass  # without its source; made of all wheels
+    wheels = tuple(w for w in signals.wheels if names[w.angle] in told)
+    return BoardSpec(
+        board.id,
+        board.module,
+        position,
+        channels,
+        tuple(rates),
+        tuple(torques),
+        tuple(vectors),
+        tuple(diameters),
+        wheels,
+        (),
+    )
+
+
+def _scale(signals: Signals, channel: model.Channel) -> float:
+    return signals.scales[channel.convert][0] if channel.convert else 1.0
+
+
+def _diameter(
+    signals: Signals, part: str, told: set[str], target: int
+) -> list[tuple[int, float, float, int]]:
+    body = signals.profile.body
+    apex = body.parts[part].apex if part in body.parts else ""
+    if apex not in told:
+        return []
+    index = signals.vocabulary.numbers.index(apex)
+    # Eq. 3-2 takes the V's two legs as equally long.
+    return [(index, body.legs_m(part)[0], 2 * body.wheel_radius, target)]
+
+
+def _vector(
+    derived: kinds.RollOf | kinds.PitchOf | kinds.NormOf,
+) -> tuple[Literal["roll", "pitch", "norm"], tuple[str, ...]]:
+    match derived:
+        case kinds.RollOf(roll_of=sources):
+            return "roll", sources
+        case kinds.PitchOf(pitch_of=sources):
+            return "pitch", sources
+        case kinds.NormOf(norm_of=sources):
+            return "norm", sources

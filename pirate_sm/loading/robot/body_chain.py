@@ -1,0 +1,83 @@
+"""The body in a profile becomes the chain that the engine reckons with."""
+
+from __future__ import annotations
+
+from pirate_sm.engine.sensing.body_spec import BodySpec, Imu, Vee
+from pirate_sm.loading.robot.signals import Signals
+from pirate_sm.model import derived as kinds
+from pirate_sm.model import profile as model
+
+
+def resolve_chain(profile: model.Profile, signals: Signals) -> BodySpec:
+    """Return the robot's chain; a name that leads nowhere is reported elsewhere and left out."""
+    body = profile.body
+    sign = -1 if signals.polarity == "mirrored" else 1
+    joints = {joint.wheel: _number(signals, joint.name) for joint in body.joints}
+    return BodySpec(
+        lengths_m=tuple(link.length for link in body.links),
+        joints=tuple(joints.get(wheel.name, -1) for wheel in body.wheels),
+        sides=tuple(sign * wheel.direction for wheel in body.wheels),
+        parts=tuple(_vee(profile, signals, name) for name in body.parts),
+        wheel_radius_m=body.wheel_radius,
+        roll_link=next((i for i, link in enumerate(body.links) if link.roll is not None), -1),
+        imu=_imu(profile, signals),
+    )
+
+
+def words_behind(profile: model.Profile) -> frozenset[str]:
+    """Return the detector's words that begin when the last wheel is beyond the crossing."""
+    last = profile.body.wheels[-1].name
+    return frozenset(
+        name
+        for name, word in profile.detector.words.items()
+        if word.forward.wheel == last and word.forward.passed >= 0.0
+    )
+
+
+def _vee(profile: model.Profile, signals: Signals, name: str) -> Vee:
+    body = profile.body
+    apex = next((joint for joint in body.joints if joint.name == body.parts[name].apex), None)
+    diameter = next(
+        (
+            signal
+            for signal, derived in profile.derived.items()
+            if isinstance(derived, kinds.DiameterOf) and derived.diameter_of == name
+        ),
+        "",
+    )
+    return Vee(
+        tuple(index for index, wheel in enumerate(body.wheels) if wheel.part == name),
+        _number(signals, apex.name) if apex else -1,
+        _number(signals, diameter),
+        apex.end_stop if apex else 0.0,
+    )
+
+
+def _imu(profile: model.Profile, signals: Signals) -> Imu | None:
+    """Return the accelerometer that roll or pitch is made of."""
+    for derived in profile.derived.values():
+        match derived:
+            case kinds.PitchOf(pitch_of=sources) | kinds.RollOf(roll_of=sources):
+                modules = [link.module for link in profile.body.links]
+                module = next(
+                    (
+                        board.module
+                        for board in profile.boards
+                        if {channel.signal for channel in board.channels} >= set(sources)
+                    ),
+                    "",
+                )
+                if module not in modules:
+                    return None
+                link = modules.index(module)
+                x, y, z = (_number(signals, source) for source in sources)
+                roll = profile.body.links[link].roll
+                return Imu(link, (x, y, z), _number(signals, roll) if roll else -1)
+            case _:
+                pass
+    return None
+
+
+def _number(signals: Signals, name: str) -> int:
+    names = signals.vocabulary.numbers
+    return names.index(name) if name in names else -1

@@ -1,0 +1,166 @@
+"""Joint zeros are kept in dated files, found again, checked and put into the robot."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+from collections.abc import Mapping
+from dataclasses import replace
+from math import degrees, radians
+from pathlib import Path
+
+from platformdirs import user_config_path
+
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.problems import Problems
+from pirate_sm.loading.robot import LoadedRobot
+from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.loading.yaml.validation import validate
+from pirate_sm.model.calibration import Calibration
+
+LARGEST_ZERO_RAD = radians(30)
+"""Beyond it a magnet has slipped, which a number must not hide."""
+
+_FILE = re.compile(r"calibration-(\d{4}-\d{2}-\d{2})\.yaml")
+
+
+def find_calibration(robot: LoadedRobot) -> Path | None:
+    """The newest calibration of this robot; None where there is none.
+
+    It stands beside the profile, or in the user's folder where that may not be written to.
+    """
+    found = [
+        (match[1], -place, path)
+        for place, folder in enumerate(_folders(robot))
+        if folder.is_dir()
+        for path in folder.iterdir()
+        if (match := _FILE.fullmatch(path.name))
+    ]
+    return max(found)[2] if found else None
+
+
+def load_calibration(path: Path, robot: LoadedRobot) -> Calibration:
+    """The calibration in this file, which is of this robot.
+
+    Raises:
+        LoadError: Everything that is wrong with the file.
+    """
+    document = read_document(path, shown(path))
+    calibration = validate(document, Calibration)
+    problems = Problems(document)
+    if calibration.robot != robot.profile.robot:
+        message = f"this is the calibration of '{calibration.robot}'"
+        problems.add("calibration.robot", ("robot",), message, expected=robot.profile.robot)
+    dated = _FILE.fullmatch(path.name)
+    if dated and dated[1] != calibration.date:
+        message = f"the file's name says {dated[1]}, this says {calibration.date}"
+        problems.add("calibration.date", ("date",), message)
+    joints = joints_of(robot)
+    for name, zero in calibration.zeros.items():
+        if name not in joints:
+            problems.add_unknown(
+                "calibration.joint", ("zeros", name), "joint", name, joints, key=True
+            )
+        if abs(zero) > LARGEST_ZERO_RAD:
+            most = f"at most {degrees(LARGEST_ZERO_RAD):g} deg either way"
+            message = f"{degrees(zero):.1f} deg is too far from zero to be calibrated away"
+            problems.add("calibration.zero", ("zeros", name), message, expected=most)
+    problems.raise_errors()
+    return calibration
+
+
+def newest_calibration(robot: LoadedRobot) -> Calibration | None:
+    """The newest calibration of this robot, free of faults; None where there is none.
+
+    Raises:
+        LoadError: Its file cannot be used.
+    """
+    path = find_calibration(robot)
+    return None if path is None else load_calibration(path, robot)
+
+
+def joints_of(robot: LoadedRobot) -> tuple[str, ...]:
+    """The joints whose zeros can be calibrated: those that we bring to angles ourselves.
+
+    A board that has a controller of its own keeps its own zero.
+    """
+    measured = {
+        channel.signal
+        for board in robot.profile.boards
+        if board.fitted and board.channels_fitted
+        for channel in board.channels
+    }
+    return tuple(joint.name for joint in robot.profile.body.joints if joint.name in measured)
+
+
+def with_zeros(robot: RobotSpec, zeros: Mapping[str, float]) -> RobotSpec:
+    """The robot whose signals are what its sensors show less these zeros, rad by signal."""
+    names = robot.vocabulary.numbers
+    boards = {
+        number: replace(
+            board,
+            zeros=tuple(
+                (target, zeros[names[target]])
+                for _, target, _ in board.channels
+                if names[target] in zeros
+            ),
+        )
+        for number, board in robot.boards.items()
+    }
+    return replace(robot, boards=boards)
+
+
+def summary(calibration: Calibration) -> str:
+    """What is applied, in one line for a person."""
+    zeros = ", ".join(f"{name} {degrees(z):+z.1f} deg" for name, z in calibration.zeros.items())
+    return f"joint zeros of {calibration.date} applied: {zeros}"
+
+
+def keep_calibration(calibration: Calibration, robot: LoadedRobot) -> Path:
+    """The calibration stands in its file, whose path is returned.
+
+    Raises:
+        UsageError: There is no folder that it can be written to.
+    """
+    text = _text(calibration)
+    reason = ""
+    for folder in _folders(robot):
+        try:
+            return _write(folder / f"calibration-{calibration.date}.yaml", text)
+        except OSError as error:
+            reason = reason or f"{shown(folder)}: {error.strerror}"
+    raise UsageError(f"the calibration cannot be written, {reason}")
+
+
+def _folders(robot: LoadedRobot) -> tuple[Path, Path]:
+    users = user_config_path("pirate_sm", appauthor=False) / "calibrations"
+    return robot.folder, users / robot.profile.robot
+
+
+def _write(path: Path, text: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    # Written aside and moved, so that nobody reads half a file.
+    handle, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
+    with os.fdopen(handle, "w", encoding="utf-8") as file:
+        file.write(text)
+    Path(name).replace(path)
+    path.chmod(0o644)  # a temporary file is its maker's alone
+    return path
+
+
+def _text(calibration: Calibration) -> str:
+    zeros = "".join(f"  {name}: {degrees(z):z.3f} deg\n" for name, z in calibration.zeros.items())
+    port = calibration.port.replace("\\", "\\\\").replace('"', '\\"')
+    return (
+        "# What each joint's sensor shows when the robot is straight; it is subtracted.\n"
+        "# Measured with `pirate calibrate`. The newest file counts; without any, nothing is\n"
+        "# subtracted.\n"
+        f"format: {calibration.format}\n"
+        f"robot: {calibration.robot}\n"
+        f"date: {calibration.date}\n"
+        f'port: "{port}"\n'
+        f"zeros:\n{zeros}"
+    )

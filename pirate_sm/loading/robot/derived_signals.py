@@ -1,0 +1,87 @@
+"""Find the types of derived signals and check what they are derived from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from pirate_sm.expressions import EnumType, NumberType
+from pirate_sm.loading.problems import Path
+from pirate_sm.loading.robot.signals import Signals, check_name
+from pirate_sm.model import derived as kinds
+from pirate_sm.model import profile as model
+from pirate_sm.spelling import nearest, one_of
+from pirate_sm.units import ANGLE, CURRENT, DIMENSIONLESS, LENGTH, SPEED, TIME, TORQUE, Dimension
+
+
+def add_derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
+    """Add the types of all derived signals, or report why a signal cannot be derived."""
+    profile = signals.profile
+    told = [c.signal for board in profile.boards for c in board.channels if c.signal]
+    hidden = len(set(told)) < len(told)  # one that is told twice hides the one that is missing
+    for name, derived in profile.derived.items():
+        path: Path = ("derived", name)
+        if name in types:
+            signals.problems.add("robot.signal", path, f"'{name}' is told twice", key=True)
+        for source in _sources(derived):
+            valid = _valid_sources(profile, derived, types)
+            if source not in valid and not hidden:
+                signals.problems.add(
+                    "robot.signal",
+                    path,
+                    f"'{source}' is not known here",
+                    expected=one_of(sorted(set(valid))),
+                    suggestion=nearest(source, valid) or "",
+                )
+        types[name] = NumberType(_dimension(signals, derived, types, path))
+        check_name(name, types[name], path, signals.problems, key=True)
+
+
+def _sources(derived: kinds.Derived) -> tuple[str, ...]:
+    value = getattr(derived, next(kind for kind in kinds.DERIVED_KINDS if hasattr(derived, kind)))
+    return (value,) if isinstance(value, str) else tuple(value)
+
+
+def _valid_sources(
+    profile: model.Profile, derived: kinds.Derived, types: Mapping[str, object]
+) -> list[str]:
+    match derived:
+        case kinds.DiameterOf():
+            return list(profile.body.parts)
+        case kinds.OdometryOf() | kinds.SpeedOf():
+            return [wheel.name for wheel in profile.body.wheels]
+        case kinds.RateOf() | kinds.TorqueOf() | kinds.RollOf() | kinds.PitchOf() | kinds.NormOf():
+            measured = [c.signal for board in profile.boards for c in board.channels if c.signal]
+            numbers = [name for name, kind in types.items() if isinstance(kind, NumberType)]
+            return [*numbers, *measured]  # one with a faulty conversion is known all the same
+
+
+def _dimension(
+    signals: Signals,
+    derived: kinds.Derived,
+    types: Mapping[str, NumberType | EnumType],
+    path: Path,
+) -> Dimension:
+    def of(name: str) -> Dimension:
+        kind = types.get(name)
+        return kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
+
+    match derived:
+        case kinds.RateOf(rate_of=source):
+            return of(source) / TIME
+        case kinds.TorqueOf(torque_of=source, slot=slot, scale=scale):
+            dimension = signals.constant(scale, (*path, "scale"))[1] * of(source)
+            if of(source) != CURRENT or dimension != TORQUE:
+                signals.problems.add(
+                    "robot.scale", path, "a torque is a current times a scale such as '0.9 Nm/A'"
+                )
+            if slot not in [each.name for each in signals.profile.slots]:
+                signals.problems.add("robot.slot", (*path, "slot"), f"there is no slot '{slot}'")
+            return TORQUE
+        case kinds.RollOf() | kinds.PitchOf():
+            return ANGLE
+        case kinds.NormOf(norm_of=sources):
+            return of(sources[0])
+        case kinds.SpeedOf():
+            return SPEED
+        case kinds.DiameterOf() | kinds.OdometryOf():
+            return LENGTH

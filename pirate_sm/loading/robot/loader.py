@@ -1,0 +1,222 @@
+"""A robot's folder becomes what the engine runs: profile and chart read, checked, resolved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from pirate_sm.engine.mission.program import RuleSpec
+from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import references
+from pirate_sm.loading.chart.outline import ChartOutline
+from pirate_sm.loading.chart.outline_reader import outline_chart
+from pirate_sm.loading.chart.table_cache import cached_table
+from pirate_sm.loading.file_names import PROFILE_FILE, shown
+from pirate_sm.loading.problems import LoadError, Problems
+from pirate_sm.loading.robot.actuation import resolve_actuation
+from pirate_sm.loading.robot.boards import resolve_boards
+from pirate_sm.loading.robot.body_chain import resolve_chain, words_behind
+from pirate_sm.loading.robot.body_check import check_body
+from pirate_sm.loading.robot.commands import resolve_commands, resolve_faults, resolve_parts
+from pirate_sm.loading.robot.postures import resolve_postures
+from pirate_sm.loading.robot.safety_rules import resolve_rules
+from pirate_sm.loading.robot.sensor_limits import thresholds
+from pirate_sm.loading.robot.slots import resolve_slots
+from pirate_sm.loading.robot.state_confirmation import resolve_sight
+from pirate_sm.loading.robot.vocabulary import resolve_signals
+from pirate_sm.loading.yaml.document import Document, read_document
+from pirate_sm.loading.yaml.validation import try_validate
+from pirate_sm.model.profile import Profile
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+Polarity = Literal["normal", "mirrored"]
+
+
+@dataclass(frozen=True)
+class LoadedRobot:
+    """A robot as its files describe it, free of faults.
+
+    Attributes:
+        profile: What stands in the profile.
+        table: Its chart, explored.
+        documents: The files it was read from.
+        folder: Where they stand.
+        normal: What the engine runs in normal polarity.
+        mirrored: The same with every mirrored slot and wheel negated.
+        rules: Its safety rules.
+        outline: What the chart's file declares, with places.
+    """
+
+    profile: Profile
+    table: ChartTable
+    documents: tuple[Document, ...]
+    folder: Path
+    normal: RobotSpec
+    mirrored: RobotSpec
+    rules: tuple[RuleSpec, ...]
+    outline: ChartOutline
+
+    def oriented(self, polarity: Polarity) -> RobotSpec:
+        """The robot in this polarity."""
+        return self.normal if polarity == "normal" else self.mirrored
+
+
+@lru_cache(maxsize=8)
+def load_robot(folder: Path) -> LoadedRobot:
+    """The robot in this folder is ready to run.
+
+    Args:
+        folder: Holds ``profile.yaml``, and the chart that it names.
+
+    Raises:
+        LoadError: Everything that is wrong with its files, each with its place.
+    """
+    document = read_document(folder / PROFILE_FILE, shown(folder / PROFILE_FILE))
+    problems = Problems(document)
+    profile = try_validate(document, Profile, problems)
+    if profile is None:
+        problems.raise_errors()
+        raise AssertionError("raise_errors raises here")
+    check_body(profile, problems)
+    chart_document = _chart(folder, profile.chart, problems)
+    outline = outline_chart(chart_document, problems) if chart_document else None
+    if outline is not None:
+        _check_commands(profile, outline, problems)
+        _check_regions(profile, outline, problems)
+    problems.raise_errors()
+    assert chart_document is not None  # raise_errors has raised otherwise
+    assert outline is not None
+    table = cached_table(chart_document, outline, problems)
+    _check_reached(outline, table, problems.about(chart_document))
+    rules = resolve_rules(profile, table, problems)
+    normal = _resolve(profile, table, "normal", problems)
+    problems.raise_errors()
+    mirrored = _resolve(profile, table, "mirrored", problems)
+    documents = (document, chart_document)
+    return LoadedRobot(profile, table, documents, folder, normal, mirrored, rules, outline)
+
+
+def _chart(folder: Path, name: str, problems: Problems) -> Document | None:
+    """The chart's file; a file that is not there is a fault of the profile."""
+    path = folder / name
+    try:
+        return read_document(references.followed(path, folder), shown(path))
+    except UsageError as error:
+        problems.add(references.code_of(error, "robot.chart"), ("chart",), str(error))
+        return None
+    except LoadError as error:
+        for problem in error.problems:
+            if problem.place.line:
+                problems.put(problem)
+            else:
+                problems.add("robot.chart", ("chart",), f"{problem.place}: {problem.message}")
+        return None
+
+
+def _check_commands(profile: Profile, outline: ChartOutline, problems: Problems) -> None:
+    events, commands = set(outline.commands), profile.commands.keys()
+    for name in sorted(events - commands):
+        message = f"the chart's event '{name}' is missing here"
+        problems.add("robot.command", ("commands",), message, key=True)
+    for name in commands - events:
+        _dangling(problems, ("commands", name), f"the chart has no event '{name}'", name, events)
+    for alias, name in profile.aliases.items():
+        if name not in commands:
+            _dangling(problems, ("aliases", alias), f"there is no command '{name}'", name, commands)
+        if alias in commands:
+            problems.add("robot.alias", ("aliases", alias), f"'{alias}' is a command", key=True)
+
+
+def _check_regions(profile: Profile, outline: ChartOutline, problems: Problems) -> None:
+    states = dict(zip(outline.regions, outline.states, strict=True))
+    for region in profile.actuation.keys() - states.keys():
+        _dangling(
+            problems, ("actuation", region), f"the chart has no region '{region}'", region, states
+        )
+    for region, names in states.items():
+        given = profile.actuation.get(region)
+        if given is None:
+            message = f"region '{region}' is missing here"
+            problems.add("robot.actuation", ("actuation",), message, key=True)
+            continue
+        for name in given.keys() - set(names):
+            _dangling(
+                problems,
+                ("actuation", region, name),
+                f"{region} has no state '{name}'",
+                name,
+                names,
+            )
+        for name in (name for name in names if name not in given):
+            message = f"{region}.{name} is missing here"
+            problems.add("robot.actuation", ("actuation", region), message, key=True)
+
+
+def _check_reached(outline: ChartOutline, table: ChartTable, problems: Problems) -> None:
+    """A state that no commands lead to is a mistake of the chart."""
+    for place, (region, states) in enumerate(zip(table.regions, table.states, strict=True)):
+        reached = {configuration[place] for configuration in table.configurations}
+        for state in states:
+            if state not in reached:
+                problems.add(
+                    "chart.unreachable",
+                    outline.place_of(region, state),
+                    f"no commands lead to {region}.{state}",
+                    key=True,
+                )
+
+
+def _dangling(
+    problems: Problems, path: tuple[str, ...], message: str, name: str, valid: Iterable[str]
+) -> None:
+    names = sorted(valid)
+    problems.add_unknown(
+        "robot.name", path, "", name, names, message=message, key=path[0] != "aliases"
+    )
+
+
+def _resolve(
+    profile: Profile, table: ChartTable, polarity: Polarity, problems: Problems
+) -> RobotSpec:
+    signals = resolve_signals(profile, table, polarity, problems)
+    slots = resolve_slots(profile, signals, problems)
+    parts, held, part_regions = resolve_parts(profile, table, signals, problems)
+    actuation = resolve_actuation(profile, table, signals, slots, polarity, problems)
+    postures = resolve_postures(profile, table, signals, slots, polarity, held, actuation, problems)
+    commands, unneeded = resolve_commands(profile, table, held, signals, postures, problems)
+    faults = resolve_faults(profile, signals, parts, problems)
+    zero = tuple(
+        slots.index(name, ("safe_state", "zero", number))
+        for number, name in enumerate(profile.safe_state.zero)
+    )
+    return RobotSpec(
+        name=profile.robot,
+        polarity=polarity,
+        table=table,
+        vocabulary=signals.vocabulary,
+        slots=slots.specs,
+        actuation=actuation,
+        commands=commands,
+        parts=parts,
+        held=held,
+        part_regions=part_regions,
+        unneeded=unneeded,
+        safe_zero=zero,
+        boards=resolve_boards(signals, faults),
+        wheels=signals.wheels,
+        odometry=signals.first_of("odometry_of"),
+        speed=signals.first_of("speed_of"),
+        faults=faults,
+        link=signals.link,
+        plausibility=thresholds(profile),
+        detector_words=tuple(profile.detector.words),
+        words_behind=words_behind(profile),
+        body=resolve_chain(profile, signals),
+        sight=resolve_sight(profile, table, slots.specs, actuation, signals, problems),
+    )

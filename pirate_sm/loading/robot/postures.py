@@ -1,0 +1,124 @@
+"""Postures that commands take first, resolved for each configuration that a command leads to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import nan
+from typing import Literal
+
+from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.robot.command_spec import PostureSpec, StageSpec
+from pirate_sm.engine.robot.criteria import AcceptedSpec, CriterionSpec
+from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.robot.actuation import resolve_stage
+from pirate_sm.loading.robot.commands import is_true, on_states, resolve_criterion
+from pirate_sm.loading.robot.signals import Signals
+from pirate_sm.loading.robot.slots import Slots
+from pirate_sm.model.actuation import PostureCase
+from pirate_sm.model.profile import Profile
+
+ByConfiguration = tuple[PostureSpec | None, ...]
+
+
+@dataclass(frozen=True)
+class _Robot:
+    """What postures are resolved against."""
+
+    profile: Profile
+    table: ChartTable
+    signals: Signals
+    slots: Slots
+    polarity: Literal["normal", "mirrored"]
+    held: tuple[frozenset[int], ...]
+    actuation: tuple[Mapping[str, tuple[StageSpec, ...]], ...]
+    problems: Problems
+
+    def pressing(self, configuration: int) -> Iterator[tuple[str, int, float]]:
+        """Per held part its name, the slot of its apex, and the duty that holds it there."""
+        parts = list(self.profile.body.parts.items())
+        written = {
+            write.slot: write
+            for region, state in enumerate(self.table.configurations[configuration])
+            for write in self.actuation[region][state][-1]
+        }
+        for number in sorted(self.held[configuration]):
+            name, part = parts[number]
+            for slot, each in enumerate(self.profile.slots):
+                write = written.get(slot)
+                if each.joint == part.apex and write is not None and write.how == "set":
+                    yield name, slot, write.value
+
+
+def resolve_postures(
+    profile: Profile,
+    table: ChartTable,
+    signals: Signals,
+    slots: Slots,
+    polarity: Literal["normal", "mirrored"],
+    held: tuple[frozenset[int], ...],
+    actuation: tuple[Mapping[str, tuple[StageSpec, ...]], ...],
+    problems: Problems,
+) -> Mapping[str, ByConfiguration]:
+    """Return each posture by name: per configuration its first case that applies, or None.
+
+    A posture moves bend joints only, and keeps the apex of every part that is held pressed to the
+    wall it is on.
+    """
+    robot = _Robot(profile, table, signals, slots, polarity, held, actuation, problems)
+    return {name: _posture(robot, name, cases) for name, cases in profile.postures.items()}
+
+
+def _posture(robot: _Robot, name: str, cases: tuple[PostureCase, ...]) -> ByConfiguration:
+    found: list[PostureSpec | None] = [None] * len(robot.table.configurations)
+    for number, case in enumerate(cases):
+        at: Path = ("postures", name, number)
+        spec = _case(robot, name, case, at)
+        when = on_states(case.when, robot.table, robot.signals, (*at, "when"), robot.problems)
+        said = False
+        for configuration, states in enumerate(robot.table.configurations):
+            if found[configuration] is not None or not is_true(when, states):
+                continue
+            found[configuration] = spec
+            if not spec.refuse and not said:
+                said = _lets_go(robot, spec.writes, configuration, (*at, "set"))
+    return tuple(found)
+
+
+def _case(robot: _Robot, name: str, case: PostureCase, at: Path) -> PostureSpec:
+    if case.refuse is not None:
+        return PostureSpec(name, (), AcceptedSpec(), refuse=case.refuse)
+    written = case.set_ or {}
+    for slot in written:
+        each = next((each for each in robot.profile.slots if each.name == slot), None)
+        if each is not None and each.joint is None:
+            message = f"'{slot}' drives no bend joint, and a posture moves only those"
+            robot.problems.add("robot.posture", (*at, "set", slot), message, key=True)
+    writes = resolve_stage(
+        written,
+        robot.profile,
+        robot.signals,
+        robot.slots,
+        robot.polarity,
+        (*at, "set"),
+        robot.problems,
+    )
+    within_rad = nan if case.within is None else case.within
+    done: CriterionSpec = AcceptedSpec()
+    if case.done is not None:
+        path: Path = (*at, "done")
+        done = resolve_criterion(robot.profile, case.done, robot.signals, path, robot.problems)
+    return PostureSpec(name, writes, done, within_rad)
+
+
+def _lets_go(robot: _Robot, writes: StageSpec, configuration: int, at: Path) -> bool:
+    """Whether the posture lets go of a part that is held there; then the problem is reported."""
+    duties = {write.slot: write.value for write in writes if write.how == "set"}
+    written = {write.slot for write in writes}
+    for part, slot, duty in robot.pressing(configuration):
+        if slot in written and duties.get(slot, 0.0) * duty <= 0:
+            name = robot.slots.specs[slot].name
+            message = f"'{name}' holds the part '{part}' there: it must keep a duty of that sign"
+            robot.problems.add("robot.posture", at, message)
+            return True
+    return False

@@ -1,0 +1,111 @@
+"""Look up the signals of a robot by name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from pirate_sm.engine.sensing.board_spec import LinkSpec, WheelSpec
+from pirate_sm.expressions import (
+    EnumType,
+    ExpressionError,
+    NumberType,
+    Vocabulary,
+    compile_expression,
+)
+from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.model import derived as kinds
+from pirate_sm.model import profile as model
+from pirate_sm.spelling import nearest
+from pirate_sm.units import DIMENSIONLESS, Dimension
+
+_NOTHING = Vocabulary({})
+
+
+@dataclass
+class Signals:
+    """The robot's vocabulary, and what is needed to fill it from frames.
+
+    Attributes:
+        vocabulary: Regions first, so that a configuration is the beginning of the words.
+        scales: Factor to SI of each conversion.
+    """
+
+    profile: model.Profile
+    problems: Problems
+    polarity: Literal["normal", "mirrored"]
+    vocabulary: Vocabulary = _NOTHING
+    scales: dict[str, tuple[float, Dimension]] = field(default_factory=dict)
+    wheels: tuple[WheelSpec, ...] = ()
+
+    @property
+    def link(self) -> LinkSpec:
+        """When signals are stale, boards silent, arrays sent again."""
+        link = self.profile.link
+        return LinkSpec(
+            link.cycle * self.profile.messages_per_round,
+            link.stale_after,
+            link.silent_after,
+            link.resend_after,
+            link.resend_limit,
+        )
+
+    def number(self, name: str, path: Path, dimension: Dimension | None = None) -> int:
+        """The index of a numeric signal; -1 and a problem when there is none of that kind."""
+        names = self.vocabulary.numbers
+        if name not in names:
+            self.problems.add(
+                "robot.signal",
+                path,
+                f"there is no signal '{name}'",
+                suggestion=nearest(name, names) or "",
+            )
+            return -1
+        kind = self.vocabulary.types[name]
+        if dimension is not None and kind != NumberType(dimension):
+            self.problems.add(
+                "robot.signal", path, f"'{name}' is {kind}", expected=str(NumberType(dimension))
+            )
+        return names.index(name)
+
+    def constant(self, text: str, path: Path) -> tuple[float, Dimension]:
+        """The SI value and dimension of a constant expression such as ``360 deg / 4096``."""
+        try:
+            expression = compile_expression(text, _NOTHING)
+        except ExpressionError as error:
+            self.problems.add_expression(path, error)
+            return 0.0, DIMENSIONLESS
+        value = expression.evaluate((), ())
+        if not isinstance(expression.type, NumberType) or not isinstance(value, float):
+            self.problems.add("robot.scale", path, "expected a number with a unit")
+            return 0.0, DIMENSIONLESS
+        return value, expression.type.dimension
+
+    def first_of(self, kind: str) -> int:
+        """The index of the first derived signal of this kind; -1 without one."""
+        for name, derived in self.profile.derived.items():
+            if hasattr(derived, kind):
+                return self.vocabulary.numbers.index(name)
+        return -1
+
+    def rate_of(self, name: str) -> int:
+        """The index of the signal that is this one's rate; -1 without one."""
+        for rate, derived in self.profile.derived.items():
+            if isinstance(derived, kinds.RateOf) and derived.rate_of == name:
+                return self.vocabulary.numbers.index(rate)
+        return -1
+
+
+def check_name(
+    name: str,
+    kind: NumberType | EnumType,
+    path: Path,
+    problems: Problems,
+    *,
+    key: bool = False,
+) -> None:
+    """Report a name that no condition can use."""
+    try:
+        Vocabulary({name: kind})
+    except ValueError as error:
+        problems.add("robot.name", path, str(error), key=key)

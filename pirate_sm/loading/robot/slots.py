@@ -1,0 +1,109 @@
+"""Slots of the wire: what each drives, its limits, and how it is brought to an angle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+
+from pirate_sm.engine.robot.command_spec import LoopSpec, SlotSpec
+from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.robot.signals import Signals
+from pirate_sm.model import profile as model
+from pirate_sm.units import ANGLE, TORQUE
+
+
+@dataclass(frozen=True)
+class Slots:
+    """The resolved slots, found by name."""
+
+    specs: tuple[SlotSpec, ...]
+    mirrors: tuple[bool, ...]
+    problems: Problems
+
+    def index(self, name: str, path: Path) -> int:
+        """The slot's index on the wire; 0 and a problem when there is none of that name."""
+        names = [slot.name for slot in self.specs]
+        if name in names:
+            return names.index(name)
+        self.problems.add_unknown("robot.slot", path, "slot", name, names)
+        return 0
+
+
+def resolve_slots(profile: model.Profile, signals: Signals, problems: Problems) -> Slots:
+    """Every slot knows its limits, its angle and its loop, or the problems say why not."""
+    specs = [
+        _slot(profile, signals, slot, ("boards", number, "slots", place), problems)
+        for number, board in enumerate(profile.boards)
+        for place, slot in enumerate(board.slots)
+    ]
+    return Slots(tuple(specs), tuple(slot.mirrors for slot in profile.slots), problems)
+
+
+def _slot(
+    profile: model.Profile, signals: Signals, slot: model.Slot, path: Path, problems: Problems
+) -> SlotSpec:
+    motor = profile.motors.get(slot.motor)
+    if motor is None:
+        problems.add_unknown("robot.motor", (*path, "motor"), "motor", slot.motor, profile.motors)
+        motor = model.Motor(kind="none")
+    known = _check_targets(profile, slot, path, problems)
+    link = profile.link
+    if slot.unit == "angle":
+        limit = slot.limit if slot.limit is not None else inf
+        angle = signals.number(slot.roll, (*path, "roll"), ANGLE) if slot.roll and known else -1
+        return SlotSpec(slot.name, "angle", -limit, limit, link.angle_resolution, angle)
+    if slot.joint is None:
+        return SlotSpec(slot.name, "duty", -1.0, 1.0, link.duty_resolution)
+    joints = profile.body.joints
+    place = next((n for n, joint in enumerate(joints) if joint.name == slot.joint), -1)
+    torque = joints[place].torque if place >= 0 else None
+    torque_path: Path = ("body", "joints", place, "torque")
+    loop, settings = None, motor.position_loop
+    if settings is not None:
+        loop = LoopSpec(
+            settings.gain,
+            settings.threshold,
+            settings.least_duty,
+            settings.limit,
+            motor.stall_torque or inf,
+        )
+    return SlotSpec(
+        slot.name,
+        "duty",
+        -1.0,
+        1.0,
+        link.duty_resolution,
+        angle=signals.number(slot.joint, (*path, "joint"), ANGLE) if known else -1,
+        rate=signals.rate_of(slot.joint),
+        torque=signals.number(torque, torque_path, TORQUE) if torque else -1,
+        loop=loop,
+    )
+
+
+_SAID = {"joint": "joint", "wheel": "wheel", "roll": "roll joint"}
+
+
+def _check_targets(
+    profile: model.Profile, slot: model.Slot, path: Path, problems: Problems
+) -> bool:
+    """Whether what the slot drives is there."""
+    known = True
+    valid = {
+        "joint": [joint.name for joint in profile.body.joints],
+        "wheel": [wheel.name for wheel in profile.body.wheels],
+        "roll": [link.roll for link in profile.body.links if link.roll],
+    }
+    for kind, names in valid.items():
+        name = getattr(slot, kind)
+        if name is not None and name not in names:
+            known = False
+            problems.add_unknown(
+                f"robot.{kind}",
+                (*path, kind),
+                "",
+                name,
+                names,
+                message=f"the body has no {_SAID[kind]} '{name}'",
+                none=f"no slot for a {_SAID[kind]}",
+            )
+    return known

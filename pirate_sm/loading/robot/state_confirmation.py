@@ -1,0 +1,209 @@
+"""How states show themselves to the sensors: names resolved to indexes, for one polarity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import copysign, inf
+
+from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.robot.command_spec import SlotSpec, StageSpec, Write
+from pirate_sm.engine.robot.confirmation_spec import (
+    AnglesSpec,
+    DrivenSpec,
+    HeldSpec,
+    ImpliedSpec,
+    LoadedJoint,
+    SeenSpec,
+    Sight,
+    StandingSpec,
+)
+from pirate_sm.engine.robot.criteria import AcceptedSpec
+from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.robot.signals import Signals
+from pirate_sm.model import seen as model
+from pirate_sm.model.derived import DiameterOf
+from pirate_sm.model.profile import Profile
+
+Actuation = tuple[Mapping[str, tuple[StageSpec, ...]], ...]
+
+
+def resolve_sight(
+    profile: Profile,
+    table: ChartTable,
+    slots: tuple[SlotSpec, ...],
+    actuation: Actuation,
+    signals: Signals,
+    problems: Problems,
+) -> Sight:
+    """Return what confirms and contradicts each state and part, or tell the problems why not."""
+    seen = profile.seen
+    parts, regions = tuple(profile.body.parts), table.regions
+    _check_names(seen.parts, parts, ("seen", "parts"), "part", problems)
+    _check_names(seen.states, regions, ("seen", "states"), "region", problems)
+    states: list[Mapping[str, SeenSpec]] = []
+    for number, region in enumerate(regions):
+        given = seen.states.get(region, {})
+        path: Path = ("seen", "states", region)
+        _check_names(given, table.states[number], path, "state", problems)
+        resolver = _States(slots, actuation[number], signals, problems)
+        found = {
+            name: resolver.state(how, name, (*path, name))
+            for name, how in given.items()
+            if name in table.states[number]
+        }
+        states.append({name: spec for name, spec in found.items() if spec is not None})
+    held = tuple(
+        _part(profile, name, seen.parts[name], signals, problems) if name in seen.parts else None
+        for name in parts
+    )
+    return Sight(seen.within, held, tuple(states))
+
+
+def _check_names(
+    given: Mapping[str, object], valid: tuple[str, ...], path: Path, kind: str, problems: Problems
+) -> None:
+    for name in given.keys() - set(valid):
+        problems.add_unknown("robot.seen", (*path, name), kind, name, valid, key=True)
+
+
+def _part(
+    profile: Profile, name: str, how: model.HeldPart, signals: Signals, problems: Problems
+) -> HeldSpec | None:
+    path: Path = ("seen", "parts", name)
+    body = profile.body
+    apex = next((joint for joint in body.joints if joint.name == body.parts[name].apex), None)
+    diameter = next(
+        (
+            signal
+            for signal, each in profile.derived.items()
+            if isinstance(each, DiameterOf) and each.diameter_of == name
+        ),
+        None,
+    )
+    if diameter is None:
+        problems.add(
+            "robot.seen",
+            path,
+            f"whether '{name}' shows the pipe needs a derived signal {{diameter_of: {name}}}",
+            key=True,
+        )
+    if how.slack >= how.torque:
+        problems.add("robot.seen", (*path, "slack"), "`slack` must be smaller than `torque`")
+    if how.span >= how.span_off:
+        problems.add("robot.seen", (*path, "span_off"), "`span_off` must be larger than `span`")
+    joints = [
+        _joint(profile, joint, signals, (*path, "loaded", number), problems)
+        for number, joint in enumerate(how.loaded)
+    ]
+    if apex is None or diameter is None:
+        return None
+    return HeldSpec(
+        tuple(joint for joint in joints if joint is not None),
+        how.torque,
+        how.slack,
+        how.still,
+        signals.number(diameter, path),
+        signals.number(apex.name, path),
+        apex.end_stop - how.end_stop,
+        how.span,
+        how.span_off,
+        how.for_s,
+    )
+
+
+def _joint(
+    profile: Profile, name: str, signals: Signals, path: Path, problems: Problems
+) -> LoadedJoint | None:
+    joint = next((each for each in profile.body.joints if each.name == name), None)
+    joints = {each.name for each in profile.body.joints}
+    if any(slot.joint is not None and slot.joint not in joints for slot in profile.slots):
+        return None  # a slot that drives no joint has been reported
+    slot = next((n for n, each in enumerate(profile.slots) if each.joint == name), -1)
+    if joint is None or joint.torque is None or slot < 0:
+        names = [each.name for each in profile.body.joints if each.torque is not None]
+        problems.add_unknown(
+            "robot.seen",
+            path,
+            "",
+            name,
+            names,
+            message=f"'{name}' is no driven joint with a torque signal",
+        )
+        return None
+    rate = signals.rate_of(name)
+    if rate < 0:
+        message = f"whether '{name}' stands still needs a derived signal {{rate_of: {name}}}"
+        problems.add("robot.seen", path, message)
+    return LoadedJoint(slot, signals.number(joint.torque, path), rate)
+
+
+class _States:
+    """Resolves the states of one region."""
+
+    def __init__(
+        self,
+        slots: tuple[SlotSpec, ...],
+        actuation: Mapping[str, tuple[StageSpec, ...]],
+        signals: Signals,
+        problems: Problems,
+    ) -> None:
+        self._slots = slots
+        self._actuation = actuation
+        self._speeds = {wheel.slot: wheel.speed for wheel in signals.wheels}
+        self._problems = problems
+
+    def state(self, how: model.SeenState, name: str, path: Path) -> SeenSpec | None:
+        """Return how the state is seen; None where no sensor shows it."""
+        match how:
+            case model.Angles():
+                beyond = inf if how.beyond is None else how.beyond
+                if beyond <= how.within:
+                    message = "`beyond` must be larger than `within`"
+                    self._problems.add("robot.seen", (*path, "beyond"), message)
+                targets = self._targets(name)
+                if not self._sets_angle(name):
+                    self._need((), path, f"{name} sets no angle")
+                return AnglesSpec(targets, how.within, beyond, how.for_s)
+            case model.StandingWheels():
+                still = tuple(speed for speed, way in self._wheels(name) if way == 0)
+                self._need(still, path, f"{name} stops no wheel")
+                return StandingSpec(still, how.below, how.for_s)
+            case model.TurningWheels():
+                driven = tuple((speed, way) for speed, way in self._wheels(name) if way)
+                self._need(driven, path, f"{name} drives no wheel")
+                return DrivenSpec(driven, how.above, how.for_s)
+            case model.Accepted():
+                return AcceptedSpec()
+            case model.Implied():
+                return ImpliedSpec()
+            case model.Unknown():
+                return None
+
+    def _need(self, found: tuple[object, ...], path: Path, message: str) -> None:
+        if not found:
+            self._problems.add("robot.seen", (*path, "kind"), message)
+
+    def _sets_angle(self, name: str) -> bool:
+        return any(self._is_angle(write) for stage in self._actuation[name] for write in stage)
+
+    def _is_angle(self, write: Write) -> bool:
+        unit = self._slots[write.slot].unit
+        return write.how == "seek" or (write.how == "set" and unit == "angle")
+
+    def _targets(self, name: str) -> tuple[tuple[int, float], ...]:
+        """Number index and setpoint of each angle; of several stages the first counts."""
+        found: dict[int, float] = {}
+        for stage in self._actuation[name]:
+            for write in stage:
+                angle = self._slots[write.slot].angle
+                if self._is_angle(write) and angle >= 0:
+                    found.setdefault(angle, write.value)
+        return tuple(found.items())
+
+    def _wheels(self, name: str) -> list[tuple[int, float]]:
+        """Number index of each wheel's speed, and which way it is driven: 1, -1, or 0."""
+        return [
+            (self._speeds[write.slot], copysign(1.0, write.value) if write.value else 0.0)
+            for write in self._actuation[name][-1]
+            if write.slot in self._speeds and write.how == "set"
+        ]

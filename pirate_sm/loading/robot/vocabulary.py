@@ -1,0 +1,85 @@
+"""Make one vocabulary of regions, channels and derived signals."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.sensing.board_spec import WheelSpec
+from pirate_sm.engine.sensing.environment import SEGMENTS
+from pirate_sm.expressions import EnumType, NumberType, Vocabulary
+from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.robot.derived_signals import add_derived
+from pirate_sm.loading.robot.signals import Signals, check_name
+from pirate_sm.model import profile as model
+from pirate_sm.units import ANGLE, DIMENSIONLESS, TIME
+
+DETECTOR, SEGMENT = "detector", "segment"
+
+
+def resolve_signals(
+    profile: model.Profile,
+    table: ChartTable,
+    polarity: Literal["normal", "mirrored"],
+    problems: Problems,
+) -> Signals:
+    """Return the robot's signals, with types and indexes, or report what is wrong."""
+    signals = Signals(profile, problems, polarity)
+    for name, conversion in profile.conversions.items():
+        path = ("conversions", name, "scale")
+        signals.scales[name] = signals.constant(conversion.scale, path)
+    types: dict[str, NumberType | EnumType] = {}
+    for region, states in zip(table.regions, table.states, strict=True):
+        types[region] = EnumType(states)
+    types[DETECTOR] = EnumType(tuple(profile.detector.words))
+    types[SEGMENT] = EnumType(SEGMENTS)
+    for word in profile.detector.words:
+        check_name(DETECTOR, EnumType((word,)), ("detector", "words", word), problems, key=True)
+    _measured(signals, types)
+    add_derived(signals, types)
+    problems.raise_errors()
+    signals.vocabulary = Vocabulary(types)
+    signals.wheels = _wheels(signals)
+    for number, link in enumerate(profile.body.links):
+        if link.roll is not None:
+            signals.number(link.roll, ("body", "links", number, "roll"), ANGLE)
+    return signals
+
+
+def _measured(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
+    for number, board in enumerate(signals.profile.boards):
+        for place, channel in enumerate(board.channels):
+            path: Path = ("boards", number, "channels", place)
+            convert = channel.convert
+            if convert is not None and convert not in signals.scales:
+                signals.problems.add_unknown(
+                    "robot.conversion", (*path, "convert"), "conversion", convert, signals.scales
+                )
+                continue
+            if channel.signal is None:
+                continue
+            if channel.signal in types:
+                signals.problems.add(
+                    "robot.signal", (*path, "signal"), f"'{channel.signal}' is told twice"
+                )
+            dimension = signals.scales[convert][1] if convert else DIMENSIONLESS
+            types[channel.signal] = NumberType(dimension)
+            check_name(channel.signal, types[channel.signal], (*path, "signal"), signals.problems)
+
+
+def _wheels(signals: Signals) -> tuple[WheelSpec, ...]:
+    profile = signals.profile
+    slots = {slot.wheel: index for index, slot in enumerate(profile.slots) if slot.wheel}
+    found: list[WheelSpec] = []
+    for number, wheel in enumerate(profile.body.wheels):
+        path: Path = ("body", "wheels", number)
+        angle = signals.number(wheel.angle, (*path, "angle"), ANGLE)
+        speed = signals.number(wheel.speed, (*path, "speed"), ANGLE / TIME)
+        if wheel.name not in slots:
+            signals.problems.add("robot.slot", path, f"no slot drives '{wheel.name}'")
+            continue
+        slot = slots[wheel.name]
+        mirrored = signals.polarity == "mirrored" and profile.slots[slot].mirrors
+        sign = -wheel.direction if mirrored else wheel.direction
+        found.append(WheelSpec(len(found), angle, speed, slot, profile.body.wheel_radius * sign))
+    return tuple(found)

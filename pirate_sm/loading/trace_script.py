@@ -1,0 +1,101 @@
+"""Read trace scripts: a list of triggers to take, or a course of events."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import nan
+from typing import NamedTuple
+
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.errors import UsageError
+from pirate_sm.expressions import EnumType
+from pirate_sm.loading.problems import Problems
+from pirate_sm.loading.yaml.document import Document
+from pirate_sm.loading.yaml.validation import try_validate, validate
+from pirate_sm.model.events import SignalReport
+from pirate_sm.model.trace_script import UNKNOWN, Course, Happening, ScriptEntry
+from pirate_sm.spelling import nearest, one_of
+from pirate_sm.units import QuantityError, read_quantity
+
+
+class Script(NamedTuple):
+    """A trace script; one of the two is empty.
+
+    Attributes:
+        entries: The triggers to take.
+        course: The course of events.
+    """
+
+    entries: tuple[ScriptEntry, ...] = ()
+    course: tuple[Happening, ...] = ()
+
+
+class ResolvedHappening(NamedTuple):
+    """A happening and its signals as the engine takes them; ``report`` is None without signals."""
+
+    happening: Happening
+    report: SignalReport | None
+
+
+def read_script(document: Document) -> Script:
+    """Return the script that a file holds.
+
+    Raises:
+        LoadError: Everything that is wrong with it.
+    """
+    if isinstance(document.data, dict) and "course" in document.data:
+        return Script(course=validate(document, Course).course)
+    problems = Problems(document)
+    if not isinstance(document.data, list):
+        message = "expected a list of {phase: …, trigger: …, after: 1 s}, or a course of events"
+        problems.add("script.list", (), message)
+        problems.raise_errors()
+    entries = [
+        try_validate(document, ScriptEntry, problems, (number,))
+        for number in range(len(document.data))
+    ]
+    problems.raise_errors()
+    return Script(tuple(entry for entry in entries if entry is not None))
+
+
+def resolve_course(course: Sequence[Happening], robot: RobotSpec) -> tuple[ResolvedHappening, ...]:
+    """Return the course with its signals resolved for this robot.
+
+    Raises:
+        UsageError: It has a signal that the robot does not have, or a value that does not fit.
+    """
+    return tuple(ResolvedHappening(each, _report(each, robot)) for each in course)
+
+
+def _report(happening: Happening, robot: RobotSpec) -> SignalReport | None:
+    if not happening.signals:
+        return None
+    numbers, words = [], []
+    for name, value in happening.signals.items():
+        kind = robot.vocabulary.with_changes.types.get(name)
+        if kind is None or name in robot.regions:
+            raise UsageError(f"the script has the signal '{name}': {_meant(name, robot)}")
+        if isinstance(kind, EnumType):
+            words.append((name, _word(name, str(value), kind)))
+        elif value == UNKNOWN:
+            numbers.append((name, nan))
+        else:
+            try:
+                numbers.append((name, read_quantity(str(value), kind.dimension)))
+            except QuantityError as error:
+                raise UsageError(f"the script has {name}: {value}: {error}") from None
+    return SignalReport(tuple(numbers), tuple(words))
+
+
+def _word(name: str, value: str, kind: EnumType) -> str | None:
+    if value == UNKNOWN:
+        return None
+    if value not in kind.values:
+        raise UsageError(f"the script has {name}: {value}: expected {one_of(kind.values)}")
+    return value
+
+
+def _meant(name: str, robot: RobotSpec) -> str:
+    known = [each for each in robot.vocabulary.with_changes.types if each not in robot.regions]
+    close = nearest(name, known)
+    return f"did you mean '{close}'?" if close else "the robot has no such signal"

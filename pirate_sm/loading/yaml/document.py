@@ -1,0 +1,213 @@
+"""YAML text → plain data that remembers where each value stood.
+
+PyYAML's parser gives events; what they mean is decided here, after the YAML 1.2 core schema and
+stricter: `on` and `12:30` are text, equal keys are refused, nothing but plain data comes out, and
+limits keep a hostile file from costing more than a moment. Faults are collected, not raised one
+by one; only a syntax error ends the reading.
+"""
+
+from __future__ import annotations
+
+import re
+import stat
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+from pirate_sm.loading import problems as found
+from pirate_sm.loading.problems import LoadError, Place, Problem
+from pirate_sm.loading.yaml.composer import compose
+from pirate_sm.loading.yaml.nodes import Node
+
+LARGEST_FILE: Final = 1 << 20  # bytes
+_UNPRINTABLE: Final = re.compile(
+    "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
+)
+_INK: Final = re.compile(r"\S")
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """Holds the plain data of a file together with the place of each of its parts.
+
+    Attributes:
+        name: What the file is called in messages.
+        text: Its text.
+        data: Mappings, lists, text, numbers, booleans and None.
+    """
+
+    name: str
+    text: str = field(repr=False)
+    _root: Node = field(repr=False)
+    lines: tuple[str, ...] = field(repr=False)
+
+    @property
+    def data(self) -> Any:
+        """Return the content as plain data."""
+        return self._root.value
+
+    def excerpt(self, line: int) -> str:
+        """Return a line of the file, counted from 1; empty when there is none."""
+        return self.lines[line - 1] if 1 <= line <= len(self.lines) else ""
+
+    def place_of(self, path: found.Path, *, key: bool = False, offset: int | None = None) -> Place:
+        """Return where the value at `path` stands; a path is followed as far as it leads.
+
+        Args:
+            path: Keys and list indexes from the root.
+            key: Return the place of the value's key, where it has one.
+            offset: Return the place this many characters into the value's text.
+        """
+        node, line, column = self._root, self._root.line, self._root.column
+        for part in path:
+            child = node.child(part)
+            if child is None and part == 0:
+                continue  # a list of one may stand without its brackets
+            if child is None:
+                return Place(self.name, line, column)
+            node, key_line, key_column = child
+            line, column = (key_line, key_column) if key else (node.line, node.column)
+        if offset is not None:
+            line, column = self._inside(node, offset)
+        return Place(self.name, line, column)
+
+    def _inside(self, node: Node, offset: int) -> tuple[int, int]:
+        """Return line and column of a character of a text value.
+
+        Quotes, escapes and folded lines move text; the character's own line of the value is
+        looked for in the source, and where it is not found literally, the value's start must do.
+        Folding a block (`>`) changes blanks and nothing else: there the others are counted.
+        """
+        value = node.value if isinstance(node.value, str) else ""
+        offset = min(max(offset, 0), len(value))
+        if self.text.startswith(">", node.start):
+            return _line_and_column(self.text, self._folded(node, value, offset))
+        begin = value.rfind("\n", 0, offset) + 1
+        end = value.find("\n", offset)
+        line_text = value[begin : end if end >= 0 else len(value)]
+        position = self.text.find(line_text, node.start, node.end) if line_text else -1
+        if position < 0:
+            return node.line, node.column
+        return _line_and_column(self.text, position + offset - begin)
+
+    def _folded(self, node: Node, value: str, offset: int) -> int:
+        """Return where in the text a character of a folded block's value stands."""
+        before = sum(not each.isspace() for each in value[:offset])
+        position = self.text.find("\n", node.start, node.end)  # the header is no part of it
+        for match in _INK.finditer(self.text, max(position, node.start), node.end):
+            if before == 0:
+                return match.start()
+            before, position = before - 1, match.end()
+        return max(position, node.start)
+
+
+def _line_and_column(text: str, position: int) -> tuple[int, int]:
+    """Return where a character of the text stands, both counted from 1."""
+    lines = (text[:position] + " ").splitlines()  # the blank stands for the character itself
+    return len(lines), len(lines[-1])
+
+
+def place_of(document: Document, path: found.Path) -> Place:
+    """Return where the value at `path` of the document stands."""
+    return document.place_of(path)
+
+
+def read_document(path: Path | str, name: str | None = None) -> Document:
+    """Return the content of a file.
+
+    Args:
+        path: The file; not more than 1 MiB of UTF-8.
+        name: What to call it in messages; its path when not given.
+
+    Raises:
+        LoadError: The file cannot be read or its content cannot be used.
+    """
+    shown = name or str(path).replace("\0", "\\0")
+    try:
+        file = Path(path)
+        mode = file.stat().st_mode
+        if stat.S_ISDIR(mode):
+            raise _refusal(shown, "file", "is a directory; a YAML file is expected")
+        if not stat.S_ISREG(mode):
+            raise _refusal(shown, "file", "is not a regular file")
+        with file.open("rb") as stream:
+            content = stream.read(LARGEST_FILE + 1)
+    except FileNotFoundError:
+        raise _refusal(shown, "file", "there is no such file") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise _refusal(shown, "file", f"cannot be read: {reason}") from None
+    return parse_document(content, shown)
+
+
+def parse_document(text: str | bytes, name: str) -> Document:
+    """Return the content of a YAML text.
+
+    Args:
+        text: One YAML document, not more than 1 MiB.
+        name: What to call it in messages.
+
+    Raises:
+        LoadError: The content cannot be used; all faults that can be found at once.
+    """
+    decoded = _decoded(text, name) if isinstance(text, bytes) else text
+    decoded = decoded.removeprefix("\ufeff")
+    if len(decoded) > LARGEST_FILE:
+        raise _too_large(name)
+    _refuse_unprintable(decoded, name)
+    lines = tuple(decoded.splitlines())
+    root, faults = compose(decoded)
+    problems = [
+        Problem(
+            fault.code,
+            Place(name, fault.line, fault.column),
+            fault.message,
+            fault.expected,
+            fault.suggestion,
+            lines[fault.line - 1] if 1 <= fault.line <= len(lines) else "",
+        )
+        for fault in faults
+    ]
+    if problems:
+        raise LoadError(problems)
+    if root is None:
+        raise _refusal(name, "empty", "the file is empty; a mapping is expected")
+    return Document(name=name, text=decoded, _root=root, lines=lines)
+
+
+def _decoded(content: bytes, name: str) -> str:
+    if len(content) > LARGEST_FILE:
+        raise _too_large(name)
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise _refusal(name, "encoding", "is written in UTF-16; save it as UTF-8")
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        before = content[: error.start]
+        if b"\0" in content:
+            raise _refusal(name, "binary", "is a binary file; YAML text is expected") from None
+        lines = (before + b" ").splitlines()  # the blank stands for the byte itself
+        line, column = len(lines), len(lines[-1].decode("utf-8"))
+        message = f"byte 0x{content[error.start]:02x} is not UTF-8; save the file as UTF-8"
+        raise LoadError([Problem("encoding", Place(name, line, column), message)]) from None
+
+
+def _refuse_unprintable(text: str, name: str) -> None:
+    """Return when the text holds only characters that YAML 1.2 allows (section 5.1)."""
+    match = _UNPRINTABLE.search(text)
+    if match is None:
+        return
+    if match[0] == "\0":
+        raise _refusal(name, "binary", "is a binary file; YAML text is expected")
+    place = Place(name, *_line_and_column(text, match.start()))
+    message = f"the character U+{ord(match[0]):04X} is not allowed in YAML"
+    raise LoadError([Problem("binary", place, message)])
+
+
+def _too_large(name: str) -> LoadError:
+    return _refusal(name, "too-large", f"is larger than {LARGEST_FILE >> 20} MiB")
+
+
+def _refusal(name: str, code: str, message: str) -> LoadError:
+    """Return an error about the file as a whole."""
+    return LoadError([Problem(code, Place(name), message)])

@@ -1,0 +1,52 @@
+"""Values of a YAML file with their places, and faults with theirs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+Children: TypeAlias = "dict[str, tuple[Node, int, int]] | list[Node] | None"
+
+
+@dataclass(slots=True)
+class Node:
+    """Is a value with its place; lines and columns count from 1, start and end from 0.
+
+    Attributes:
+        value: The plain data.
+        children: For a mapping each value with line and column of its key, for a list the items.
+        size: Nodes in this tree, with aliases counted as what they stand for.
+        height: Levels of this tree.
+    """
+
+    line: int
+    column: int
+    start: int
+    end: int
+    value: Any = None
+    children: Children = None
+    size: int = 1
+    height: int = 1
+
+    def child(self, part: str | int) -> tuple[Node, int, int] | None:
+        """Return the value under a key or index with the place of its key, if there is one."""
+        if isinstance(self.children, dict) and isinstance(part, str):
+            return self.children.get(part)
+        if not isinstance(self.children, list) or not isinstance(part, int):
+            return None
+        if not 0 <= part < len(self.children):
+            return None
+        item = self.children[part]
+        return item, item.line, item.column
+
+
+@dataclass(frozen=True, slots=True)
+class YamlFault:
+    """Is something wrong at a line and column; the caller knows the file."""
+
+    code: str
+    line: int
+    column: int
+    message: str
+    expected: str = ""
+    suggestion: str = ""

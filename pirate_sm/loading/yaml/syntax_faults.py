@@ -1,0 +1,73 @@
+"""Say what is wrong with YAML's syntax in words for people who do not know its grammar."""
+
+from __future__ import annotations
+
+import json
+from typing import Final
+
+import yaml
+
+from pirate_sm.loading.yaml.nodes import Node, YamlFault
+
+# What the parser says, in part, and what a person can do about it.
+_ADVICE: Final = (
+    (
+        "mapping values are not allowed",
+        "a ':' cannot stand here",
+        "the same indentation as the line before, or text with ': ' in quotes",
+    ),
+    ("entries are not allowed", "a '- ' cannot stand here", "list items on lines of their own"),
+    ("tab character", "a tab cannot indent a line", "blanks"),
+    ("unknown escape", "an unknown escape in double quotes", "single quotes, or '\\\\' for '\\'"),
+    ("flow node", "a value, or a closing bracket, is missing", ""),
+    ("node content", "no value can begin here", ""),
+    ("flow sequence", "a '[' is not closed, or a ',' is missing", "',' or ']'"),
+    ("flow mapping", "a '{' is not closed, or a ',' is missing", "',' or '}'"),
+    ("end of stream", "a quote is not closed", "the closing quote"),
+    ("expected ':'", "a ':' is missing after a key", "'key: value'"),
+    (
+        "block mapping",
+        "this does not continue the mapping",
+        "'key: value' in line with the keys above, and nothing after a closing quote",
+    ),
+    ("block collection", "this does not continue the list", "'- ' in line with the items above"),
+)
+
+
+def syntax_fault(error: yaml.MarkedYAMLError, innermost: Node | None) -> YamlFault:
+    """Return a syntax error in words that help someone who does not know YAML's grammar."""
+    said = f"{error.context or ''} {error.problem or ''}"
+    mark, opening = error.problem_mark or error.context_mark, error.context_mark
+    if "end of stream" in said and opening is not None:
+        mark = opening
+    line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+    if "flow" in said and innermost is not None and line > innermost.line:
+        # What is not closed is noticed lines later, where nothing is wrong.
+        line, column = innermost.line, innermost.column
+    if "cannot start any token" in said:
+        return _bad_character(error, line, column)
+    for needle, message, expected in _ADVICE:
+        if needle in said:
+            return YamlFault("syntax", line, column, message, expected)
+    return YamlFault("syntax", line, column, f"is not YAML: {error.problem or error.context}")
+
+
+def _bad_character(error: yaml.MarkedYAMLError, line: int, column: int) -> YamlFault:
+    """Return the fault of a character that begins nothing: mostly a tab, '%', '@' or '`'."""
+    # Only PyYAML's own parser names it; for both, a tab is what people trip over at a line start.
+    if "'\\t'" in (error.problem or "") or column == 1:
+        return YamlFault("syntax", line, column, "a tab cannot indent a line", "blanks")
+    message = "a value cannot begin with this character"
+    return YamlFault("syntax", line, column, message, "the text in quotes")
+
+
+def key_fault(key: Node) -> YamlFault:
+    """Return the fault of a key that is not text."""
+    if isinstance(key.value, dict | list):
+        message = "a mapping or list cannot be a key"
+        expected = "text as the key; text in braces or brackets needs quotes"
+    else:
+        shown = json.dumps(key.value)
+        message = f"the key '{shown}' is not text"
+        expected = f"text as the key; in quotes ('{shown}') it is text"
+    return YamlFault("key", key.line, key.column, message, expected)

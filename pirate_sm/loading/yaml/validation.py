@@ -1,0 +1,172 @@
+"""Plain data → model: every error of pydantic becomes a problem at its place in the file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.yaml.document import Document
+from pirate_sm.loading.yaml.error_wording import Wording, merged, wanted_kind, word
+from pirate_sm.loading.yaml.schema_path import SchemaWalk, Trail
+from pirate_sm.model.quantities import FROM_FILE
+from pirate_sm.spelling import nearest, one_of
+
+M = TypeVar("M", bound=BaseModel)
+
+_MOST_ERRORS = 200
+_UNKNOWN_KEY = ("extra_forbidden", "unexpected_keyword_argument")
+_MISSING_KEY = ("missing", "missing_argument", "missing_keyword_only_argument")
+
+
+def validate(document: Document, model: type[M], at: Path = ()) -> M:
+    """Return the model that a document describes.
+
+    Args:
+        document: The file.
+        model: A pydantic model.
+        at: The part of the document to take; all of it when empty.
+
+    Raises:
+        LoadError: It does not describe one; holds all that is wrong.
+    """
+    problems = Problems(document)
+    result = try_validate(document, model, problems, at)
+    problems.raise_errors()
+    assert result is not None
+    return result
+
+
+def try_validate(document: Document, model: type[M], problems: Problems, at: Path = ()) -> M | None:
+    """Return the model that a document describes, or None after adding what is wrong."""
+    try:
+        # In a file a field has one name, its alias where it has one.
+        return model.model_validate(
+            _part(document.data, at), context=dict(FROM_FILE), by_alias=True, by_name=False
+        )
+    except ValidationError as error:
+        walk = SchemaWalk(model)
+        details = [detail for detail in error.errors(include_url=False) if not _is_echo(detail)]
+        errors = [_Error(detail, walk.follow(detail["loc"])) for detail in details[:_MOST_ERRORS]]
+        relevant = _relevant(errors, walk)
+        misspelt = {
+            _meant(error, walk) for error in relevant if error.detail["type"] in _UNKNOWN_KEY
+        }
+        about = problems.about(document)
+        for kept in relevant:
+            # A misspelt key is not missing as well.
+            if kept.detail["type"] not in _MISSING_KEY or kept.trail.path not in misspelt:
+                _report(kept, walk, about, at)
+        if len(details) > _MOST_ERRORS:
+            about.add("more", at, f"{len(details) - _MOST_ERRORS} more errors are not shown")
+        return None
+
+
+def _is_echo(detail: ErrorDetails) -> bool:
+    """Return whether a list is called too short only because its faulty entries do not count."""
+    minimum = detail.get("ctx", {}).get("min_length", 0)
+    return detail["type"] == "too_short" and len(detail["input"]) >= minimum
+
+
+def _meant(error: _Error, walk: SchemaWalk) -> Path:
+    """Return the path that an unknown key would have if it were spelt as the nearest known one."""
+    *parents, key = error.trail.path
+    fields = walk.fields(walk.parent(error.detail["loc"]))
+    return (*parents, nearest(str(key), fields) or key)
+
+
+def _part(data: Any, at: Path) -> Any:
+    for step in at:
+        data = data[step]
+    return data
+
+
+@dataclass(frozen=True, slots=True)
+class _Error:
+    """Is one error with where it stands; `wording` replaces its own when errors were merged."""
+
+    detail: ErrorDetails
+    trail: Trail
+    wording: Wording | None = None
+
+
+def _relevant(errors: list[_Error], walk: SchemaWalk) -> list[_Error]:
+    """Return the errors without those of union branches that were never meant."""
+    kept = [error for error in errors if not error.trail.branches]
+    unions: dict[Path, dict[str, list[_Error]]] = {}
+    for error in errors:
+        if error.trail.branches:
+            (point, label), *inner = error.trail.branches
+            stripped = replace(error, trail=replace(error.trail, branches=tuple(inner)))
+            unions.setdefault(point, {}).setdefault(label, []).append(stripped)
+    for point, branches in unions.items():
+        relevant = [_relevant(branch, walk) for branch in branches.values()]
+        kept += _best_branch(point, relevant, walk)
+    return kept
+
+
+def _best_branch(point: Path, branches: list[list[_Error]], walk: SchemaWalk) -> list[_Error]:
+    """Return the errors of the branch that was most likely meant.
+
+    A branch that wants another kind of value altogether was not meant; of the others, the one
+    with the fewest errors was, where a misspelt key counts less than an unknown one.
+    """
+    meant = [
+        branch
+        for branch in branches
+        if not any(error.trail.path == point and wanted_kind(error.detail) for error in branch)
+    ]
+    if meant:
+        return min(meant, key=lambda branch: len(branch) - _misspelt(branch, walk))
+    first = branches[0][0]
+    kinds = [wanted_kind(error.detail) for branch in branches for error in branch]
+    wording = merged([kind for kind in kinds if kind], first.detail["input"])
+    return [replace(first, wording=wording)]
+
+
+def _misspelt(errors: list[_Error], walk: SchemaWalk) -> int:
+    """Return how many of the errors are keys that are close to a known one."""
+    unknown = [error for error in errors if error.detail["type"] in _UNKNOWN_KEY]
+    return sum(_meant(error, walk) != error.trail.path for error in unknown)
+
+
+def _report(error: _Error, walk: SchemaWalk, problems: Problems, at: Path) -> None:
+    """Add one error to the problems."""
+    kind, path = error.detail["type"], (*at, *error.trail.path)
+    if kind in _UNKNOWN_KEY:
+        _report_unknown_key(error, walk, problems, path)
+    elif kind in _MISSING_KEY:
+        message = f"the key '{path[-1]}' is missing"
+        problems.add("missing-key", path[:-1], message, key=True)
+    else:
+        code, message, expected, suggestion = error.wording or word(
+            error.detail, error.trail.schema
+        )
+        # What is wrong with a mapping as a whole is best shown at its name.
+        key = error.trail.key or isinstance(error.detail["input"], dict)
+        if kind == "union_tag_invalid":
+            path, key = (*path, _discriminator(error.detail)), False
+        problems.add(code, path, message, expected=expected, suggestion=suggestion, key=key)
+
+
+def _discriminator(detail: ErrorDetails) -> str:
+    return str(detail.get("ctx", {}).get("discriminator", "")).strip("'")
+
+
+def _report_unknown_key(error: _Error, walk: SchemaWalk, problems: Problems, path: Path) -> None:
+    key = str(path[-1])
+    fields = walk.fields(walk.parent(error.detail["loc"]))
+    expected = one_of(fields) if fields else ""
+    if key.endswith(")") or "(" in key:
+        expected = "text with commas in quotes: inside { } a comma ends it"
+    problems.add(
+        "unknown-key",
+        path,
+        f"unknown key '{key}'",
+        expected=expected,
+        suggestion=nearest(key, fields) or "",
+        key=True,
+    )
