@@ -18,9 +18,17 @@ from typing import ClassVar
 
 
 class PirateError(Exception):
-    """Is the root: whoever catches it knows the exit code and a message for a person."""
+    """Is the root: whoever catches it knows the exit code and a message for a person.
+
+    Attributes:
+        option_hint: What the command line adds to the message: the option that helps.
+    """
 
     exit_code: ClassVar[int] = 4
+
+    def __init__(self, *arguments: object, option_hint: str = "") -> None:
+        super().__init__(*arguments)
+        self.option_hint = option_hint
 
 
 class UsageError(PirateError):

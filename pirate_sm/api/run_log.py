@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from math import inf
 from os import PathLike
@@ -12,19 +12,14 @@ from pathlib import Path
 from pirate_sm.api.result import Run
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
-from pirate_sm.errors import RecordingError
-from pirate_sm.loading.file_names import shown
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
-from pirate_sm.recording.file import DiskFile, RecordingFile
 from pirate_sm.recording.header import RunHeader
 from pirate_sm.recording.recorder import Recorder
-from pirate_sm.recording.side_channel import SideChannel
 from pirate_sm.recording.steps import Step
-from pirate_sm.recording.viewing import Viewer
 from pirate_sm.report.poses import EVERY_S, Poses
 from pirate_sm.wiring import Prepared
-from pirate_sm.wiring.recorded import run_header, shown_to_viewers
+from pirate_sm.wiring.run_recorder import RunRecorder, requested_recording, run_header
 
 
 class Notes:
@@ -117,21 +112,9 @@ def noted(
         yield Notes(prepared, header, None)
         return
     path = Path(record)
+    recording = RunRecorder(prepared, header, requested_recording(path, header))
+    recording.follow(prepared, state)
     try:
-        file = RecordingFile(DiskFile(path), header)
-    except FileExistsError:
-        raise RecordingError(f"{shown(path)} exists already; nothing has moved") from None
-    except OSError as error:
-        what = f"{shown(path)} cannot be written: {error.strerror}"
-        raise RecordingError(f"{what}; nothing has moved") from None
-    side = SideChannel(Viewer(prepared.loaded, prepared.order.start_at_m))
-    side.follow(lambda: shown_to_viewers(prepared, state()))
-    recorder = Recorder(file, header, real_time=prepared.backend.real_time, side=side)
-    recorder.follow(state)
-    try:
-        yield Notes(prepared, header, recorder)
+        yield Notes(prepared, header, recording.recorder)
     finally:
-        recorder.close()
-        if not recorder.begun:
-            with suppress(OSError):
-                path.unlink()
+        recording.close(path)

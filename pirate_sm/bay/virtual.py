@@ -218,10 +218,13 @@ class VirtualBay:
 
     def _set_up(self, now_s: float) -> Firmware:
         return Firmware(
-            self._wire, self._line, self._robot, self._switches,
-            cycle_s=self._cycle_s, echo_delay_s=self._echo_delay_s, stop_after_s=self._stop_after_s,
-            now_s=now_s, tell=self._tell,
-        )  # fmt: skip
+            *(self._wire, self._line, self._robot, self._switches),
+            cycle_s=self._cycle_s,
+            echo_delay_s=self._echo_delay_s,
+            stop_after_s=self._stop_after_s,
+            now_s=now_s,
+            tell=self._tell,
+        )
 
     def _tell(self, record: Record) -> None:
         self.records.append(record)

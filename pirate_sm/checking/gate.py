@@ -23,7 +23,8 @@ class CheckError(PirateError):
         self.findings = findings
         report = Report(findings, (CheckedFile(name, Kind.MISSION),))
         said = text_report(report, lambda role, text: text)
-        super().__init__(f"{said}\nnothing has moved; --no-check runs the mission all the same")
+        hint = "; --no-check runs the mission all the same"
+        super().__init__(f"{said}\nnothing has moved", option_hint=hint)
 
 
 def pass_or_raise(loaded: LoadedMission) -> MissionCheck:

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import os
-from contextlib import suppress
 from datetime import datetime
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.errors import say
-from pirate_sm.errors import RecordingError
 from pirate_sm.loading.file_names import shown
+from pirate_sm.wiring.run_recorder import new_recording, requested_recording
 
 if TYPE_CHECKING:
-    from pirate_sm.recording.file import RecordingFile, Sink
+    from pirate_sm.recording.file import RecordingFile
     from pirate_sm.recording.header import RunHeader
     from pirate_sm.wiring import Prepared
 
@@ -44,44 +43,15 @@ def begin_recording(
     Raises:
         RecordingError: It was asked for and cannot be made.
     """
-    try:
-        return _open(path, header, anew=not asked)
-    except FileExistsError:
-        raise RecordingError(f"{shown(path)} exists already; nothing has moved") from None
-    except OSError as error:
-        problem = f"{shown(path)} cannot be written: {error.strerror}"
-        if asked:
-            raise RecordingError(f"{problem}; nothing has moved") from None
-        say(f"warning: nothing is recorded: {problem}")
-        return None, path
-
-
-def _open(path: Path, header: RunHeader, *, anew: bool) -> tuple[RecordingFile, Path]:
-    """Make a file that was not there before; ``anew``: under the next free name."""
-    from pirate_sm.recording.file import DiskFile
-
-    sink: Sink
+    if asked:
+        return requested_recording(path, header), path
     for number in count(2):
         try:
-            sink = DiskFile(path)
+            return new_recording(path, header), path
         except FileExistsError:
-            if not anew:
-                raise
             path = path.with_stem(f"{path.stem.partition('~')[0]}~{number}")
-        else:
-            return _headed(sink, path, header), path
+        except OSError as error:
+            problem = f"{shown(path)} cannot be written: {error.strerror}"
+            say(f"warning: nothing is recorded: {problem}")
+            return None, path
     raise AssertionError("numbers do not end")
-
-
-def _headed(sink: Sink, path: Path, header: RunHeader) -> RecordingFile:
-    """Write the beginning of a recording; where that fails no file is left."""
-    from pirate_sm.recording.file import RecordingFile
-
-    try:
-        return RecordingFile(sink, header)
-    except BaseException:
-        with suppress(OSError):
-            sink.close()
-        with suppress(OSError):
-            path.unlink()
-        raise

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from math import inf
@@ -16,20 +16,16 @@ from pirate_sm.errors import UsageError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Event
-from pirate_sm.wiring.recorded import run_header, shown_to_viewers
+from pirate_sm.wiring.run_recorder import RunRecorder, run_header
 
 if TYPE_CHECKING:
     from pirate_sm.companion import Companion
     from pirate_sm.engine.state import EngineState
     from pirate_sm.recording.file import RecordingFile
-    from pirate_sm.recording.header import RunHeader
+    from pirate_sm.recording.live import Live
     from pirate_sm.recording.recorder import Recorder
-    from pirate_sm.recording.side_channel import SideChannel
     from pirate_sm.runtime.loop import MissionRun
     from pirate_sm.wiring import Prepared
-
-_LIVE_S = 0.1
-"""So often viewers that look on get something new."""
 
 
 @dataclass(frozen=True)
@@ -53,16 +49,20 @@ class Kept:
 
     Attributes:
         prepared: The run, with what is to be said of its recording.
-        tap: Who keeps it; None where nobody does.
+        recording: Where to; None: nowhere.
         companions: Who stands beside the mission for it.
         wanted: Whether the recording is to be left when the run is over.
     """
 
     prepared: Prepared
-    tap: Recorder | None = None
+    recording: RunRecorder | None = None
     companions: tuple[Companion, ...] = ()
-    side: SideChannel | None = None
     wanted: bool = True
+
+    @property
+    def tap(self) -> Recorder | None:
+        """Who keeps the run; None where nobody does."""
+        return self.recording.recorder if self.recording is not None else None
 
     def forget(self) -> None:
         """Leave no recording: nothing was asked for in the run."""
@@ -70,10 +70,8 @@ class Kept:
 
     def follow(self, run: MissionRun) -> None:
         """Show this run to viewers, and record its state now and then."""
-        if self.tap is not None:
-            self.tap.follow(lambda: run.state)
-        if self.side is not None:
-            self.side.follow(lambda: shown_to_viewers(self.prepared, run.state))
+        if self.recording is not None:
+            self.recording.follow(self.prepared, lambda: run.state)
 
 
 @contextmanager
@@ -102,7 +100,7 @@ def recorded(
         return
     header = run_header(prepared, factor, began)
     with ExitStack() as stack:
-        side, served = _side(prepared, options, stack)
+        live, served = _live(options, stack)
         file: RecordingFile | None = None
         if path is not None:
             file, path = begin_recording(path, header, asked=options.record is not None)
@@ -111,59 +109,30 @@ def recorded(
             return
         place = path if file else None
         said = (f"recording: {shown(place)}",) if place else ()
-        recorder = _recorder(prepared, file, header, side, live=options.live)
+        recording = RunRecorder(prepared, header, file, live)
+        recorder, side = recording.recorder, recording.side
         warner = Warner(recorder)
         notices = (*prepared.notices, *served, *said)
-        kept = Kept(replace(prepared, notices=notices), recorder, (warner,), side)
+        kept = Kept(replace(prepared, notices=notices), recording, (warner,))
         try:
             yield kept
         finally:
-            recorder.close()
-            if place is not None and not (recorder.begun and kept.wanted):
-                with suppress(OSError):
-                    place.unlink()  # the run was refused, or it was not asked for anything
+            recording.close(place, wanted=kept.wanted)
             if recorder.failure and (quiet or warner.told != until_when(recorder)):
                 say(f"warning: {shown(place) if place else 'live'}: {until_when(recorder)}")
             if side.failure:
                 say(f"warning: viewers see less than there is: {side.failure}")
 
 
-def _recorder(
-    prepared: Prepared,
-    file: RecordingFile | None,
-    header: RunHeader,
-    side: SideChannel,
-    *,
-    live: bool,
-) -> Recorder:
-    """Return who records into the file, without one only for viewers that look on."""
-    from pirate_sm.recording.file import Nowhere, RecordingFile
-    from pirate_sm.recording.recorder import COMMIT_S, Recorder
-
-    return Recorder(
-        file or RecordingFile(Nowhere(), header),
-        header,
-        real_time=prepared.backend.real_time,
-        side=side,
-        commit_s=_LIVE_S if live else COMMIT_S,
-    )
-
-
-def _side(
-    prepared: Prepared, options: RecordingOptions, stack: ExitStack
-) -> tuple[SideChannel, tuple[str, ...]]:
-    """Return the channel to viewers, and notices about it."""
-    from pirate_sm.recording.side_channel import SideChannel
-    from pirate_sm.recording.viewing import Viewer
-
-    viewer = Viewer(prepared.loaded, prepared.order.start_at_m)
+def _live(options: RecordingOptions, stack: ExitStack) -> tuple[Live | None, tuple[str, ...]]:
+    """Return what serves viewers while the run goes on, and notices about it."""
     if not options.live:
-        return SideChannel(viewer), ()
+        return None, ()
     from pirate_sm.recording.live import Live
 
     live = Live()
     stack.callback(live.close)
-    return SideChannel(viewer, live), (f"live: open {live.address} in Foxglove or Lichtblick",)
+    return live, (f"live: open {live.address} in Foxglove or Lichtblick",)
 
 
 def until_when(recorder: Recorder) -> str:

@@ -57,10 +57,8 @@ _WIDE, _HIGH = 120, 36
 _LARGE, _TALL = 150, 44
 """And from this size on with room to spare."""
 
-_SHORT = {
-    "go": "Start", "pause": "Pause", "step": "Step", "skip": "Skip", "hand_back": "Hand",
-    "abort": "Abort",
-}  # fmt: skip
+_SHORT = {name: name.title() for name in ("pause", "step", "skip", "abort")}
+_SHORT |= {"go": "Start", "hand_back": "Hand"}
 """What the footer calls the controls."""
 
 _SHOWN = frozenset(

@@ -26,6 +26,7 @@ _FRAME = 6
 """How many of its columns are border, padding and scroll bar."""
 
 
+_NO_KEYS = f"{both_cases('n')},{both_cases(LEAVE)},escape"
 _STOP = Binding(STOP_KEY, "app.stop", "STOP")
 """Stands in the last line of each dialog, where it works as everywhere else."""
 
@@ -41,9 +42,8 @@ class Confirm(ModalScreen[bool]):
     BINDINGS: ClassVar[list[BindingType]] = [
         _STOP,
         Binding(both_cases("y"), "answer(True)", "Yes", key_display="y"),
-        Binding(f"{both_cases('n')},{both_cases(LEAVE)},escape", "answer(False)", "No",
-                key_display="n"),
-    ]  # fmt: skip
+        Binding(_NO_KEYS, "answer(False)", "No", key_display="n"),
+    ]
 
     def __init__(self, question: str, yes: str) -> None:
         super().__init__()

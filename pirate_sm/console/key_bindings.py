@@ -14,8 +14,13 @@ from pirate_sm.engine.robot.robot_state import at_rest_in
 
 LEAVE = "q"
 CONTROLS: Mapping[str, str] = {
-    "go": "r", "pause": "p", "step": "n", "skip": "k", "hand_back": "h", "abort": "x",
-}  # fmt: skip
+    "go": "r",
+    "pause": "p",
+    "step": "n",
+    "skip": "k",
+    "hand_back": "h",
+    "abort": "x",
+}
 """Letters of what can be done with a mission."""
 
 MISSIONS = "m"

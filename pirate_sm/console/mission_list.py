@@ -44,10 +44,8 @@ def _listed(path: Path) -> ListedMission | None:
     if not isinstance(data, dict) or "mission" not in data:
         return None
     pipe = data.get("pipe")
-    return ListedMission(
-        path, path.stem, str(data.get("description", "")), str(data.get("robot", "")),
-        pipe if isinstance(pipe, str) else "",
-    )  # fmt: skip
+    description, robot = (str(data.get(key, "")) for key in ("description", "robot"))
+    return ListedMission(path, path.stem, description, robot, pipe if isinstance(pipe, str) else "")
 
 
 def load_listed(order: Order, path: Path) -> LoadedMission:

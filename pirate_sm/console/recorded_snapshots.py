@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
+from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
 from pirate_sm.geometry.plane import walls
 from pirate_sm.geometry.space import Place
@@ -126,6 +127,12 @@ def _frames(
     every_s, due_s = max(FINEST_S, (until_s - window.start_s) / MOST_FRAMES), window.start_s
     state, last_s = None, 0.0
     places.begin(window.start_s)
+
+    def shown(state: EngineState, at_s: float, *, over: bool = False) -> Snapshot:
+        what = scene, at_s, state, memory.story(), places.at(at_s), not places.known
+        ahead_s = recording.origin_s
+        return Snapshot(*what, trends=trends.latest, over=over, ahead_s=ahead_s)
+
     for again in rerun(recording, loaded, begin.after):
         at_s = last_s = again.at_s
         if at_s >= until_s and not last:
@@ -137,15 +144,9 @@ def _frames(
         trends.look(scene, state, at_s)
         if at_s >= due_s:
             due_s = at_s + every_s
-            yield Snapshot(
-                scene, at_s, state, memory.story(), places.at(at_s), not places.known,
-                trends=trends.latest, ahead_s=recording.origin_s,
-            )  # fmt: skip
+            yield shown(state, at_s)
     if last and state is not None:
-        yield Snapshot(
-            scene, last_s, state, memory.story(), places.at(last_s), not places.known,
-            trends=trends.latest, over=recording.complete, ahead_s=recording.origin_s,
-        )  # fmt: skip
+        yield shown(state, last_s, over=recording.complete)
 
 
 class _RecordedPlaces:

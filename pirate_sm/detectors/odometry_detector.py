@@ -49,7 +49,7 @@ class Odometry:
         self, profile: Profile, robot: RobotSpec, pipe: Pipe, first_wheel_m: float | None = None
     ) -> None:
         if robot.odometry < 0:
-            raise UsageError(f"--detector odometry: {robot.name} has no signal of odometry_of")
+            raise UsageError(f"detector odometry: {robot.name} has no signal of odometry_of")
         self._route = route = pipe.route()
         self._radius_m = profile.body.wheel_radius
         self._walls = walls(route)
@@ -57,7 +57,7 @@ class Odometry:
         self.first_wheel_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
         if not 0.0 <= self.first_wheel_m <= route.length_m:
             raise UsageError(
-                f"--start-at {self.first_wheel_m * 1000:.4g} mm is outside the pipe, "
+                f"the start at {self.first_wheel_m * 1000:.4g} mm is outside the pipe, "
                 f"which is {route.length_m * 1000:.4g} mm long"
             )
         self.due_s = 0.0

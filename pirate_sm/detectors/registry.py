@@ -104,20 +104,23 @@ def detecting(text: str | None, usual: str, asked: Asked) -> Detecting:
     name, colon, rest = (usual if text is None else text).partition(":")
     make = DETECTORS.find(name)
     if asked.first_wheel_m is not None and name != "odometry":
-        raise UsageError("--start-at is where --detector odometry begins to count")
+        raise UsageError(
+            "only the detector odometry takes a place where it begins to count",
+            option_hint=": --start-at goes with --detector odometry",
+        )
     argument = rest if colon else None
     return make(replace(asked, by_name=text is not None, argument=argument))
 
 
 def _refuse_argument(name: str, asked: Asked) -> None:
     if asked.argument is not None:
-        raise UsageError(f"--detector {name}:{asked.argument}: {name} takes no argument")
+        raise UsageError(f"detector {name}:{asked.argument}: {name} takes no argument")
 
 
 def _true_places(asked: Asked) -> Detecting:
     _refuse_argument("sim", asked)
     if asked.places is None:
-        raise UsageError("--detector sim: only --backend sim knows where the robot really is")
+        raise UsageError("detector sim: only the backend sim knows where the robot really is")
     bends_m, wheels_m = asked.places
     sees = TruePlaces(asked.profile, asked.robot, bends_m, wheels_m, asked.seed)
     return Detecting("sim", (sees,))
@@ -128,7 +131,8 @@ def _odometry(asked: Asked) -> Detecting:
     if asked.pipe is None and not asked.by_name:
         return Detecting("none", (), ("detector: none, the mission names no pipe",))
     if asked.pipe is None:
-        raise UsageError("--detector odometry needs to know the pipe: give it with --pipe")
+        message = "the detector odometry needs to know the pipe"
+        raise UsageError(message, option_hint=": give it with --pipe")
     odometry = Odometry(asked.profile, asked.robot, asked.pipe, asked.first_wheel_m)
     place = f"{odometry.first_wheel_m * 1000:.4g} mm"
     notice = f"detector: odometry, counted from the first wheel at {place} of the pipe"

@@ -13,7 +13,6 @@ from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.registry import Registry
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Prepared, Say
 from pirate_sm.wiring.run_order import Order
-from pirate_sm.wiring.serial import calibrated
 
 __all__ = ["BACKENDS", "Order", "Prepared", "again", "answers", "load", "prepare"]
 
@@ -100,7 +99,10 @@ def _detecting(order: Order, loaded: LoadedMission, made: Equipment) -> Detectin
     """Return who says the detector's words."""
     if made.usual_detector is None:
         if order.detector is not None or order.start_at_m is not None:
-            raise UsageError(f"--backend {order.backend} takes no --detector and no --start-at")
+            raise UsageError(
+                f"the backend {order.backend} takes no detector and no place to start at",
+                option_hint=" (--detector, --start-at)",
+            )
         return Detecting("none")
     profile, robot = loaded.loaded_robot.profile, loaded.robot
     asked = Asked(profile, robot, loaded.pipe, order.start_at_m, made.places, order.seed)
@@ -118,8 +120,7 @@ def again(prepared: Prepared, loaded: LoadedMission) -> Prepared:
         name = before.loaded_robot.profile.robot
         raise UsageError(f"{loaded.mission.mission} is for {loaded.robot.name}, this is {name}")
     order = replace(prepared.order, mission=loaded.mission.mission)
-    if order.backend == "serial":
-        loaded, _ = calibrated(order, loaded)
+    loaded = prepared.adapted(loaded)
     # The robot stays in the pipe that it is in, whatever the mission was written for.
     program = replace(loaded.program, diameter_m=before.program.diameter_m)
     loaded = replace(loaded, program=program, pipe=before.pipe, pipe_name=before.pipe_name)

@@ -40,6 +40,8 @@ class Equipment:
         parting: What a person must do once the run has ended; empty: nothing.
         confirmation: What a person must agree to before anything moves; empty: nothing.
         attended: Whether a companion answers the mission's questions.
+        adapted: Returns another mission for the same robot as the backend changes every mission
+            (a robot's zeros).
     """
 
     backend: Backend
@@ -54,6 +56,7 @@ class Equipment:
     parting: Callable[[], str] = lambda: ""
     confirmation: str = ""
     attended: bool = False
+    adapted: Callable[[LoadedMission], LoadedMission] = lambda loaded: loaded
 
 
 class MakeBackend(Protocol):

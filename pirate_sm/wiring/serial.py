@@ -19,11 +19,14 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         UsageError: There is no port, or an option is for another backend.
     """
     if not order.port:
-        raise UsageError("--backend serial needs a port: --port /dev/ttyACM0, or a pyserial URL")
+        hint = ": --port /dev/ttyACM0, or a pyserial URL"
+        raise UsageError("the backend serial needs a port", option_hint=hint)
     if order.defects:
-        raise UsageError("a real robot has the defects that it has: --defect is for --backend sim")
+        raise UsageError("a real robot has the defects that it has: only the backend sim takes any")
     if order.firings or order.course:
-        raise UsageError("triggers can be fired in a trace only: use --backend trace")
+        raise UsageError(
+            "triggers can be fired in a trace only", option_hint=": use --backend trace"
+        )
     from pirate_sm.backends.serial.assembly import STAY_S, read_plan, serial_backend
 
     loaded, notices = calibrated(order, loaded)
@@ -40,6 +43,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         link=lambda: backend.health,
         parting=backend.parting,
         confirmation=f"{profile.robot} on {order.port} is about to move",
+        adapted=lambda other: calibrated(order, other)[0],
     )
 
 

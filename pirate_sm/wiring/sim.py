@@ -27,9 +27,12 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
             installed.
     """
     if loaded.pipe is None:
-        raise UsageError("the mission names no pipe to simulate: give one with --pipe NAME")
+        message = "the mission names no pipe to simulate"
+        raise UsageError(message, option_hint=": give one with --pipe NAME")
     if order.firings or order.course:
-        raise UsageError("triggers can be fired in a trace only: use --backend trace")
+        raise UsageError(
+            "triggers can be fired in a trace only", option_hint=": use --backend trace"
+        )
     try:
         from pirate_sm.backends.simulated import SimulatorBackend
         from pirate_sm.simulation.surroundings import Jitter
@@ -39,7 +42,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
             raise
         raise UsageError(
             f"the simulator needs {error.name}, which is not installed: "
-            "pip install 'pirate-sm[sim]' (or use --backend trace)"
+            "pip install 'pirate-sm[sim]' (or use the backend trace)"
         ) from None
     if not is_compiled():
         say(COMPILING)

@@ -26,9 +26,9 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         UsageError: An option is for another backend, or nothing waits for what shall be fired.
     """
     if order.defects:
-        raise UsageError("--defect needs a robot that moves: use --backend sim")
+        raise UsageError("a defect needs a robot that moves", option_hint=": use --backend sim")
     if order.detector is not None or order.start_at_m is not None:
-        raise UsageError("--detector needs a robot that moves: use --backend sim")
+        raise UsageError("a detector needs a robot that moves", option_hint=": use --backend sim")
     if order.course:
         return _course(order, loaded)
     _check_firings(order.firings, loaded)
@@ -40,7 +40,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
 def _course(order: Order, loaded: LoadedMission) -> Equipment:
     """Return a trace in which what happens is laid down."""
     if order.firings:
-        raise UsageError("a course of events and --fire exclude each other")
+        raise UsageError("a course of events and triggers to fire exclude each other")
     events = resolve_course(order.course, loaded.robot)
     known = [each.report for each in events if each.happening.happens == "start" and each.report]
     later = [each for each in events if each.happening.happens != "start"]

@@ -64,8 +64,11 @@ def test_a_runner_that_is_stopped_for_a_moment_succeeds(port: Path, drive: int) 
     options = ("--backend", "serial", "--port", str(port), "--json", "--no-record", "--yes")
     with subprocess.Popen(
         (*PYTHON, "run", mission, *options),
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=ROOT, text=True,
-    ) as runner:  # fmt: skip
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        cwd=ROOT,
+        text=True,
+    ) as runner:
         assert runner.stdout is not None
         told = []
         for line in runner.stdout:

@@ -145,8 +145,9 @@ def test_a_crash_in_a_widget_ends_in_the_safe_state() -> None:
         prepared = trace()
         submit = prepared.backend.submit
         prepared.backend.submit = lambda number, values: (  # type: ignore[method-assign]
-            sent.append(values), submit(number, values)
-        )  # fmt: skip
+            sent.append(values),
+            submit(number, values),
+        )
         async with operator(prepared, console=Breaking, size=SMALL) as me:
             await drive(me)
             assert any(sent[-1][slot] for slot in me.latest.scene.robot.safe_zero)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from contextlib import suppress
-from math import inf
 
 from pirate_sm.backends.protocol import Completion
 from pirate_sm.backends.serial.health import LinkHealth, health_of
@@ -12,7 +11,9 @@ from pirate_sm.backends.serial.link.connection_errors import mute, no_sensors, u
 from pirate_sm.backends.serial.link.conversation import SILENT_AFTER_S
 from pirate_sm.backends.serial.link.exchange import Exchange
 from pirate_sm.backends.serial.link.link_plan import LinkPlan
-from pirate_sm.backends.serial.ports.protocol import Port, PortLostError
+from pirate_sm.backends.serial.link_pump import LinkPump
+from pirate_sm.backends.serial.mission_time import MissionTime
+from pirate_sm.backends.serial.ports.protocol import Port
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import Event, SensorFrame
 from pirate_sm.model.fault_codes import BuiltInFault
@@ -22,11 +23,9 @@ ANSWER_WITHIN_S = 6.0
 
 SENSORS_WITHIN_S = 3.0
 _LOOK_UP_S = 0.1
-_REOPEN_EVERY_S = 0.5
 _FLUSH_WITHIN_S = 0.8
 _RESET_SHOWS_S = SILENT_AFTER_S + 0.1
 """A silence of this length has been noticed by then: the robot is away."""
-_SAMPLE_BYTES = 4096
 
 
 class SerialBackend:
@@ -56,20 +55,19 @@ class SerialBackend:
         self.plan = plan
         self.port = port
         self._baud = baud or plan.serial.baud
-        self.exchange = Exchange(plan, port.now(), port.epoch_s, self._baud)
-        self._zero_s = 0.0
-        self._held_s = inf
-        self._late = False
+        self._begin()
+        self._time = MissionTime()
         self._told = False
         self._trips = 0
-        self._now_s = 0.0
         self._events: list[Event] = []
         self._open = False
         self._closed = False
         self.confirmed = True
-        self._lost_s = inf
-        self._retry_s = -inf
-        self._sample = b""
+
+    def _begin(self) -> None:
+        port = self.port
+        self.exchange = Exchange(self.plan, port.now(), port.epoch_s, self._baud)
+        self._pump = LinkPump(port, self.exchange)
 
     # --- the protocol -----------------------------------------------------------------------
 
@@ -84,13 +82,13 @@ class SerialBackend:
         self.port.open()
         self._open = True
         try:
-            self.exchange = Exchange(self.plan, self.port.now(), self.port.epoch_s, self._baud)
+            self._begin()
             self._negotiate()
             events = self._hear_sensors()
         except BaseException:
             self.close()
             raise
-        self._zero_s = self.port.now()
+        self._time.begin(self.port.now())
         self.exchange.watch()
         return events
 
@@ -107,29 +105,22 @@ class SerialBackend:
         """
         if self._closed or not self._open:
             raise BackendError("the port is closed")
-        if until_s < self._now_s:
-            return self._now_s, ()
+        if until_s < self._time.now_s:
+            return self._time.now_s, ()
         self.exchange.resume(self.port.now())
         look_up_s = self.port.now() + _LOOK_UP_S
         while True:
-            held = self._held_s < inf
-            deadline_s = look_up_s if held else min(self._zero_s + until_s, look_up_s)
-            self._turn(deadline_s)
+            deadline_s = self._time.deadline_s(until_s, look_up_s)
+            self._pump.turn(deadline_s)
             now = self.port.now()
-            self._keep_time(now)
-            self._events += self.exchange.take()
+            self._time.follow(self.exchange, now)
+            self._events += self._pump.take()
             if self._events or now >= deadline_s:
                 break
-        now_s = min(now, self._held_s) - self._zero_s
-        # Not `now_s` alone, which rounding may leave a hair before `until_s`.
-        self._now_s = max(self._now_s, min(now_s, until_s))
-        if min(now, self._held_s) >= self._zero_s + until_s:
-            self._now_s = until_s
-        if self._late and now_s > until_s:
-            return self._now_s, ()  # reported when mission time is there
-        self._late = False
+        if not self._time.reach(now, until_s):
+            return self._time.now_s, ()  # reported when mission time is there
         events, self._events = self._events, []
-        return self._now_s, events
+        return self._time.now_s, events
 
     def close(self) -> None:
         """Send the last array, tell the device to stop publishing, and free the port."""
@@ -144,7 +135,7 @@ class SerialBackend:
             # To a rosserial device only, and to none that is still to confirm something.
             if self.exchange.conversation.frames and stopped.confirmed:
                 with suppress(BackendError):
-                    self._put(self.exchange.conversation.farewell())
+                    self._pump.put(self.exchange.conversation.farewell())
         self._open = False
         self.port.close(stopped.confirmed)
 
@@ -190,93 +181,24 @@ class SerialBackend:
 
     # --- inside -----------------------------------------------------------------------------
 
-    def _keep_time(self, now: float) -> None:
-        """Stop mission time while the mission is held.
-
-        It catches up with a silence that was none, but for what this program stood still for in it,
-        and leaves out one that is reported as a fault.
-        """
-        outage = self.exchange.outage
-        self._zero_s += self.exchange.take_left_out_s()
-        if outage is not None:
-            self._held_s = min(self._held_s, outage.since_s)
-        elif self._held_s < inf:
-            if self.exchange.brief:
-                self._late = True
-            else:
-                self._zero_s += now - self._held_s
-            self._held_s = inf
-
-    def _turn(self, until_s: float) -> None:
-        """Write everything that is due, and take in what comes by ``until_s``."""
-        if self._lost_s < inf:
-            self._retry(self.port.now())
-        now = self.port.now()
-        able = self._lost_s == inf
-        try:
-            while data := self.exchange.write(now, able):
-                self.port.write(data)
-            self.port.beat(self.exchange.safe_frame())
-            data = self.port.read(min(until_s, self._due_s(now))) if able else b""
-        except PortLostError as error:
-            self._lose(str(error))
-        if self._lost_s < inf:
-            self.port.wait(min(until_s, self._due_s(now)))
-            return
-        if data:
-            if not self.exchange.conversation.known:
-                self._sample = (self._sample + data)[-_SAMPLE_BYTES:]
-            self.exchange.receive(data, self.port.now())
-        self._heed_guardian()
-
-    def _heed_guardian(self) -> None:
-        """Report a fault if the guardian has stopped the robot in place of this program."""
-        try:
-            overruled = self.port.overruled()
-        except PortLostError as error:
-            self._lose(str(error))
-            return
-        if overruled:
-            message = "this program stood still for too long, the guardian of the port has stopped"
-            self._events.append(BuiltInFault.RUNNER_STALLED.report(f"{message} the robot"))
-
-    def _due_s(self, now: float) -> float:
-        if self._lost_s < inf:
-            return self._retry_s
-        return self.exchange.due_s(now)
-
-    def _lose(self, reason: str) -> None:
-        now = self.port.now()
-        if self._lost_s == inf:
-            self._lost_s = now
-            self._retry_s = now + _REOPEN_EVERY_S
-            self.exchange.lost(reason, now)
-
-    def _retry(self, now: float) -> None:
-        """Try to open a lost port; the exchange then asks for topics and sends the array."""
-        if now < self._retry_s:
-            return
-        self._retry_s = now + _REOPEN_EVERY_S
-        if self.port.reopen():
-            self._lost_s = inf
-            self.exchange.connected(self.port.now())
-
     def _negotiate(self) -> None:
         conversation = self.exchange.conversation
         boot_s = self.plan.serial.boot
         give_up_s = self.port.now() + boot_s + ANSWER_WITHIN_S
         while not conversation.known:
             frames, heard_s = conversation.frames, conversation.heard_s
-            self._turn(give_up_s)
+            self._pump.turn(give_up_s)
             if frames and conversation.heard_s - heard_s > boot_s / 2:
                 give_up_s = conversation.heard_s + ANSWER_WITHIN_S  # it has been reset meanwhile
             if self.exchange.refused:
                 raise BackendError("; ".join(self.exchange.refused))
-            if self._lost_s < inf:
+            if self._pump.lost:
                 raise BackendError(f"{self.port.name} went away while it was being opened")
             if self.port.now() >= give_up_s:
                 name, usual = self.port.name, self.plan.serial.baud
-                raise BackendError(unanswered(name, self._baud, conversation, self._sample, usual))
+                raise BackendError(
+                    unanswered(name, self._baud, conversation, self._pump.sample, usual)
+                )
 
     def _hear_sensors(self) -> list[Event]:
         """Return the last frame of every board, and a fault for boards that do not report.
@@ -289,11 +211,11 @@ class SerialBackend:
         frames: dict[int, SensorFrame] = {}
         told: list[Event] = []
         while not boards <= frames.keys() and self.port.now() < give_up_s:
-            self._turn(give_up_s)
+            self._pump.turn(give_up_s)
             for event in exchange.take():
                 if isinstance(event, SensorFrame):
                     frames[event.board] = event
-            if self._lost_s < inf:
+            if self._pump.lost:
                 raise BackendError(f"{self.port.name} went away while it was being opened")
         silent = boards - frames.keys()
         if boards and silent == boards:
@@ -301,14 +223,6 @@ class SerialBackend:
         if silent:
             told.append(BuiltInFault.SENSOR_SILENT.report(mute(self.plan.modules, silent)))
         return [*frames.values(), *told]
-
-    def _put(self, data: bytes) -> None:
-        """Write the bytes as soon as the device's ring has room for them."""
-        free_s = self.exchange.room_s(len(data), self.port.now())
-        while self.port.now() < free_s:
-            self.port.wait(free_s)
-        self.port.write(data)
-        self.exchange.wrote(len(data), self.port.now())
 
     def _flush(self) -> None:
         """Wait until the last array is confirmed, else write the safe one once more.
@@ -324,11 +238,11 @@ class SerialBackend:
                 break
             if now >= give_up_s and now - heard_s >= _RESET_SHOWS_S:
                 break
-            self._turn(now + _LOOK_UP_S)
+            self._pump.turn(now + _LOOK_UP_S)
             now = self.port.now()
             if exchange.outage is not None and now < patient_s:
                 give_up_s = now + _FLUSH_WITHIN_S
             if exchange.newer:
                 exchange.resume(self.port.now())
         if not exchange.settled:
-            self._put(exchange.safe_frame())
+            self._pump.put(exchange.safe_frame())

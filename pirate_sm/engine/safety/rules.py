@@ -34,9 +34,13 @@ def unseen(program: Program) -> tuple[int, ...]:
 
 
 def follow(
-    program: Program, robot: RobotSpec, before: tuple[int, ...], body: RobotState, steps: int,
+    program: Program,
+    robot: RobotSpec,
+    before: tuple[int, ...],
+    body: RobotState,
+    steps: int,
     command: str | None = None,
-) -> tuple[tuple[int, ...], tuple[RuleSpec, ...]]:  # fmt: skip
+) -> tuple[tuple[int, ...], tuple[RuleSpec, ...]]:
     """Return where every rule is with the robot as given, and the rules that it violates.
 
     Args:

@@ -136,10 +136,10 @@ def survey(
     forces, felt_s = _felt(robot, before, part, numbers, now_s)
     diameter_m = _diameter(body, walled, numbers)
     known = segment == STRAIGHT and not isnan(diameter_m)
-    after = Surveyed(
-        before.reported, forces, felt_s, part, in_bend, now_s + SURVEY_EVERY_S,
-        before.outside_until_s, diameter_m if known else before.straight_m,
-    )  # fmt: skip
+    straight_m = diameter_m if known else before.straight_m
+    due_s, outside_until_s = now_s + SURVEY_EVERY_S, before.outside_until_s
+    felt = before.reported, forces, felt_s, part, in_bend
+    after = Surveyed(*felt, due_s, outside_until_s, straight_m)
     return after, Environment(segment, *_attitude(forces), diameter_m)
 
 

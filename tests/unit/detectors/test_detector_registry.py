@@ -57,10 +57,10 @@ def test_the_place_is_told() -> None:
         ("odometri", {}, "did you mean 'odometry'"),
         ("radar", {}, "expected one of odometry, operator, sim, socket"),
         ("odometry:3", {}, "takes no argument"),
-        ("sim", {}, "only --backend sim knows"),
-        ("odometry", {"piped": False}, "--pipe"),
-        ("operator", {"first_wheel_m": 0.7}, "--start-at"),
-        (None, {"first_wheel_m": 0.7}, "--start-at"),
+        ("sim", {}, "only the backend sim knows"),
+        ("odometry", {"piped": False}, "needs to know the pipe"),
+        ("operator", {"first_wheel_m": 0.7}, "only the detector odometry"),
+        (None, {"first_wheel_m": 0.7}, "only the detector odometry"),
     ],
 )
 def test_a_wish_that_cannot_be_met_is_refused(text, options, why) -> None:

@@ -66,9 +66,11 @@ class World:
             values[wheel.slot] = duty
             heard_s[position] = self.heard_s[wheel.place]
         sensing = sensing._replace(
-            numbers=tuple(numbers), heard_s=tuple(heard_s), angles=tuple(self.shown),
+            numbers=tuple(numbers),
+            heard_s=tuple(heard_s),
+            angles=tuple(self.shown),
             shares=(1 / 6,) * 6,
-        )  # fmt: skip
+        )
         robot = body._replace(values=tuple(values), flight=None)
         state = self.state._replace(sensing=sensing, robot=robot)
         return self.odometer.look(state, self.now_s, holding)

@@ -50,12 +50,16 @@ def test_a_line_that_says_nothing_is_told_why(line: bytes, why: str) -> None:
         read_line(line, WORDS, 0.5)
 
 
-@given(st.binary(max_size=200) | st.recursive(
-    st.none() | st.booleans() | st.floats() | st.integers() | st.text(),
-    lambda inner: st.lists(inner) | st.dictionaries(
-        st.sampled_from(("word", "valid_for_s")) | st.text(), inner
-    ),
-).map(lambda value: json.dumps(value).encode()))  # fmt: skip
+@given(
+    st.binary(max_size=200)
+    | st.recursive(
+        st.none() | st.booleans() | st.floats() | st.integers() | st.text(),
+        lambda inner: (
+            st.lists(inner)
+            | st.dictionaries(st.sampled_from(("word", "valid_for_s")) | st.text(), inner)
+        ),
+    ).map(lambda value: json.dumps(value).encode())
+)
 def test_any_line_says_a_word_or_why_not(line: bytes) -> None:
     why, said = "", None
     try:

@@ -79,13 +79,18 @@ def end(effects: list[fx.Effect]) -> str:
     ("entries", "expected"),
     [
         ([{"happens": "sensors", "signals": {"way": "60 mm"}}], "far"),
-        ([{"happens": "sensors", "signals": {"way": "0 mm"}},
-          {"happens": "time", "signals": {"way": "0 mm"}}], "held"),
+        (
+            [
+                {"happens": "sensors", "signals": {"way": "0 mm"}},
+                {"happens": "time", "signals": {"way": "0 mm"}},
+            ],
+            "held",
+        ),
         ([{"happens": "time"}], "late"),
         ([{"happens": "answer", "answer": "no"}], "refused"),
         ([{"happens": "fault", "fault": "sensor.silent"}, {"happens": "accepted"}], "heard"),
     ],
-)  # fmt: skip
+)
 def test_what_the_course_says_happens(
     play: Play, entries: list[dict[str, Any]], expected: str
 ) -> None:
@@ -105,9 +110,10 @@ def test_a_command_is_rejected_or_not_done_where_the_course_says_so(play: Play) 
 def test_sensors_show_something_with_the_event_and_not_before(play: Play) -> None:
     """At the deadline of the held condition it is the way that decides, not the way until then."""
     effects, now_s = play(
-        *DONE[:2], {"happens": "time", "signals": {"way": "0 mm"}},
+        *DONE[:2],
+        {"happens": "time", "signals": {"way": "0 mm"}},
         {"happens": "time", "signals": {"way": "60 mm"}},
-    )  # fmt: skip
+    )
 
     assert end(effects) == "far"
     assert now_s == pytest.approx(4.0)  # nominal 2 s, then the 2 s of the other condition

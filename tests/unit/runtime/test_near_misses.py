@@ -100,8 +100,11 @@ def test_a_wait_is_held_against_its_limit_the_longest_time(run: Run) -> None:
         run.goes(ends, fx.TriggerFired("a", "good", "good", ""))
 
     assert run.call("the wait of a") == (
-        "the wait of a", "the wait of a took 8.0 s of its limit of 10 s", pytest.approx(0.8), 13.0,
-    )  # fmt: skip
+        "the wait of a",
+        "the wait of a took 8.0 s of its limit of 10 s",
+        pytest.approx(0.8),
+        13.0,
+    )
 
 
 def test_a_wait_that_lasts_too_long_has_come_about(run: Run) -> None:

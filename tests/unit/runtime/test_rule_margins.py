@@ -31,21 +31,30 @@ def level(text: str, held_s: float = 0.0) -> RuleMargin:
     return only
 
 
-def seen(it: RuleMargin, width: float = nan, speed: float = nan, ratio: float = nan, *,
-         grip: str | None = "Closed", at: float = 0.0) -> tuple[float, str]:  # fmt: skip
+def seen(
+    it: RuleMargin,
+    width: float = nan,
+    speed: float = nan,
+    ratio: float = nan,
+    *,
+    grip: str | None = "Closed",
+    at: float = 0.0,
+) -> tuple[float, str]:
     return it.seen((width, speed, ratio), (grip,), at)
 
 
 def test_what_rises_is_told_as_a_share_of_its_limit() -> None:
     assert seen(level("width > 130 mm"), 0.104) == (
-        pytest.approx(0.8), "width came up to 0.104 m, the limit is 0.13 m"
-    )  # fmt: skip
+        pytest.approx(0.8),
+        "width came up to 0.104 m, the limit is 0.13 m",
+    )
 
 
 def test_what_falls_is_told_as_a_share_too() -> None:
     assert seen(level("abs(speed) < 10 mm/s"), speed=-0.04) == (
-        pytest.approx(0.25), "abs(speed) came down to 0.04 m/s, the limit is 0.01 m/s"
-    )  # fmt: skip
+        pytest.approx(0.25),
+        "abs(speed) came down to 0.04 m/s, the limit is 0.01 m/s",
+    )
 
 
 @pytest.mark.parametrize("text", ["width > 130 mm", "130 mm < width"])

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import select
-import socket
-import subprocess
-import sys
 import time
 from collections import deque
 from collections.abc import Callable
@@ -13,14 +9,14 @@ from contextlib import suppress
 from math import inf
 
 from pirate_sm.backends.serial.guardian.guard import BEATS
-from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note, NoteReader
+from pirate_sm.backends.serial.guardian.guardian_process import GuardianProcess
+from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note
 from pirate_sm.backends.serial.guardian.takeover import LeftBehind, take_over
 from pirate_sm.backends.serial.link.silence_timer import SilenceTimer
 from pirate_sm.backends.serial.ports.protocol import PortLostError
 from pirate_sm.errors import BackendError
 
 _STARTS_WITHIN_S = 15.0
-_LEAVES_WITHIN_S = 2.0
 _STOPS_WITHIN_S = 6.0
 """Beyond the boot loader's time; with every second frame lost that is enough."""
 
@@ -28,13 +24,8 @@ _HUNG_AFTER_S = 1.0
 """A guardian that has not acknowledged a beat for this long hangs. It may wait for half a second
 while the port takes nothing."""
 
-_MOST_BYTES = 65536
-_MODULE = "pirate_sm.backends.serial.guardian.process"
 _DIED = "the guardian of the port has died"
 _HUNG = "the guardian of the port did not answer and was replaced"
-
-_left: list[subprocess.Popen[bytes]] = []
-"""Guardians that go on without us: Python complains about processes that nobody waits for."""
 
 
 class GuardedPort:
@@ -52,9 +43,7 @@ class GuardedPort:
         self._baud = baud
         self._instructions = instructions
         self._silence_s = instructions.silence_s
-        self._pipe: socket.socket | None = None
-        self._process: subprocess.Popen[bytes] | None = None
-        self._reader = NoteReader()
+        self._guardian: GuardianProcess | None = None
         self._data: deque[bytes] = deque()
         self._acknowledged = SilenceTimer(_HUNG_AFTER_S / BEATS)
         self._heard_s = -inf
@@ -72,7 +61,7 @@ class GuardedPort:
     @property
     def guardian_pid(self) -> int | None:
         """Number of the guardian's process; None when there is none."""
-        return self._process.pid if self._process is not None else None
+        return self._guardian.pid if self._guardian is not None else None
 
     # --- opening and closing ----------------------------------------------------------------
 
@@ -99,32 +88,16 @@ class GuardedPort:
         """Start a guardian; return the one that had been left on the port, if it must go on."""
         self._forget()
         left = take_over(self.name, self._instructions.array_md5)
-        ours, theirs = socket.socketpair()
+        self._guardian = GuardianProcess(self._silence_s)
         if self._safe_frame:
-            ours.sendall(Note(Kind.BEAT, self._safe_frame).to_bytes())  # should we die at once
+            self._guardian.send(Note(Kind.BEAT, self._safe_frame))  # should we die at once
         elif left is not None:
-            ours.sendall(Note(Kind.STOP, left.payload).to_bytes())
-        with theirs:
-            # In a session of its own, without any stream of ours: the terminal's Ctrl-C and
-            # hang-up are not for it, and nobody who reads our output waits for it.
-            self._process = subprocess.Popen(
-                [
-                    *(sys.executable, "-m", _MODULE, str(theirs.fileno())),
-                    *(self.name, str(self._baud), self._instructions.to_json()),
-                ],
-                pass_fds=[theirs.fileno()],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-                start_new_session=True,
-            )
-        ours.settimeout(self._silence_s)
-        self._pipe = ours
+            self._guardian.send(Note(Kind.STOP, left.payload))
+        self._guardian.start(self.name, str(self._baud), self._instructions.to_json())
         self._acknowledged.hear(self.now())
         return left
 
     def _forget(self) -> None:
-        self._reader = NoteReader()
         self._data.clear()
         self._opened, self._refused, self._lost = False, "", ""
         self._overruled = self._stopped = False
@@ -156,7 +129,7 @@ class GuardedPort:
 
     def reopen(self) -> bool:
         """Return whether the guardian has the port again; without a guardian start another."""
-        if self._pipe is None:
+        if self._guardian is None:
             self._start()
         with suppress(PortLostError):
             self._listen(self.now())
@@ -186,20 +159,18 @@ class GuardedPort:
         elif self._safe_frame and not self._answers():
             self._kill()
             self._start()
-        process = self._process
-        if self._hang_up():
+        guardian, self._guardian = self._guardian, None
+        if guardian is None or guardian.hang_up():
             return ""
-        assert process is not None  # it has just not ended
         if dismissed:
-            process.kill()
-            process.wait()
+            guardian.kill()
             return ""
-        _left.append(process)
+        guardian.leave()
         stay_s = self._instructions.stay_s
         return (
             f"cut the robot's power: it has not confirmed that it stopped. A guardian of the port "
-            f"(process {process.pid}) goes on trying for {stay_s / 60:g} min, and gives the port "
-            f"to a new run; `kill {process.pid}` ends it"
+            f"(process {guardian.pid}) goes on trying for {stay_s / 60:g} min, and gives the port "
+            f"to a new run; `kill {guardian.pid}` ends it"
         )
 
     def _answers(self) -> bool:
@@ -213,25 +184,11 @@ class GuardedPort:
                 return self._heard_s != asked_s
         return False
 
-    def _hang_up(self) -> bool:
-        """Close the pipe; return whether the guardian has ended."""
-        if self._pipe is not None:
-            self._pipe.close()
-            self._pipe = None
-        process, self._process = self._process, None
-        if process is not None:
-            try:
-                process.wait(_LEAVES_WITHIN_S)
-            except subprocess.TimeoutExpired:
-                return False
-        return True
-
     def _kill(self) -> None:
         """Kill the guardian, so that the next one can open the port."""
-        process = self._process
-        if process is not None:
-            process.kill()
-        self._hang_up()
+        guardian, self._guardian = self._guardian, None
+        if guardian is not None:
+            guardian.kill()
 
     # --- what a port does -------------------------------------------------------------------
 
@@ -260,7 +217,7 @@ class GuardedPort:
         if safe_frame == self._safe_frame and now - self._beat_s < self._silence_s / BEATS:
             return
         self._beat_s, self._safe_frame = now, safe_frame
-        if self._pipe is None:
+        if self._guardian is None:
             return
         self._say(Note(Kind.BEAT, safe_frame))
         # To open a port on a network takes a guardian longer.
@@ -280,10 +237,10 @@ class GuardedPort:
     # --- the pipe ---------------------------------------------------------------------------
 
     def _say(self, note: Note) -> None:
-        if self._pipe is None:
+        if self._guardian is None:
             raise PortLostError(_DIED)
         try:
-            self._pipe.sendall(note.to_bytes())
+            self._guardian.send(note)
         except TimeoutError:  # left alone it would have the port as soon as it wakes
             self._kill()
             raise PortLostError(_HUNG) from None
@@ -294,33 +251,28 @@ class GuardedPort:
 
     def _send(self, note: Note) -> bool:
         try:
-            if self._pipe is not None:
-                self._pipe.sendall(note.to_bytes())
+            if self._guardian is not None:
+                self._guardian.send(note)
         except OSError:
             return False
-        return self._pipe is not None
+        return self._guardian is not None
 
     def _listen(self, until_s: float) -> None:
         """Take in what the guardian says by then; return as soon as it has said something."""
-        if self._pipe is None:
+        if self._guardian is None:
             raise PortLostError(_DIED)
-        ready, _, _ = select.select([self._pipe], [], [], max(0.0, until_s - self.now()))
-        if not ready:
-            return
-        try:
-            data = self._pipe.recv(_MOST_BYTES)
-        except OSError:
-            data = b""
-        if not data:
+        notes = self._guardian.receive(until_s - self.now())
+        if notes is None:
             self._bury()
-        for note in self._reader.feed(data):
+            return
+        for note in notes:
             self._hear(note)
 
     def _bury(self) -> None:
         """Give up a guardian that has closed the pipe; it may go on until the robot has stopped."""
-        process = self._process
-        if not self._hang_up() and process is not None:
-            _left.append(process)
+        guardian, self._guardian = self._guardian, None
+        if guardian is not None and not guardian.hang_up():
+            guardian.leave()
         raise PortLostError(_DIED)
 
     def _hear(self, note: Note) -> None:

@@ -144,7 +144,7 @@ def test_a_run_without_a_port_is_refused(pirate_run: Call) -> None:
     result = pirate_run("mitre_bend", "--backend", "serial", "--port", "", "--yes")
 
     assert result.exit_code == 2
-    assert "--backend serial needs a port" in result.stderr
+    assert "the backend serial needs a port" in result.stderr
 
 
 def test_nothing_is_moved_that_nobody_agreed_to(pirate: Call) -> None:

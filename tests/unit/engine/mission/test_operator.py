@@ -283,10 +283,17 @@ def test_after_the_end_nothing_has_any_effect(drive):
     state = driver.state
 
     for event in (
-        ev.Tick(), ev.Resume(), ev.OperatorCommand("ClampFront"), ev.Abort("again"),
-        ev.SubmitResult(1, "accepted"), ev.FaultReport("link.lost", ""), ev.Skip(), ev.Answer("x"),
-        ev.DetectorWord("close", 1.0), ev.SensorFrame(22, (math.nan,) * 9),
-    ):  # fmt: skip
+        ev.Tick(),
+        ev.Resume(),
+        ev.OperatorCommand("ClampFront"),
+        ev.Abort("again"),
+        ev.SubmitResult(1, "accepted"),
+        ev.FaultReport("link.lost", ""),
+        ev.Skip(),
+        ev.Answer("x"),
+        ev.DetectorWord("close", 1.0),
+        ev.SensorFrame(22, (math.nan,) * 9),
+    ):
         assert driver.give(event, 2.0) == []
     assert driver.state is state
 

@@ -382,7 +382,11 @@ def test_a_robot_of_another_make_does_the_same(drive):
     assert driver.states == {"Grip": "BothHeld", "Crawl": "Resting", "Lamp": "Dark"}
     assert driver.nonzero == pytest.approx(
         {
-            "fold_neck": -0.5, "fold_hip": 0.5,
-            "drive_a": 0.8, "drive_b": -0.8, "drive_c": 0.8, "drive_d": -0.8,
+            "fold_neck": -0.5,
+            "fold_hip": 0.5,
+            "drive_a": 0.8,
+            "drive_b": -0.8,
+            "drive_c": 0.8,
+            "drive_d": -0.8,
         }
-    )  # fmt: skip
+    )

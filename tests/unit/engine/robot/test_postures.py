@@ -142,8 +142,10 @@ def test_a_posture_that_was_not_seen_leaves_the_clamp_unconfirmed(drive):
 
 
 def test_a_posture_passed_over_by_the_operator_leaves_the_clamp_unconfirmed(drive):
-    driver = drive("start: a\nphases: {a: {do: [AlignRight], go: e}}\nends: {e: {succeed: ok}}\n",
-                   states=REAR_CLAMPED)  # fmt: skip
+    driver = drive(
+        "start: a\nphases: {a: {do: [AlignRight], go: e}}\nends: {e: {succeed: ok}}\n",
+        states=REAR_CLAMPED,
+    )
     driver.signals |= REAR_HOLDS
     driver.report_all(0.1)
     driver.accept()

@@ -21,13 +21,17 @@ from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import Skip
 
 FRONT_HELD = {
-    "FrontClampedRearRelaxed", "DoubleClamped", "FrontClampedRearBending",
+    "FrontClampedRearRelaxed",
+    "DoubleClamped",
+    "FrontClampedRearBending",
     "FrontClampedRearBendingBack",
-}  # fmt: skip
+}
 REAR_HELD = {
-    "RearClampedFrontRelaxed", "DoubleClamped", "RearClampedFrontBending",
+    "RearClampedFrontRelaxed",
+    "DoubleClamped",
+    "RearClampedFrontBending",
     "RearClampedFrontBendingBack",
-}  # fmt: skip
+}
 DRIVING = {"DrivingForward", "DrivingBackward"}
 REAR_ONLY = ("RearClampedFrontRelaxed", "Unaligned", "Off")
 

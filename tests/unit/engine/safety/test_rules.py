@@ -54,14 +54,23 @@ def finish(driver: Driver) -> list[str]:
         ("never: clamps == 2", ["HoldNose", "HoldTail"], ["HoldNose"]),
         ("always: clamps < 2", ["HoldNose", "HoldTail"], ["HoldNose"]),
         ("after: Lamp == Lit, never: clamps == 1", ["HoldNose", "SwitchLamp"], ["HoldNose"]),
-        ("never: command == HoldTail", ["HoldNose", "SwitchLamp", "HoldTail"],
-         ["HoldNose", "SwitchLamp"]),
-        ("always: 'command in (HoldNose, SwitchLamp)'", ["HoldNose", "SwitchLamp", "HoldTail"],
-         ["HoldNose", "SwitchLamp"]),
-        ("after: clamps == 1, expect: clamps == 2, within_steps: 2",
-         ["HoldNose", "SwitchLamp", "SwitchLamp"], ["HoldNose", "SwitchLamp"]),
+        (
+            "never: command == HoldTail",
+            ["HoldNose", "SwitchLamp", "HoldTail"],
+            ["HoldNose", "SwitchLamp"],
+        ),
+        (
+            "always: 'command in (HoldNose, SwitchLamp)'",
+            ["HoldNose", "SwitchLamp", "HoldTail"],
+            ["HoldNose", "SwitchLamp"],
+        ),
+        (
+            "after: clamps == 1, expect: clamps == 2, within_steps: 2",
+            ["HoldNose", "SwitchLamp", "SwitchLamp"],
+            ["HoldNose", "SwitchLamp"],
+        ),
     ],
-)  # fmt: skip
+)
 def test_the_command_that_would_break_a_rule_is_not_sent(
     ruled: Ruled, rule: str, commands: list[str], done: list[str]
 ) -> None:
@@ -79,10 +88,12 @@ def test_the_command_that_would_break_a_rule_is_not_sent(
     [
         ("after: Lamp == Lit, never: clamps == 1", ["HoldNose", "HoldTail", "SwitchLamp"]),
         ("never: command == Home", ["HoldNose", "SwitchLamp"]),
-        ("after: clamps == 1, expect: clamps == 2, within_steps: 2",
-         ["HoldNose", "SwitchLamp", "HoldTail"]),
+        (
+            "after: clamps == 1, expect: clamps == 2, within_steps: 2",
+            ["HoldNose", "SwitchLamp", "HoldTail"],
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_keeps_the_rule_runs_to_its_end(ruled: Ruled, rule: str, commands: list[str]) -> None:
     driver = ruled(rule, *commands)
 

@@ -20,18 +20,37 @@ EVERY_S = 0.125
 """So that times add up exactly."""
 
 SPEC = PlausibilitySpec(
-    hold_back=2, spikes=5, spikes_within_s=10.0, stuck_after_s=1.5, unloaded=0.4, settle_s=1.5,
+    hold_back=2,
+    spikes=5,
+    spikes_within_s=10.0,
+    stuck_after_s=1.5,
+    unloaded=0.4,
+    settle_s=1.5,
     moved_readings=2,
-)  # fmt: skip
+)
 JOINT, LOAD, WHEEL, RATE = range(4)
-WATCHED = WatchedSpec((
-    WatchSpec(
-        JOINT, "elbow", (JOINT, RATE), low=-1000, high=1000, rate=240, slack=20, slot=0,
-        joint=True, moved=200, least_duty=0.2, load=LOAD, full_load=300, unit="deg",
-    ),
-    WatchSpec(LOAD, "current", (LOAD,), low=-500, high=500, slot=0),
-    WatchSpec(WHEEL, "wheel", (WHEEL,), rate=1600, slack=100, slot=1, moved=100),
-))  # fmt: skip
+WATCHED = WatchedSpec(
+    (
+        WatchSpec(
+            JOINT,
+            "elbow",
+            (JOINT, RATE),
+            low=-1000,
+            high=1000,
+            rate=240,
+            slack=20,
+            slot=0,
+            joint=True,
+            moved=200,
+            least_duty=0.2,
+            load=LOAD,
+            full_load=300,
+            unit="deg",
+        ),
+        WatchSpec(LOAD, "current", (LOAD,), low=-500, high=500, slot=0),
+        WatchSpec(WHEEL, "wheel", (WHEEL,), rate=1600, slack=100, slot=1, moved=100),
+    )
+)
 
 
 class Bench:
@@ -156,13 +175,26 @@ def test_only_another_jump_leads_back(bench: Bench, end: float, believed: bool) 
     assert (bench.say(end) == end) == believed
 
 
-SPRUNG = WatchedSpec((
-    WatchSpec(
-        JOINT, "elbow", (JOINT,), low=-1000, high=1000, rate=240, slack=20, slot=0, joint=True,
-        torque=1, stiffness=0.5, turns=80, unit="deg",
-    ),
-    WatchSpec(1, "torque", (1,), low=-500, high=500, slot=0),
-))  # fmt: skip
+SPRUNG = WatchedSpec(
+    (
+        WatchSpec(
+            JOINT,
+            "elbow",
+            (JOINT,),
+            low=-1000,
+            high=1000,
+            rate=240,
+            slack=20,
+            slot=0,
+            joint=True,
+            torque=1,
+            stiffness=0.5,
+            turns=80,
+            unit="deg",
+        ),
+        WatchSpec(1, "torque", (1,), low=-500, high=500, slot=0),
+    )
+)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,54 @@
+"""Ask the operator before the robot moves, and say why something is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING
+
+from pirate_sm.console.dialogs import Confirm
+from pirate_sm.model.events import Event
+
+if TYPE_CHECKING:
+    from textual.app import App
+
+    from pirate_sm.console.session import OperatorSession
+
+    _Base = App[None]
+else:
+    _Base = object
+
+
+class ConfirmedActions(_Base):
+    """Actions that somebody must agree to first."""
+
+    session: OperatorSession
+    _agreed = False
+
+    def _ask(self, question: str, yes: str, then: Callable[[], None]) -> None:
+        """Do what follows once the operator has said yes; at once where there is no question."""
+        if question:
+            self.push_screen(Confirm(question, yes), lambda said: then() if said else None)
+        else:
+            then()
+
+    def _move(self, event: Event) -> None:
+        """Give the engine an event once somebody has agreed that the robot may move at all."""
+        self._agree(partial(self.session.tell, event))
+
+    def _agree(self, move: Callable[[], None]) -> None:
+        """Move the robot once somebody has agreed that it may."""
+        question = self.session.prepared.confirmation
+        if self._agreed or not question:
+            move()
+            return
+
+        def answered(yes: bool | None) -> None:
+            self._agreed = bool(yes)
+            if yes:
+                move()
+
+        self.push_screen(Confirm(f"{question}. Is it free to?", "It is free"), answered)
+
+    def _refuse(self, what: str, reason: str) -> None:
+        self.notify(f"{what}: {reason}", severity="warning", timeout=4, markup=False)

@@ -1,0 +1,124 @@
+"""Hand the mission back at a phase, after the commands that restore what the phase needs."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from pirate_sm.console import availability, hand_back_plan
+from pirate_sm.console.confirmed_actions import ConfirmedActions
+from pirate_sm.console.dialogs import Choice, Pick
+from pirate_sm.console.waits_before import not_passed
+from pirate_sm.engine.robot.planning import Plan
+from pirate_sm.showing.snapshot import Snapshot
+
+
+class HandBackActions(ConfirmedActions):
+    """The list of phases, with what hinders each and what restores it."""
+
+    _situation: availability.Situation | None = None
+    _entries: availability.Entries | None = None
+    _picking: Pick | None = None
+    _ways: hand_back_plan.Ways | None = None
+    _looking_for: tuple[object, ...] | None = None
+    _reported: object = None
+
+    def _choose_phase(self, snapshot: Snapshot) -> None:
+        choices = self._phase_choices(snapshot)
+        pick = Pick("Hand back at", choices, max(len(each.label) for each in choices))
+        self._picking = pick
+        self.push_screen(pick, self._hand_back)
+
+    def _phase_choices(self, snapshot: Snapshot) -> list[Choice]:
+        entries, phases = self.entries(snapshot), snapshot.scene.loaded.mission.phases
+        found = []
+        for name in snapshot.scene.loaded.program.phases:
+            about = getattr(phases.get(name), "description", "")
+            reason = availability.phase_reason(snapshot, name, entries)
+            blocked = bool(reason) and entries is not None and reason == entries.get(name)
+            if blocked and self._seeking(snapshot):
+                reason = hand_back_plan.SEEKING
+            choice = Choice(name, name, about, reason)
+            plan = self._plan(snapshot, name) if reason else None
+            found.append(hand_back_plan.with_way(snapshot.scene.robot, choice, plan))
+        return found
+
+    def _seeking(self, snapshot: Snapshot) -> bool:
+        """Whether it is not known yet what restores the phases that cannot run."""
+        return self._ways is None or self._ways.situation != availability.situation_of(snapshot)
+
+    def _plan(self, snapshot: Snapshot, phase: str) -> Plan | None:
+        """Return what restores a phase that cannot run; None while that is not known."""
+        if self._ways is None or self._seeking(snapshot):
+            return None
+        return self._ways.plans.get(phase)
+
+    def _hand_back(self, phase: str | None) -> None:
+        self._picking = None
+        snapshot = self.session.latest
+        if phase is None or snapshot.state is None:
+            return
+        reason = availability.phase_reason(snapshot, phase, self.entries(snapshot))
+        plan = self._plan(snapshot, phase)
+        waits = not_passed(snapshot.scene.loaded.program, phase, snapshot.story.passed)
+        if not reason:
+            self._ask(
+                hand_back_plan.leap(phase, waits) if waits else "",
+                "Hand back",
+                partial(self._move, availability.hand_back(snapshot, phase)),
+            )
+        elif plan is None or plan.hindered is not None:
+            self._refuse(phase, reason)
+        else:
+            robot, body = snapshot.scene.robot, snapshot.state.robot
+            text = hand_back_plan.question(robot, phase, plan, body, waits)
+            self._ask(text, "Give", partial(self._give, phase, plan))
+
+    def _give(self, phase: str, plan: Plan) -> None:
+        """Give the commands of a plan if the robot is still as it was when they were planned."""
+        snapshot = self.session.latest
+        robot = snapshot.scene.robot
+        if self._plan(snapshot, phase) is not plan:
+            self._refuse(phase, "the robot is not any more as it was looked at")
+            return
+        then = hand_back_plan.hand_back(robot, phase, plan)
+        self._agree(partial(self.session.give, hand_back_plan.names(robot, plan), then))
+
+    def entries(self, snapshot: Snapshot) -> availability.Entries | None:
+        """Return why the mission cannot start at each phase; None while that is being checked."""
+        situation = availability.situation_of(snapshot)
+        return self._entries if situation is not None and situation == self._situation else None
+
+    def keep_up(self, snapshot: Snapshot) -> None:
+        """Check a new situation in the background, and refresh the list of phases."""
+        situation = availability.situation_of(snapshot)
+        if situation is not None and situation != self._situation and snapshot.state is not None:
+            self._situation, self._entries = situation, None
+            look = partial(availability.look_at_entries, snapshot.scene, snapshot.state.robot)
+            self.run_worker(look, thread=True, group="entries", exclusive=True, exit_on_error=False)
+        if self._picking is not None and self._picking.is_mounted:
+            self._look_for_ways(snapshot)
+            self._picking.replace(self._phase_choices(snapshot))
+        self._report_series()
+
+    def _look_for_ways(self, snapshot: Snapshot) -> None:
+        """Look once, in the background, for commands that restore the phases that cannot run."""
+        situation, entries = availability.situation_of(snapshot), self.entries(snapshot)
+        if situation is None or entries is None or snapshot.state is None:
+            return
+        if self._looking_for == (situation, snapshot.scene):
+            return
+        self._looking_for = (situation, snapshot.scene)
+        blocked = tuple(phase for phase, reason in entries.items() if reason)
+        what = snapshot.scene, situation, snapshot.state, blocked, self._ways
+        look = partial(hand_back_plan.look_for_ways, *what)
+        self.run_worker(look, thread=True, group="ways", exclusive=True, exit_on_error=False)
+
+    def _report_series(self) -> None:
+        """Say once why a series of commands has been stopped, and what was not given."""
+        series = self.session.giver.series
+        if series is None or not series.stopped or series is self._reported:
+            return
+        self._reported = series
+        rest = ", ".join(series.commands[series.done + series.given :]) or "nothing more"
+        text = f"not handed back at {series.then.phase}: {series.stopped}; not given: {rest}"
+        self.notify(text, severity="warning", timeout=10, markup=False)

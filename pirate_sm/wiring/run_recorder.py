@@ -1,0 +1,147 @@
+"""Records a prepared run: the header, what viewers see, the recorder with its file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from datetime import datetime
+from math import isinf
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pirate_sm.engine.state import EngineState
+from pirate_sm.errors import RecordingError
+from pirate_sm.loading.file_names import shown
+from pirate_sm.wiring.prepared import Prepared
+
+if TYPE_CHECKING:
+    from pirate_sm.recording.file import RecordingFile
+    from pirate_sm.recording.header import RunHeader
+    from pirate_sm.recording.live import Live
+    from pirate_sm.recording.recorder import Recorder
+    from pirate_sm.recording.side_channel import SideChannel
+    from pirate_sm.recording.viewing import Snapshot
+
+LIVE_S = 0.1
+"""So often viewers that look on get something new."""
+
+
+def run_header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
+    """Return what the recording of a run begins with.
+
+    Args:
+        prepared: The run.
+        factor: Mission seconds per second of the wall.
+        began: When the run began.
+    """
+    from pydantic_core import to_jsonable_python
+
+    from pirate_sm.recording.header import header_of
+
+    options: dict[str, Any] = to_jsonable_python(prepared.order)
+    options["speed"] = "max" if isinf(factor) else factor
+    return header_of(
+        prepared.loaded,
+        backend=prepared.order.backend,
+        nominal=prepared.engine.nominal,
+        detector=prepared.detector,
+        options=options,
+        began=began,
+    )
+
+
+def shown_to_viewers(prepared: Prepared, state: EngineState | None) -> Snapshot | None:
+    """Return what viewers are shown of this moment; None before the engine has started."""
+    from pirate_sm.recording.viewing import Snapshot
+
+    if state is None:
+        return None
+    if prepared.wheels is not None:
+        return Snapshot(state, prepared.wheels(), True)
+    taken = prepared.reckoned() if prepared.reckoned else None
+    return Snapshot(state, taken.wheels if taken else None, False)
+
+
+class RunRecorder:
+    """Records the runs of one prepared backend into one file.
+
+    Args:
+        prepared: The first run.
+        header: What was run.
+        file: Where to; None: only viewers that look on get anything.
+        live: Serves viewers while the run goes on; None: nobody looks on.
+
+    Attributes:
+        recorder: The tap that keeps every step.
+        side: The channel to viewers.
+    """
+
+    def __init__(
+        self,
+        prepared: Prepared,
+        header: RunHeader,
+        file: RecordingFile | None,
+        live: Live | None = None,
+    ) -> None:
+        from pirate_sm.recording.file import Nowhere, RecordingFile
+        from pirate_sm.recording.recorder import COMMIT_S, Recorder
+        from pirate_sm.recording.side_channel import SideChannel
+        from pirate_sm.recording.viewing import Viewer
+
+        self.side: SideChannel = SideChannel(
+            Viewer(prepared.loaded, prepared.order.start_at_m), live
+        )
+        self.recorder: Recorder = Recorder(
+            file or RecordingFile(Nowhere(), header),
+            header,
+            real_time=prepared.backend.real_time,
+            side=self.side,
+            commit_s=COMMIT_S if live is None else LIVE_S,
+        )
+
+    def follow(self, prepared: Prepared, state: Callable[[], EngineState | None]) -> None:
+        """Show a run to viewers, and record its state now and then."""
+        self.recorder.follow(state)
+        self.side.follow(lambda: shown_to_viewers(prepared, state()))
+
+    def close(self, path: Path | None, *, wanted: bool = True) -> None:
+        """Finish the recording; remove its file where nothing was recorded or nobody wants it."""
+        self.recorder.close()
+        if path is not None and not (self.recorder.begun and wanted):
+            with suppress(OSError):
+                path.unlink()
+
+
+def new_recording(path: Path, header: RunHeader) -> RecordingFile:
+    """Return a new recording with its beginning written; where that fails no file is left.
+
+    Raises:
+        FileExistsError: The file is there already.
+        OSError: It cannot be written.
+    """
+    from pirate_sm.recording.file import DiskFile, RecordingFile
+
+    sink = DiskFile(path)
+    try:
+        return RecordingFile(sink, header)
+    except BaseException:
+        with suppress(OSError):
+            sink.close()
+        with suppress(OSError):
+            path.unlink()
+        raise
+
+
+def requested_recording(path: Path, header: RunHeader) -> RecordingFile:
+    """Return a new recording at a path that was asked for.
+
+    Raises:
+        RecordingError: It is there already, or cannot be written.
+    """
+    try:
+        return new_recording(path, header)
+    except FileExistsError:
+        raise RecordingError(f"{shown(path)} exists already; nothing has moved") from None
+    except OSError as error:
+        problem = f"{shown(path)} cannot be written: {error.strerror}"
+        raise RecordingError(f"{problem}; nothing has moved") from None
