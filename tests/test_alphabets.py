@@ -50,8 +50,8 @@ ALPHABETS = {
         "NewEffect(NamedTuple)",
         (
             "cli/output/json_lines.py",
-            "recording/rows.py",
-            "recording/told.py",
+            "recording/tables/table_rows.py",
+            "recording/viewers/log_lines.py",
             "report/timeline.py",
             "report/words.py",
             "showing/telling.py",

@@ -16,12 +16,12 @@ from pirate_sm.errors import RecordingError
 from pirate_sm.loading.folders import shown
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
-from pirate_sm.recording.file import DiskFile, RecordingFile
-from pirate_sm.recording.header import RunHeader
-from pirate_sm.recording.steps import Step
-from pirate_sm.recording.recorder import Recorder
-from pirate_sm.recording.side_channel import SideChannel
-from pirate_sm.recording.viewing import Viewer
+from pirate_sm.recording.format.header import RunHeader
+from pirate_sm.recording.read.steps import Step
+from pirate_sm.recording.viewers.viewer_messages import ViewerMessages
+from pirate_sm.recording.write.recorder import Recorder
+from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
+from pirate_sm.recording.write.side_channel import SideChannel
 from pirate_sm.report.poses import EVERY_S, Poses
 from pirate_sm.wiring import Prepared
 from pirate_sm.wiring.recorded import run_header, shown_to_viewers
@@ -124,7 +124,7 @@ def noted(
     except OSError as error:
         what = f"{shown(path)} cannot be written: {error.strerror}"
         raise RecordingError(f"{what}; nothing has moved") from None
-    side = SideChannel(Viewer(prepared.loaded, prepared.order.start_at_m))
+    side = SideChannel(ViewerMessages(prepared.loaded, prepared.order.start_at_m))
     side.follow(lambda: shown_to_viewers(prepared, state()))
     recorder = Recorder(file, header, real_time=prepared.backend.real_time, side=side)
     recorder.follow(state)

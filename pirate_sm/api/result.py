@@ -14,12 +14,12 @@ from pirate_sm.engine.engine import Engine
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
-from pirate_sm.recording.header import RunHeader
-from pirate_sm.recording.reader import read_recording
-from pirate_sm.recording.steps import Step
-from pirate_sm.recording.reloading import recorded_mission
-from pirate_sm.recording.replay import rerun_steps
-from pirate_sm.recording.rows import SIGNALS, Row, rows_of
+from pirate_sm.recording.format.header import RunHeader
+from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.read.steps import Step
+from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.replay.replay import rerun_steps
+from pirate_sm.recording.tables.table_rows import SIGNALS, TableRow, rows_of
 from pirate_sm.report.poses import Poses
 
 Columns: TypeAlias = dict[str, list[Any]]
@@ -199,7 +199,7 @@ class Run:
         return tables
 
 
-def _add(tables: dict[str, Columns], row: Row) -> None:
+def _add(tables: dict[str, Columns], row: TableRow) -> None:
     if row.table not in tables:
         tables[row.table] = {name: [] for name in row.header}
     for column, value in zip(tables[row.table].values(), row.values, strict=True):

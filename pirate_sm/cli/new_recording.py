@@ -14,8 +14,8 @@ from pirate_sm.errors import RecordingError
 from pirate_sm.loading.folders import shown
 
 if TYPE_CHECKING:
-    from pirate_sm.recording.file import RecordingFile, Sink
-    from pirate_sm.recording.header import RunHeader
+    from pirate_sm.recording.format.header import RunHeader
+    from pirate_sm.recording.write.recording_file import RecordingFile, Sink
     from pirate_sm.wiring import Prepared
 
 RUNS = "runs"
@@ -58,7 +58,7 @@ def begin_recording(
 
 def _open(path: Path, header: RunHeader, *, anew: bool) -> tuple[RecordingFile, Path]:
     """Make a file that was not there before; ``anew``: under the next free name."""
-    from pirate_sm.recording.file import DiskFile
+    from pirate_sm.recording.write.recording_file import DiskFile
 
     sink: Sink
     for number in count(2):
@@ -75,7 +75,7 @@ def _open(path: Path, header: RunHeader, *, anew: bool) -> tuple[RecordingFile, 
 
 def _headed(sink: Sink, path: Path, header: RunHeader) -> RecordingFile:
     """Write the beginning of a recording; where that fails no file is left."""
-    from pirate_sm.recording.file import RecordingFile
+    from pirate_sm.recording.write.recording_file import RecordingFile
 
     try:
         return RecordingFile(sink, header)

@@ -21,10 +21,10 @@ from pirate_sm.wiring.recorded import run_header, shown_to_viewers
 if TYPE_CHECKING:
     from pirate_sm.companion import Companion
     from pirate_sm.engine.state import EngineState
-    from pirate_sm.recording.file import RecordingFile
-    from pirate_sm.recording.header import RunHeader
-    from pirate_sm.recording.recorder import Recorder
-    from pirate_sm.recording.side_channel import SideChannel
+    from pirate_sm.recording.format.header import RunHeader
+    from pirate_sm.recording.write.recorder import Recorder
+    from pirate_sm.recording.write.recording_file import RecordingFile
+    from pirate_sm.recording.write.side_channel import SideChannel
     from pirate_sm.runtime.loop import MissionRun
     from pirate_sm.wiring import Prepared
 
@@ -137,8 +137,8 @@ def _recorder(
     live: bool,
 ) -> Recorder:
     """Return who records into the file, without one only for viewers that look on."""
-    from pirate_sm.recording.file import Nowhere, RecordingFile
-    from pirate_sm.recording.recorder import COMMIT_S, Recorder
+    from pirate_sm.recording.write.recorder import COMMIT_S, Recorder
+    from pirate_sm.recording.write.recording_file import Nowhere, RecordingFile
 
     return Recorder(
         file or RecordingFile(Nowhere(), header),
@@ -153,13 +153,13 @@ def _side(
     prepared: Prepared, options: RecordingOptions, stack: ExitStack
 ) -> tuple[SideChannel, tuple[str, ...]]:
     """Return the channel to viewers, and notices about it."""
-    from pirate_sm.recording.side_channel import SideChannel
-    from pirate_sm.recording.viewing import Viewer
+    from pirate_sm.recording.viewers.viewer_messages import ViewerMessages
+    from pirate_sm.recording.write.side_channel import SideChannel
 
-    viewer = Viewer(prepared.loaded, prepared.order.start_at_m)
+    viewer = ViewerMessages(prepared.loaded, prepared.order.start_at_m)
     if not options.live:
         return SideChannel(viewer), ()
-    from pirate_sm.recording.live import Live
+    from pirate_sm.recording.viewers.live_server import Live
 
     live = Live()
     stack.callback(live.close)

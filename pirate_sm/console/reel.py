@@ -12,10 +12,10 @@ from pirate_sm.geometry.plane import walls
 from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.truth import Truth
-from pirate_sm.recording.reader import Recording
-from pirate_sm.recording.steps import Checkpoint, Shown, with_own_times
-from pirate_sm.recording.reloading import recorded_mission
-from pirate_sm.recording.replay import engine_of, rerun
+from pirate_sm.recording.read.reader import Recording
+from pirate_sm.recording.read.steps import Checkpoint, Shown, with_own_times
+from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.replay.replay import engine_of, rerun
 from pirate_sm.showing.anatomy import anatomy_of
 from pirate_sm.showing.looking import Trends
 from pirate_sm.showing.memory import Memory

@@ -18,8 +18,8 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import Event, SensorFrame
-from pirate_sm.recording.placing import Placing
-from pirate_sm.recording.replay import Rerun, same
+from pirate_sm.recording.replay.replay import Rerun, same
+from pirate_sm.recording.viewers.wheel_places import Placing
 from pirate_sm.report.charts import Measured, Travel, charts
 from pirate_sm.report.model import Fact, Report, Sentence
 from pirate_sm.report.poses import Following, Holding, Poses, scene_of, travel_of, walls_of

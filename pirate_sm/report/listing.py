@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 
 from pirate_sm.model import effects as fx
-from pirate_sm.recording.header import RunHeader
-from pirate_sm.recording.reader import Recording
+from pirate_sm.recording.format.header import RunHeader
+from pirate_sm.recording.read.reader import Recording
 
 Outcome: TypeAlias = Literal[
     "succeeded", "failed", "interrupted", "fault", "unfinished", "unreadable"

@@ -13,8 +13,8 @@ from pirate_sm.geometry.plane import walls
 from pirate_sm.geometry.space import Place
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.recording.evenly import add_evenly
-from pirate_sm.recording.placing import Placing
+from pirate_sm.recording.thinning import add_evenly
+from pirate_sm.recording.viewers.wheel_places import Placing
 from pirate_sm.report.charts import Travel
 from pirate_sm.report.model import Lane, Light, Scene, Series, Span, Wheel
 from pirate_sm.report.sampling import Samples

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.recording.header import RunHeader
-from pirate_sm.recording.reader import Recording
-from pirate_sm.recording.reloading import recorded_mission
-from pirate_sm.recording.replay import rerun
-from pirate_sm.recording.viewing import PLACES
+from pirate_sm.recording.format.header import RunHeader
+from pirate_sm.recording.read.reader import Recording
+from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.replay.replay import rerun
+from pirate_sm.recording.viewers.viewer_messages import PLACES
 from pirate_sm.report.gathering import About, gather
 from pirate_sm.report.model import Fact, Report
 from pirate_sm.report.poses import Poses

@@ -10,8 +10,8 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.wiring.prepared import Prepared
 
 if TYPE_CHECKING:
-    from pirate_sm.recording.header import RunHeader
-    from pirate_sm.recording.viewing import Snapshot
+    from pirate_sm.recording.format.header import RunHeader
+    from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
 
 
 def run_header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
@@ -24,7 +24,7 @@ def run_header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
     """
     from pydantic_core import to_jsonable_python
 
-    from pirate_sm.recording.header import header_of
+    from pirate_sm.recording.format.header import header_of
 
     options: dict[str, Any] = to_jsonable_python(prepared.order)
     options["speed"] = "max" if isinf(factor) else factor
@@ -38,13 +38,13 @@ def run_header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
     )
 
 
-def shown_to_viewers(prepared: Prepared, state: EngineState | None) -> Snapshot | None:
+def shown_to_viewers(prepared: Prepared, state: EngineState | None) -> ViewerSnapshot | None:
     """Return what viewers are shown of this moment; None before the engine has started."""
-    from pirate_sm.recording.viewing import Snapshot
+    from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
 
     if state is None:
         return None
     if prepared.wheels is not None:
-        return Snapshot(state, prepared.wheels(), True)
+        return ViewerSnapshot(state, prepared.wheels(), True)
     taken = prepared.reckoned() if prepared.reckoned else None
-    return Snapshot(state, taken.wheels if taken else None, False)
+    return ViewerSnapshot(state, taken.wheels if taken else None, False)

@@ -105,7 +105,7 @@ def _view(path: str) -> int:
 
     from pirate_sm.console.reel import reel_of
     from pirate_sm.console.viewer import Viewer
-    from pirate_sm.recording.reader import read_recording
+    from pirate_sm.recording.read.reader import read_recording
 
     with progress(f"reading {visible(path)}") as watch:
         reel = reel_of(read_recording(Path(path), watch))

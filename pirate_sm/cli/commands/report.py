@@ -13,7 +13,7 @@ from pirate_sm.cli.options.recordings import ReportOptions
 from pirate_sm.cli.output.files import begins, is_recording, write_file
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.errors import RecordingError, UsageError
-from pirate_sm.recording.reader import Recording, read_recording
+from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.report.index import index_html
 from pirate_sm.report.listing import Listed, listed, unreadable
 from pirate_sm.report.page import html

@@ -14,10 +14,10 @@ from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.detectors.choice import Asked, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import load_mission
-from pirate_sm.recording.file import DiskFile, RecordingFile
-from pirate_sm.recording.header import header_of
-from pirate_sm.recording.reader import Recording, read_recording
-from pirate_sm.recording.recorder import Recorder
+from pirate_sm.recording.format.header import header_of
+from pirate_sm.recording.read.reader import Recording, read_recording
+from pirate_sm.recording.write.recorder import Recorder
+from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
 from pirate_sm.runtime.companions import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare

@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from pirate_sm.cli.entry import only_run
-from pirate_sm.recording.reader import read_recording
+from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.report.model import Report
 from pirate_sm.report.recorded import report_of
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.recording.reader import read_recording
+from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.report.index import index_html
 from pirate_sm.report.listing import Listed, listed, unreadable
 

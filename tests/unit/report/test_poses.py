@@ -6,9 +6,9 @@ from itertools import pairwise
 from math import hypot
 from pathlib import Path
 
-from pirate_sm.recording.reader import read_recording
-from pirate_sm.recording.reloading import recorded_mission
-from pirate_sm.recording.replay import rerun
+from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.replay.replay import rerun
 from pirate_sm.report.gathering import About, gather
 from pirate_sm.report.model import Report
 from pirate_sm.report.poses import MOST_POSES, Poses

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.recording.reader import read_recording
+from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.report.model import Chart, Report
 from pirate_sm.report.recorded import report_of
 from pirate_sm.report.sampling import MOST_POINTS, value_at
