@@ -53,8 +53,8 @@ ALPHABETS = {
             "recording/tables/table_rows.py",
             "recording/viewers/log_lines.py",
             "report/timeline.py",
-            "report/words.py",
-            "showing/telling.py",
+            "report/story.py",
+            "showing/effect_lines.py",
         ),
     ),
     "instruction": Alphabet(
@@ -72,7 +72,7 @@ ALPHABETS = {
         "model/mission.py",
         '| Annotated[WaitStep, Tag("wait")]',
         "NewStep(_AnyStep)",
-        ("drawing/step_text.py", "loading/calls.py", "loading/program.py"),
+        ("drawing/graph/step_text.py", "loading/calls.py", "loading/program.py"),
     ),
     "trigger": Alphabet(
         "model/triggers.py",
@@ -80,8 +80,8 @@ ALPHABETS = {
         "NewTrigger(Frozen)",
         (
             "checking/parameters.py",
-            "drawing/mission_graph.py",
-            "drawing/step_text.py",
+            "drawing/graph/mission_graph.py",
+            "drawing/graph/step_text.py",
             "loading/program.py",
             "loading/scope.py",
         ),
@@ -90,7 +90,7 @@ ALPHABETS = {
         "model/criteria.py",
         "| Aligned | Below",
         "NewCriterion(Frozen)",
-        ("drawing/criterion_text.py", "loading/robot_commands.py"),
+        ("drawing/robot/criterion_text.py", "loading/robot_commands.py"),
     ),
     "resolved criterion": Alphabet(
         "engine/robot/criteria.py",
@@ -108,7 +108,7 @@ ALPHABETS = {
         "model/derived.py",
         '| Annotated[SpeedOf, Tag("speed_of")]',
         "NewOf(Frozen)",
-        ("loading/robot_signals.py", "showing/anatomy.py"),
+        ("loading/robot_signals.py", "showing/robot_anatomy.py"),
     ),
     "origin of a fault": Alphabet(
         "model/fault_codes.py",

@@ -132,9 +132,9 @@ class Run:
         Raises:
             UsageError: The extra ``report`` is not installed.
         """
-        from pirate_sm.report.gathering import gather
-        from pirate_sm.report.page import html
-        from pirate_sm.report.recorded import about_run
+        from pirate_sm.report.recording_report import about_run
+        from pirate_sm.report.report_builder import gather
+        from pirate_sm.report.report_page import html
 
         about = about_run(self.header, self.loaded, self.notices)
         again = rerun_steps(self._engine, self.steps(), origin_s=self.origin_s)
@@ -215,7 +215,7 @@ def read(recording: str | PathLike[str]) -> Run:
     Raises:
         RecordingError: It cannot be read, or is of a version that cannot be used any more.
     """
-    from pirate_sm.report.recorded import known_poses
+    from pirate_sm.report.recording_report import known_poses
 
     found = read_recording(Path(recording))
     with recorded_mission(found.header) as loaded:

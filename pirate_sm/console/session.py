@@ -21,7 +21,7 @@ from pirate_sm.runtime.observing import Tap
 from pirate_sm.runtime.outcome import BUG, Result
 from pirate_sm.runtime.pump import UNCONFIRMED
 from pirate_sm.runtime.stopping import Stop, StopRequests
-from pirate_sm.showing.looking import scene_of
+from pirate_sm.showing.live_snapshots import scene_of
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Prepared, again
 

@@ -10,7 +10,7 @@ from math import degrees, isnan, nan
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model import derived as kinds
 from pirate_sm.model.profile import Profile, Slot
-from pirate_sm.report.model import Chart, Series
+from pirate_sm.report.contents import Chart, Series
 from pirate_sm.report.sampling import Samples, over, value_at
 
 _DEGREES = degrees(1.0)
@@ -173,9 +173,9 @@ def _angle_setpoints(it: Measured) -> Chart:
 
 
 _CHARTS: tuple[Callable[[Measured], Chart], ...] = (
-    _angles, _joint_torques, _other_currents, _wheel_currents, _rim_speeds, _slip, _distance,
-    _speeds, _wheel_torques, _diameters, _attitude, _duties, _angle_setpoints,
-)  # fmt: skip
+    *(_angles, _joint_torques, _other_currents, _wheel_currents, _rim_speeds, _slip, _distance),
+    *(_speeds, _wheel_torques, _diameters, _attitude, _duties, _angle_setpoints),
+)
 
 
 def _derived(profile: Profile, kind: type) -> Iterator[str]:

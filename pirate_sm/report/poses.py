@@ -16,7 +16,7 @@ from pirate_sm.model.profile import Profile
 from pirate_sm.recording.thinning import add_evenly
 from pirate_sm.recording.viewers.wheel_places import Placing
 from pirate_sm.report.charts import Travel
-from pirate_sm.report.model import Lane, Light, Scene, Series, Span, Wheel
+from pirate_sm.report.contents import Lane, Light, Scene, Series, Span, Wheel
 from pirate_sm.report.sampling import Samples
 
 MOST_POSES = 6_000

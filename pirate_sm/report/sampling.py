@@ -9,7 +9,7 @@ from itertools import compress, count, groupby
 from math import isnan, nan
 from operator import ne
 
-from pirate_sm.report.model import Series
+from pirate_sm.report.contents import Series
 
 MOST_POINTS = 4_000
 """A screen has fewer columns; a run of ten minutes has about as many frames of each board."""

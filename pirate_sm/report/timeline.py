@@ -13,7 +13,7 @@ from pirate_sm.model.effect_words import (
     trigger_reason,
     with_reason,
 )
-from pirate_sm.report.model import Lane, Mark, MarkKind, Span, SpanKind
+from pirate_sm.report.contents import Lane, Mark, MarkKind, Span, SpanKind
 
 PHASE, COMMANDS, WAITS, TRIGGERS = "phase", "commands", "waits for", "triggers"
 DETECTOR, SEGMENT, OPERATOR, TROUBLE = "detector", "pipe", "operator", "faults"
@@ -81,7 +81,7 @@ class Timeline:
 
     def take(self, at_s: float, cause: object, effects: Sequence[fx.Effect]) -> None:
         """What a moment brought is on it."""
-        told = told_person(cause)
+        told = operator_action(cause)
         if told and not (self._nominal and isinstance(cause, ev.Skip)):  # its script does
             self._tracks[OPERATOR].mark(at_s, told, "operator")
         for effect in effects:
@@ -207,7 +207,7 @@ def _about(it: fx.CommandStatus) -> str:
     return f"{with_reason(it.status, it.reason)}{place}"
 
 
-def told_person(cause: object) -> str:
+def operator_action(cause: object) -> str:
     """Return what a person did, in words; empty where no person caused it."""
     return _asked(cause) if isinstance(cause, ev.Request) else ""
 

@@ -12,14 +12,13 @@ from itertools import pairwise
 from math import atan2, cos, floor, hypot, log, sin
 
 from pirate_sm.geometry.space import Place
-from pirate_sm.showing.anatomy import Anatomy
 from pirate_sm.showing.canvas import ACROSS, DOWN, Canvas
 from pirate_sm.showing.pose import SIDES, Pose, contact, pose_of
+from pirate_sm.showing.robot_anatomy import Anatomy
 from pirate_sm.showing.snapshot import Snapshot
 
-WALL, TOUCH, BODY, HELD, WHEEL, FREE, LIGHT, NOTE = (
-    "wall", "touch", "body", "held", "wheel", "free", "light", "note",
-)  # fmt: skip
+WALL, TOUCH, BODY, HELD = "wall", "touch", "body", "held"
+WHEEL, FREE, LIGHT, NOTE = "wheel", "free", "light", "note"
 
 ON_A_TERMINAL: Mapping[str, str] = {
     WALL: "bright_black",
@@ -148,10 +147,9 @@ class _Drawing:
         x, y = self._at(point)
         reach = 0.8 * self._radius_m * self._scale
         for out in (0.0, 1.0):
-            self._canvas.line(
-                x + out * ox - oy * reach, y + out * oy + ox * reach,
-                x + out * ox + oy * reach, y + out * oy - ox * reach, TOUCH,
-            )  # fmt: skip
+            x0, y0 = x + out * ox - oy * reach, y + out * oy + ox * reach
+            x1, y1 = x + out * ox + oy * reach, y + out * oy - ox * reach
+            self._canvas.line(x0, y0, x1, y1, TOUCH)
 
     def lights(self, lit: set[bool]) -> None:
         """A fan of rays before the front, behind the rear, or both."""

@@ -14,8 +14,8 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.by_hand import BY_HAND
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.truth import Truth
-from pirate_sm.showing.anatomy import Anatomy
-from pirate_sm.showing.memory import Story
+from pirate_sm.showing.robot_anatomy import Anatomy
+from pirate_sm.showing.run_history import Story
 
 if TYPE_CHECKING:
     from pirate_sm.backends.serial.health import LinkHealth

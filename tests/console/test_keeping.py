@@ -20,8 +20,8 @@ from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import replay
 from pirate_sm.recording.tables.csv_files import write_tables
 from pirate_sm.recording.write.recording_file import NS_PER_S, RecordingFile
-from pirate_sm.report.listing import listed
-from pirate_sm.report.recorded import report_of
+from pirate_sm.report.recording_report import report_of
+from pirate_sm.report.run_list import listed
 from pirate_sm.wiring import Prepared
 
 from .driving import Operator, operator, played, with_mission

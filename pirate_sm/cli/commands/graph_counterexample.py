@@ -7,8 +7,8 @@ from math import inf
 from pathlib import Path
 
 from pirate_sm.cli.order import read_script
-from pirate_sm.drawing.highlight import Stop as Reached
-from pirate_sm.drawing.way import Way
+from pirate_sm.drawing.graph.highlight import Stop as Reached
+from pirate_sm.drawing.graph.run_path import Way
 from pirate_sm.errors import UsageError
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event

@@ -14,10 +14,10 @@ from pirate_sm.cli.output.files import begins, is_recording, write_file
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.recording.read.reader import Recording, read_recording
-from pirate_sm.report.index import index_html
-from pirate_sm.report.listing import Listed, listed, unreadable
-from pirate_sm.report.page import html
-from pirate_sm.report.recorded import report_of
+from pirate_sm.report.recording_report import report_of
+from pirate_sm.report.report_page import html
+from pirate_sm.report.run_list import Listed, listed, unreadable
+from pirate_sm.report.run_list_page import index_html
 from pirate_sm.visible import visible
 
 _INDEX = "index.html"

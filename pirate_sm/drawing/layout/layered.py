@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from pirate_sm.drawing.layout.coordinates import Segment, Vertex, abscissae
-from pirate_sm.drawing.layout.order import Layers, ordered
 from pirate_sm.drawing.layout.plan import NOTHING, Layout, Link, Point, Route, Size
+from pirate_sm.drawing.layout.rank_order import Layers, ordered
 from pirate_sm.drawing.layout.ranks import ranks, turned
 
 GAP = 22.0
@@ -134,12 +134,10 @@ def _joints(plan: _Plan) -> dict[tuple[int, int], Segment]:
     for number, chain in enumerate(plan.chains):
         last = len(chain) - 2
         for piece in range(last + 1):
-            joints[number, piece] = Segment(
-                chain[piece], chain[piece + 1],
-                begins[number] if piece == 0 else 0.0,
-                ends[number] if piece == last else 0.0,
-                plan.links[number].weight * (INNER_WEIGHT if 0 < piece < last else 1),
-            )  # fmt: skip
+            begin = begins[number] if piece == 0 else 0.0
+            end = ends[number] if piece == last else 0.0
+            weight = plan.links[number].weight * (INNER_WEIGHT if 0 < piece < last else 1)
+            joints[number, piece] = Segment(chain[piece], chain[piece + 1], begin, end, weight)
     return joints
 
 

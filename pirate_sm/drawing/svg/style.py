@@ -11,17 +11,35 @@ from collections.abc import Mapping
 FONT = 'ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, "Liberation Mono", monospace'
 
 DAY = {
-    "paper": "#ffffff", "ink": "#1f2328", "soft": "#59636e", "line": "#6e7781",
-    "box": "#f6f8fa", "good": "#1a7f37", "good_box": "#e6f7ea", "bad": "#c2202c",
-    "bad_box": "#fdeeed", "late": "#8a5a00", "fault": "#7a44d0", "path": "#0860ca",
+    "paper": "#ffffff",
+    "ink": "#1f2328",
+    "soft": "#59636e",
+    "line": "#6e7781",
+    "box": "#f6f8fa",
+    "good": "#1a7f37",
+    "good_box": "#e6f7ea",
+    "bad": "#c2202c",
+    "bad_box": "#fdeeed",
+    "late": "#8a5a00",
+    "fault": "#7a44d0",
+    "path": "#0860ca",
     "path_box": "#ddf0ff",
-}  # fmt: skip
+}
 NIGHT = {
-    "paper": "#0d1117", "ink": "#e6edf3", "soft": "#9aa4af", "line": "#8b949e",
-    "box": "#1a2029", "good": "#3fb950", "good_box": "#12261a", "bad": "#ff6a61",
-    "bad_box": "#2f1618", "late": "#d9a334", "fault": "#bf97ff", "path": "#5caeff",
+    "paper": "#0d1117",
+    "ink": "#e6edf3",
+    "soft": "#9aa4af",
+    "line": "#8b949e",
+    "box": "#1a2029",
+    "good": "#3fb950",
+    "good_box": "#12261a",
+    "bad": "#ff6a61",
+    "bad_box": "#2f1618",
+    "late": "#d9a334",
+    "fault": "#bf97ff",
+    "path": "#5caeff",
     "path_box": "#10294a",
-}  # fmt: skip
+}
 
 _SHAPES = f"""
 .drawing text {{ font-family: {FONT} }}

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.drawing.chart_graph import LONGEST_GUARD, chart_graph
-from pirate_sm.drawing.model import EdgeKind, NodeKind
+from pirate_sm.drawing.graph.chart_graph import LONGEST_GUARD, chart_graph
+from pirate_sm.drawing.graph.graph import EdgeKind, NodeKind
 from pirate_sm.loading.chart_outline import ChartOutline, Transition
 
 from .conftest import CHARTS, name, read_chart

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.drawing.dot import dot
-from pirate_sm.drawing.highlight import highlight
-from pirate_sm.drawing.model import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
+from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
+from pirate_sm.drawing.graph.highlight import highlight
+from pirate_sm.drawing.text_formats.dot import dot
 
 from .conftest import DRAWN, ROOT, drawing, name
 

@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.drawing.highlight import highlight
-from pirate_sm.drawing.mission_graph import mission_graph
-from pirate_sm.drawing.model import EdgeKind, Graph
+from pirate_sm.drawing.graph.graph import EdgeKind, Graph
+from pirate_sm.drawing.graph.highlight import highlight
+from pirate_sm.drawing.graph.mission_graph import mission_graph
 from pirate_sm.errors import UsageError
 
 from .conftest import CHARTS, ROOT, drawing, read_mission, written

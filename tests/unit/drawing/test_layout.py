@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from pirate_sm.drawing.layout.coordinates import Segment, Vertex, abscissae
 from pirate_sm.drawing.layout.layered import layered
-from pirate_sm.drawing.layout.order import ordered
 from pirate_sm.drawing.layout.plan import NOTHING, Layout, Link, Size
+from pirate_sm.drawing.layout.rank_order import ordered
 from pirate_sm.drawing.layout.ranks import ranks, turned
 
 from .geometry import along, inside, overlap, rectangle

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.drawing.highlight import highlight
-from pirate_sm.drawing.mermaid import mermaid
-from pirate_sm.drawing.model import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
-from pirate_sm.drawing.names import plain_names
-from pirate_sm.drawing.text import printable
+from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
+from pirate_sm.drawing.graph.highlight import highlight
+from pirate_sm.drawing.text_formats.identifiers import plain_names
+from pirate_sm.drawing.text_formats.mermaid import mermaid
+from pirate_sm.drawing.text_wrapping import printable
 
 from .conftest import DRAWN, ROOT, drawing, name
 

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.drawing.mission_graph import mission_graph
-from pirate_sm.drawing.model import Edge, EdgeKind, Graph, NodeKind
-from pirate_sm.drawing.step_text import every_step
+from pirate_sm.drawing.graph.graph import Edge, EdgeKind, Graph, NodeKind
+from pirate_sm.drawing.graph.mission_graph import mission_graph
+from pirate_sm.drawing.graph.step_text import every_step
 from pirate_sm.model import mission as model
 
 from .conftest import MISSIONS, ROOT, drawing, name, read_mission, written

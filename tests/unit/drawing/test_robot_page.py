@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.drawing.criterion_text import done_when, listed
-from pirate_sm.drawing.page import Heading, Paragraph, Table, html, markdown
-from pirate_sm.drawing.robot_page import robot_page
+from pirate_sm.drawing.robot.criterion_text import done_when, listed
+from pirate_sm.drawing.robot.robot_page import robot_page
+from pirate_sm.drawing.robot.written_page import Heading, Paragraph, Table, html, markdown
 from pirate_sm.loading.robot import load_robot
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -6,10 +6,10 @@ from xml.etree import ElementTree
 
 import pytest
 
-from pirate_sm.drawing.highlight import highlight
-from pirate_sm.drawing.model import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
-from pirate_sm.drawing.svg.picture import svg, visits_text
-from pirate_sm.drawing.svg.scene import scene
+from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
+from pirate_sm.drawing.graph.highlight import highlight
+from pirate_sm.drawing.svg.arrangement import scene
+from pirate_sm.drawing.svg.svg_writer import svg, visits_text
 
 from .conftest import DRAWN, ROOT, drawing, name
 from .geometry import along, inside, overlap, rectangle
