@@ -9,7 +9,7 @@ INDENT = 2
 
 
 def cells(text: str) -> int:
-    """How many columns the text takes: East Asian wide characters two, marks on letters none."""
+    """Return the columns the text takes: East Asian wide characters two, marks on letters none."""
     return len(text) if text.isascii() else sum(_cells_of(character) for character in text)
 
 
@@ -20,7 +20,7 @@ def _cells_of(character: str) -> int:
 
 
 def printable(text: str) -> str:
-    """The text with a replacement for each character that is none, or that moves a cursor."""
+    """Return the text with a replacement for each character that cannot be printed."""
     return text if text.isprintable() else "".join(map(_printable, text))
 
 
@@ -30,7 +30,7 @@ def _printable(character: str) -> str:
 
 
 def wrapped(text: str, width: int, hang: int = 0) -> tuple[str, ...]:
-    """The text in lines of at most ``width`` columns, broken at blanks wherever there are some.
+    """Return the text in lines of at most ``width`` columns, broken at blanks where there are some.
 
     Later lines keep the first one's indentation and have ``hang`` blanks more.
     """
@@ -48,7 +48,7 @@ def wrapped(text: str, width: int, hang: int = 0) -> tuple[str, ...]:
 
 
 def balanced(text: str, width: int) -> tuple[str, ...]:
-    """The text in few lines, all about as long; the first is the shortest.
+    """Return the text in few lines, all about as long; the first is the shortest.
 
     A word that is longer than ``width`` widens it, up to half as much again.
     """
@@ -67,7 +67,7 @@ def balanced(text: str, width: int) -> tuple[str, ...]:
 
 
 def _short_words(words: list[str], width: int) -> Iterator[str]:
-    """The words; a longer one in pieces."""
+    """Yield the words; a longer one in pieces."""
     for word in words:
         rest = word
         while cells(rest) > width:

@@ -47,12 +47,12 @@ class Measured:
     def signal(
         self, name: str, scale: float = 1.0, label: str = "", *, main: bool = False
     ) -> Series:
-        """A signal by its name."""
+        """Return a signal by its name."""
         index = self.robot.vocabulary.numbers.index(name)
         return self.signals.series(index, label or name, scale=scale, main=main)
 
     def rim(self, number: int, scale: float = 1.0) -> Series:
-        """How fast the rim of a wheel goes forward, m/s."""
+        """Return how fast the rim of a wheel goes forward, m/s."""
         wheel = self.robot.wheels[number]
         label = self.profile.body.wheels[number].name
         scale *= wheel.metres_per_rad
@@ -60,7 +60,7 @@ class Measured:
 
 
 def charts(measured: Measured) -> tuple[Chart, ...]:
-    """The plots in which there is a curve with a point in it."""
+    """Return the plots in which there is a curve with a point in it."""
     found = (make(measured) for make in _CHARTS)
     return tuple(chart for each in found if (chart := _filled(each)) is not None)
 
@@ -187,7 +187,7 @@ def _signals(it: Measured, kind: type, scale: float) -> Iterable[Series]:
 
 
 def _setpoints(it: Measured, unit: str, scale: float) -> Iterator[Series]:
-    """The setpoints of slots that were ever told anything but zero."""
+    """Yield the setpoints of slots that were ever told anything but zero."""
     for index, slot in enumerate(it.robot.slots):
         if slot.unit != unit:
             continue
@@ -203,7 +203,7 @@ def _less(taken: Callable[[float], float], scale: float) -> Callable[[float, flo
 
 
 def _rate(series: Series) -> Callable[[float], float]:
-    """The slope of a curve around a moment; NaN where there are no two points beside it."""
+    """Return the slope of a curve around a moment; NaN where there are no two points beside it."""
 
     def rate(at_s: float) -> float:
         times, values = series.times_s, series.values

@@ -1,4 +1,4 @@
-"""What a report tells, as plain values: no engine, no recording, no HTML in it."""
+"""The contents of a report as plain values, without engine, recording or HTML."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ class Sentence(NamedTuple):
 
     @property
     def before_s(self) -> float:
-        """The moment just before: what goes wrong may have stopped the robot at once."""
+        """Return the moment just before: what goes wrong may have stopped the robot at once."""
         return max(0.0, self.at_s - _BEFORE_S)
 
 
@@ -192,12 +192,12 @@ class Report:
 
     @property
     def failure(self) -> Sentence | None:
-        """What made it fail in the end; None where nothing did."""
+        """Return what made it fail in the end; None where nothing did."""
         return self.failures[-1] if self.failures else None
 
     @property
     def opens_at_s(self) -> float:
-        """Where a reader begins: before what went wrong, at a sudden end, else at the beginning."""
+        """Return where a reader begins: before a failure, at a sudden end, else at the start."""
         if self.failure is not None:
             return self.failure.before_s
         return self.duration_s if self.outcome in ("interrupted", "unfinished") else 0.0

@@ -50,7 +50,7 @@ class Picture(NamedTuple):
 
 
 def pictures(report: Report) -> tuple[Picture, ...]:
-    """The moments of a run that are worth a picture, in order."""
+    """Return the moments of a run that are worth a picture, in order."""
     found = [Picture(0.0, "start", "start", weight=float("inf"))]
     for failure in report.failures:
         phase = failure.topic
@@ -74,13 +74,13 @@ def _lane(report: Report, name: str) -> Lane:
 
 
 def _add(found: list[Picture], picture: Picture) -> None:
-    """There is one more, unless one of nearly the same moment is there."""
+    """Add the picture, unless there is one of nearly the same moment."""
     if all(abs(each.at_s - picture.at_s) >= _APART_S for each in found):
         found.append(picture)
 
 
 def strip(report: Report) -> str:
-    """The strip as a section of a page; empty where nobody knows where the robot was."""
+    """Return the strip as a section of a page; empty where nobody knows where the robot was."""
     if report.scene is None:
         return ""
     shown = pictures(report)
@@ -106,7 +106,7 @@ def _item(it: Picture, drawing: str) -> str:
 
 
 def _breaking(name: str) -> str:
-    """The name as a text that may go on in a new line between its parts."""
+    """Return the name as a text that may go on in a new line between its parts."""
     return escape(name).replace("/", "/<wbr>").replace(".", ".<wbr>").replace("_", "_<wbr>")
 
 
@@ -130,7 +130,7 @@ class _Drawing:
         return scene.poses[max(0, bisect_right(scene.times_s, at_s) - 1)]
 
     def at(self, at_s: float) -> str:
-        """The picture of a moment as an SVG element; its colours are the page's."""
+        """Return the picture of a moment as an SVG element; its colours are the page's."""
         points = self._pose(at_s)
         x0, y0, x1, y1 = _box(points)
         left, top = (x0 + x1 - self._wide) / 2, -(y0 + y1 + self._high) / 2

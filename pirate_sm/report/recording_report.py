@@ -1,4 +1,4 @@
-"""A recording becomes a report."""
+"""Makes the report of a recording."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _CHANCE = {
 
 
 def report_of(recording: Recording) -> Report:
-    """The report of a recorded run.
+    """Return the report of a recorded run.
 
     Raises:
         RecordingError: The recording is damaged, or of a version that cannot be read any more.
@@ -54,7 +54,7 @@ def about_run(header: RunHeader, loaded: LoadedMission, notices: Iterable[str] =
 
 
 def known_poses(recording: Recording, loaded: LoadedMission) -> Poses | None:
-    """Where the robot really was, as a simulator told viewers; None where nobody knew."""
+    """Return where the robot really was, as a simulator told viewers; None where nobody knew."""
     names = [wheel.name for wheel in loaded.loaded_robot.profile.body.wheels]
     poses = Poses(true=True)
     for shown in recording.shown(PLACES):
@@ -73,7 +73,7 @@ def _warnings(header: RunHeader, notices: Iterable[str]) -> Iterator[str]:
 
 
 def _where(header: RunHeader) -> str:
-    """``in the simulator (seed 3, with two defects), in pipe x``."""
+    """Return where it ran: ``in the simulator (seed 3, with two defects), in pipe x``."""
     options = header.options
     more = []
     if header.backend == "sim":

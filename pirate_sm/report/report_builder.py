@@ -1,4 +1,4 @@
-"""A recorded run becomes the plain values that a page is made of.
+"""Collects the contents of a report while a recorded run is executed again.
 
 States, commands and faults are told as they were recorded. Signals are not recorded: the engine
 makes them of the recorded frames, so the recorded inputs are given to one again.
@@ -56,7 +56,7 @@ class About:
 def gather(
     loaded: LoadedMission, about: About, steps: Iterable[Rerun], seen: Poses | None
 ) -> Report:
-    """The report of a run.
+    """Return the report of a run.
 
     Args:
         loaded: The mission as it was run.
@@ -98,7 +98,7 @@ class _Run:
         }
 
     def take(self, again: Rerun) -> None:
-        """The step has had its effect on everything."""
+        """Take in one step of the run."""
         step, at_s = again.step, again.at_s
         self._at_s = max(self._at_s, at_s)
         if again.state is not None:
@@ -120,7 +120,7 @@ class _Run:
                 self._ended = effect
 
     def _look(self, state: EngineState, event: Event | None, at_s: float) -> None:
-        """What the engine knew at this moment has been noted."""
+        """Note what the engine knew at this moment."""
         if self._state is None:
             self._setpoints.take(at_s, state.robot.values)
         self._state = state
@@ -131,12 +131,12 @@ class _Run:
             self._following.look(state, at_s)
 
     def _note_cause(self, cause: str, at_s: float) -> None:
-        """What the engine takes for the last thing that went wrong is known, and where that was."""
+        """Note the engine's cause of a failure, and the phase it happened in."""
         if cause and (not self._causes or cause != self._causes[-1].text):
             self._causes.append(Sentence(at_s, cause, "trouble", self._timeline.phase))
 
     def report(self, seen: Poses | None) -> Report:
-        """What is to be told of it."""
+        """Return the report of what was taken in."""
         loaded, about, until_s = self._loaded, self._about, self._at_s
         robot, profile = loaded.robot, loaded.loaded_robot.profile
         poses = seen or self._following.poses
@@ -169,7 +169,7 @@ class _Run:
         return RunEnding(self._ended.outcome, self._ended.message, self._at_s)
 
     def _failures(self) -> tuple[Sentence, ...]:
-        """What made the run fail; the end itself where the engine names no cause."""
+        """Return what made the run fail; the end itself where the engine names no cause."""
         if self._ended is None or self._ended.outcome not in ("failed", "fault"):
             return ()
         if not self._causes:

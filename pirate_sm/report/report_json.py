@@ -15,7 +15,7 @@ _PLACE_PER_M = 1e4
 
 
 def report_json(report: Report) -> Json:
-    """The report as the page's script reads it; curves with the same times share them."""
+    """Return the report as the page's script reads it; curves with the same times share them."""
     clocks = _Clocks()
     found = {
         "duration": _seconds(report.duration_s),
@@ -35,7 +35,7 @@ class _Clocks:
         self._numbers: dict[tuple[int, ...], int] = {}
 
     def number(self, times_s: Sequence[float]) -> int:
-        """Under which number these times are written."""
+        """Return under which number these times are written."""
         key = tuple(_steps([round(time * 1e3) for time in times_s]))
         if key not in self._numbers:
             self._numbers[key] = len(self.written)
@@ -72,7 +72,7 @@ def _series(series: Series, digits: int, clocks: _Clocks) -> Json:
 
 
 def _number(value: float, digits: int) -> float | int | None:
-    """The value without decimals that mean nothing; what is unknown is null."""
+    """Return the value without decimals that mean nothing; what is unknown is null."""
     if not isfinite(value):
         return None
     rounded = round(value, digits)

@@ -1,4 +1,4 @@
-"""A report as one HTML page that needs nothing else and asks for nothing."""
+"""A report as one HTML page that loads no other file."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _LIBRARY = "uplot"
 
 
 def html(report: Report) -> str:
-    """The page.
+    """Return the page as HTML.
 
     Raises:
         UsageError: The library that plots is not installed.
@@ -68,7 +68,7 @@ def html(report: Report) -> str:
 
 
 def _library() -> Path:
-    """The folder with the script and the style of the library that plots.
+    """Return the folder with the script and the style of the library that plots.
 
     Its Python part is for notebooks and is never imported.
     """
@@ -87,7 +87,7 @@ def _warning(line: str) -> str:
 
 
 def _summary(report: Report) -> Iterable[str]:
-    """How it ended, right behind that why, then the rest; the header has the first sentence."""
+    """Return the summary without its first sentence, which the header has, and with the causes."""
     lines = [f"<p>{escape(line)}</p>" for line in report.summary[1:]]
     return [*lines[:1], *map(_failure, report.failures), *lines[1:]]
 
@@ -127,7 +127,7 @@ def _robot(scene: Scene | None) -> str:
 
 
 def _robot_key(scene: Scene) -> str:
-    """What the signs in the picture mean."""
+    """Return what the signs in the picture mean."""
     signs = ["Links with a line in them are held (dashed: not yet confirmed)"]
     if scene.source == "truth" and scene.walls:
         signs.append("a bar marks a wheel at a wall")
@@ -147,7 +147,7 @@ def _facts(report: Report) -> Iterable[str]:
 
 
 def _step(duration_s: float) -> float:
-    """What an arrow key moves the slider by: a tenth of a second, more in a long run."""
+    """Return what an arrow key moves the slider by: a tenth of a second, more in a long run."""
     return 0.1 if duration_s < 120 else 0.5 if duration_s < 600 else 1.0
 
 
@@ -157,6 +157,6 @@ def _speed(factor: float) -> str:
 
 
 def _inside_script(data: Json) -> str:
-    """JSON that cannot end the element that it stands in."""
+    """Return JSON that cannot end the element that it stands in."""
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")

@@ -48,7 +48,7 @@ class Listed:
 
 
 def listed(recording: Recording, link: str) -> Listed:
-    """The run in a line.
+    """Return the run as a line of a list.
 
     Args:
         recording: The run; it is read through, but not executed again.
@@ -83,7 +83,7 @@ def listed(recording: Recording, link: str) -> Listed:
 
 
 def unreadable(path: Path, why: str) -> Listed:
-    """The line of a recording that cannot be read."""
+    """Return the line of a recording that cannot be read."""
     return Listed(name=path.name, outcome="unreadable", message=why)
 
 

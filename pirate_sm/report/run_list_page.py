@@ -1,4 +1,4 @@
-"""A list of many runs as one HTML page that needs nothing else and asks for nothing."""
+"""A list of many runs as one HTML page that loads no other file."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _COLUMNS = (
 
 
 def index_html(runs: Sequence[Listed]) -> str:
-    """The page; the newest run stands first."""
+    """Return the page as HTML; the newest run stands first."""
     folder = files("pirate_sm.report") / "page"
     newest = sorted(runs, key=lambda each: (each.began, each.name), reverse=True)
     styles = (folder / name for name in ("page.css", "index.css"))
@@ -39,7 +39,7 @@ def index_html(runs: Sequence[Listed]) -> str:
 
 
 def _outcomes(runs: Sequence[Listed]) -> Iterable[str]:
-    """A button for each outcome that there is; it shows only the runs that ended so."""
+    """Yield a button for each outcome that there is; it shows only the runs that ended so."""
     counts = Counter[str](run.outcome for run in runs)
     for outcome, (sign, word) in _SIGNS.items():
         if outcome in counts:
@@ -74,13 +74,13 @@ def _row(it: Listed) -> str:
 
 
 def _cell(column: str, text: str, value: object) -> str:
-    """A cell; ``value`` is what it is sorted by, None: its text."""
+    """Return a cell; ``value`` is what it is sorted by, None: its text."""
     key = "" if value is None else f' data-value="{value}"'
     return f'<td data-name="{column}"{key}>{text}</td>'
 
 
 def _began(began: str) -> str:
-    """The moment as a person reads it; all of it shows where one points at it."""
+    """Return the moment as a person reads it; all of it shows where one points at it."""
     try:
         read = f"{datetime.fromisoformat(began):%Y-%m-%d %H:%M:%S}"
     except ValueError:  # a header says what it likes

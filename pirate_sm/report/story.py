@@ -44,7 +44,7 @@ class Story:
         self._described = ""
 
     def take(self, at_s: float, cause: object, effects: Sequence[fx.Effect]) -> None:
-        """What a moment brought belongs to it."""
+        """Take in the cause and the effects of one moment."""
         told = operator_action(cause)
         if told and not (self._nominal and isinstance(cause, ev.Skip | ev.Answer)):
             self._add(at_s, f"The operator {told}.", "person")
@@ -78,7 +78,7 @@ class Story:
                 pass
 
     def finish(self, ending: RunEnding) -> tuple[Sentence, ...]:
-        """The whole story, in order."""
+        """Return the whole story, in order."""
         self._close(ending.at_s, "")
         words = {**ENDED, "interrupted": "Interrupted after", "fault": "A fault ended it after"}
         opening = words[ending.outcome].removeprefix("It ").capitalize()
@@ -96,7 +96,7 @@ class Story:
         self._phase, self._began_s, self._place = phase, at_s, len(self.sentences)
 
     def _close(self, at_s: float, how: str) -> None:
-        """The phase that was going on is told, before what went wrong in it."""
+        """Tell the phase that was going on, before what went wrong in it."""
         if not self._phase:
             return
         purpose = self._purpose()
@@ -114,7 +114,7 @@ class Story:
         self._phase, self._commands, self._waits_since = "", [], None
 
     def _purpose(self) -> str:
-        """What the phase is for, the first time in a row; not again behind a called mission."""
+        """Return the description of the phase, once; not again behind a called mission."""
         root = self._phase.partition("/")[0]
         if root != self._described and self._phase == root:
             self._described = root

@@ -34,16 +34,16 @@ class _Track:
 
     @property
     def current(self) -> str:
-        """What is going on; empty where nothing is."""
+        """Return what is going on; empty where nothing is."""
         return self._open.text if self._open else ""
 
     def begin(self, at_s: float, text: str, kind: SpanKind, about: str = "") -> None:
-        """What went on has ended, and this goes on."""
+        """End what went on, and begin this."""
         self.end(at_s)
         self._open = Span(at_s, at_s, text, kind, about)
 
     def end(self, at_s: float, kind: SpanKind | None = None, about: str = "") -> None:
-        """Nothing goes on any more; what did has taken this turn."""
+        """End what went on, with this kind and this text."""
         if self._open is None:
             return
         span, self._open = self._open._replace(end_s=at_s), None
@@ -58,7 +58,7 @@ class _Track:
         self.spans.append(span)
 
     def mark(self, at_s: float, text: str, kind: MarkKind, about: str = "") -> None:
-        """There is a mark."""
+        """Add a mark."""
         self.marks.append(Mark(at_s, text, kind, about))
 
 
@@ -80,7 +80,7 @@ class Timeline:
         self._unconfirmed: tuple[str, ...] = ()
 
     def take(self, at_s: float, cause: object, effects: Sequence[fx.Effect]) -> None:
-        """What a moment brought is on it."""
+        """Take in the cause and the effects of one moment."""
         told = operator_action(cause)
         if told and not (self._nominal and isinstance(cause, ev.Skip)):  # its script does
             self._tracks[OPERATOR].mark(at_s, told, "operator")
@@ -116,11 +116,11 @@ class Timeline:
 
     @property
     def phase(self) -> str:
-        """The phase that goes on; empty before the first one and after the end."""
+        """Return the phase that goes on; empty before the first one and after the end."""
         return self._tracks[PHASE].current
 
     def lanes(self, until_s: float) -> tuple[Lane, ...]:
-        """The lanes on which there is something, in order; what goes on does so until the end."""
+        """Return the lanes that are not empty, in order; what still goes on ends at ``until_s``."""
         found = []
         for name, track in self._tracks.items():
             track.end(until_s)

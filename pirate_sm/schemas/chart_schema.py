@@ -25,7 +25,7 @@ _TAKEN: Final = sorted({*RESERVED, *KEYWORDS, *FUNCTIONS, *UNITS})
 
 
 def chart_schema() -> Schema:
-    """The JSON Schema of ``chart.yaml``."""
+    """Return the JSON Schema of ``chart.yaml``."""
     return {
         "$schema": DRAFT,
         "title": "Statechart of a robot",

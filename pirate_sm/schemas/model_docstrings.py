@@ -1,4 +1,4 @@
-"""What a model's docstring says of it and of its keys, for people who read it in an editor."""
+"""The descriptions of a model and its keys, read from docstrings."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ _ATTRIBUTE = re.compile(r"    (\w+): (.*)")
 
 
 def summary(model: type[BaseModel]) -> str:
-    """What the docstring says of the model as a whole, as Markdown."""
+    """Return what the docstring says of the model as a whole, as Markdown."""
     return _markdown(_parts(model)[0])
 
 
 def explanations(model: type[BaseModel]) -> dict[str, str]:
-    """What the docstring says of each field, its base classes' included, as Markdown."""
+    """Return what the docstring says of each field, its base classes' included, as Markdown."""
     found: dict[str, str] = {}
     for each in reversed(model.__mro__):
         if issubclass(each, BaseModel):

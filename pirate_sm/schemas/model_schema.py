@@ -1,4 +1,4 @@
-"""A model becomes a JSON Schema that says what its file may hold, and explains it."""
+"""The JSON Schema of a model, with descriptions of its keys."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _NULL: Final = {"type": "null"}
 
 
 def schema_of(model: type[BaseModel], title: str) -> Schema:
-    """The JSON Schema of a file that holds one such model."""
+    """Return the JSON Schema of a file that holds one such model."""
     raw = model.model_json_schema(
         ref_template="#/definitions/{model}", schema_generator=_Explaining
     )
@@ -59,7 +59,7 @@ class _Explaining(GenerateJsonSchema):
     """Takes what docstrings say, and what validators demand, into each model's schema."""
 
     def model_schema(self, schema: core_schema.ModelSchema) -> Schema:
-        """The model's schema with a description of it and of each of its keys."""
+        """Return the model's schema with a description of it and of each of its keys."""
         result = super().model_schema(schema)
         model = schema["cls"]
         said = explanations(model)
@@ -70,13 +70,13 @@ class _Explaining(GenerateJsonSchema):
         return result | {"description": summary(model)} | SHAPES.get(model, {})
 
     def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> Schema:
-        """Any of the choices: each is known by a key of its own, so that no two can fit."""
+        """Return any of the choices: each is known by a key of its own, so that no two can fit."""
         result = super().tagged_union_schema(schema)
         result.pop("discriminator", None)
         return {"anyOf": result.pop("oneOf"), **result}
 
     def default_schema(self, schema: core_schema.WithDefaultSchema) -> Schema:
-        """The schema with its default, where that is more than nothing in particular."""
+        """Return the schema with its default, where that is more than nothing in particular."""
         result = super().default_schema(schema)
         if "$ref" in result or result.get("default") in (None, "", [], {}):
             result.pop("default", None)
@@ -84,7 +84,7 @@ class _Explaining(GenerateJsonSchema):
 
 
 def _taken_description(node: Schema) -> str:
-    """What the kind of value says of itself, taken from where it stands in a choice."""
+    """Return what the kind of value says of itself, taken from where it stands in a choice."""
     holders = [node, *node.get("anyOf", [])]
     said = [str(each.pop("description")) for each in holders if "description" in each]
     return said[0] if said else ""
@@ -101,7 +101,7 @@ class _Tidy:
         self.quantities: dict[str, Schema] = {}
 
     def schema(self, node: Any) -> Any:
-        """The schema, and all that are in it, tidy."""
+        """Return the schema, and all that are in it, tidy."""
         if not isinstance(node, dict):
             return node
         inner = {key: self.within(key, value) for key, value in node.items() if key != "title"}
@@ -120,7 +120,7 @@ class _Tidy:
         return inner
 
     def within(self, key: str, value: Any) -> Any:
-        """The value of a schema's key with all schemas in it tidy."""
+        """Return the value of a schema's key with all schemas in it tidy."""
         if key in _MAPS:
             return {name: self.schema(each) for name, each in value.items()}
         if key in _LISTS:
@@ -128,7 +128,7 @@ class _Tidy:
         return self.schema(value) if key in _SINGLE else value
 
     def _quantity(self, node: Schema) -> Schema:
-        """The node with a reference in place of the long pattern, which is kept once."""
+        """Return the node with a reference in place of the long pattern, which is kept once."""
         name = node[QUANTITY]["name"]
         body = {key: node[key] for key in ("type", "pattern", "patternErrorMessage")}
         known = self.quantities.setdefault(name, body)
@@ -138,7 +138,7 @@ class _Tidy:
 
 
 def _written_default(node: Schema) -> Any:
-    """The default as a file would have it: a quantity with its unit."""
+    """Return the default as a file would have it: a quantity with its unit."""
     default = node["default"]
     for each in [node, *node.get("anyOf", [])]:
         unit = each.get(QUANTITY, {}).get("unit", "")
@@ -148,7 +148,7 @@ def _written_default(node: Schema) -> Any:
 
 
 def _merged(node: Schema) -> Schema:
-    """The node with choices in choices made one list, and one type in place of bare types."""
+    """Return the node with nested choices made one list, and bare types made one type."""
     if "anyOf" not in node:
         return node
     choices: list[Schema] = []
@@ -175,7 +175,7 @@ def _reference(name: str) -> str:
 
 
 def _used(schema: Any, definitions: dict[str, Schema]) -> set[str]:
-    """The names of the definitions that the schema refers to, directly or through others."""
+    """Return the names of the definitions that the schema refers to, directly or through others."""
     used: set[str] = set()
     left = [schema]
     while left:

@@ -12,7 +12,7 @@ Schema = dict[str, Any]
 
 
 def narrowed(mission: Schema, robot: LoadedRobot) -> Schema:
-    """The schema of missions that only takes what this robot knows.
+    """Return the schema of missions that only takes what this robot knows.
 
     Args:
         mission: The JSON Schema of any mission; it is not changed.
@@ -57,7 +57,7 @@ def _states(generic: Schema, robot: LoadedRobot) -> Schema:
 
 
 def _condition(generic: Schema, robot: LoadedRobot) -> Schema:
-    """Text as before; what it may name stands in the hover text, and some as examples."""
+    """Keep plain text, and put what it may name into the hover text and the examples."""
     lines, examples = [], []
     for name, kind in robot.normal.vocabulary.types.items():
         if isinstance(kind, EnumType):

@@ -27,12 +27,12 @@ MODELINE: Final = "# yaml-language-server: $schema="
 
 
 def schema_text(kind: str) -> str:
-    """The JSON Schema of this kind of file, as a file holds it."""
+    """Return the JSON Schema of this kind of file, as a file holds it."""
     return _text(KINDS[kind]())
 
 
 def mission_schema_text(robot: LoadedRobot) -> str:
-    """The JSON Schema of missions for this robot, as a file holds it."""
+    """Return the JSON Schema of missions for this robot, as a file holds it."""
     return _text(narrowed(KINDS["mission"](), robot))
 
 

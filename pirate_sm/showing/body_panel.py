@@ -78,7 +78,7 @@ def _motor(snapshot: Snapshot, motor: Motor, unit: str, width: int) -> Text:
 
 
 def _centred(value: float, limit: float, *, marked: bool) -> list[Part]:
-    """A dot on a scale from minus to plus the limit; an exclamation mark where it is near."""
+    """Return a dot on a scale from minus to plus the limit, with an exclamation mark near it."""
     half = 5
     if isnan(value) or not limit:
         return [(" " * (2 * half + 2), MUTED)]
@@ -106,7 +106,7 @@ def _current(snapshot: Snapshot, motor: Motor) -> list[Part]:
 
 
 def _heat(snapshot: Snapshot, motor: Motor) -> list[Part]:
-    """How long the motor has been as near its stall current as a fault rule allows for a time."""
+    """Return how long the motor has been at a current that a fault rule allows for a time only."""
     state, rules = snapshot.state, snapshot.scene.robot.faults
     if state is None or not motor.heat:
         return [f"{'':<10}"]
@@ -123,13 +123,13 @@ def _heat(snapshot: Snapshot, motor: Motor) -> list[Part]:
 
 
 def _trend(snapshot: Snapshot, motor: Motor, room: int) -> str:
-    """The last values, each as high as its share of the stall current, or of the largest."""
+    """Return the last values, each as high as its share of the stall current, or of the largest."""
     values = [abs(each) for each in (snapshot.trends or {}).get(motor.current or motor.value, ())]
     return sparkline(values[-room:], motor.stall_a or max(values, default=0.0))
 
 
 def sparkline(values: Sequence[float], full: float) -> str:
-    """One character for each value."""
+    """Return one character for each value."""
     top = len(_BARS) - 1
     if not full:
         return _BARS[1] * len(values)
@@ -147,7 +147,7 @@ def travelled(snapshot: Snapshot) -> list[Text]:
 
 
 def _written(snapshot: Snapshot, reading: Reading) -> str:
-    """A distance is shown with what the runs before this one came, where there were any."""
+    """Return a distance is shown with what the runs before this one came, where there were any."""
     value = snapshot.signals.get(reading.signal, nan)
     written = "–" if isnan(value) else _WRITE[reading.kind](value)
     before_m = snapshot.before_m if reading.kind == "distance" else 0.0
@@ -160,7 +160,7 @@ def _readings(snapshot: Snapshot) -> list[tuple[str, str]]:
 
 
 def _in_cells(cells: Sequence[tuple[str, str]], width: int) -> list[Text]:
-    """As many side by side as there is room for."""
+    """Return the cells, as many side by side as there is room for."""
     lines = [line()]
     for label, written in cells:
         cell = line((f"{label} ", MUTED), written.ljust(_VALUE))

@@ -1,4 +1,4 @@
-"""What happens in a run, as lines for a person."""
+"""Effects as lines for a person."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Teller:
     def __init__(
         self, robot: RobotSpec, *, with_setpoints: bool, short: bool = False, nominal: bool = False
     ) -> None:
-        """Nothing has been told.
+        """Begin with nothing said.
 
         Args:
             robot: Whose slots and regions are told about.
@@ -118,7 +118,7 @@ def _line(effect: fx.Effect, *, nominal: bool) -> Line | None:  # noqa: C901 - o
 def changed_setpoints(
     slots: tuple[SlotSpec, ...], before: tuple[float, ...], values: tuple[float, ...]
 ) -> list[str]:
-    """The slots whose setpoint is new, by name and with its unit."""
+    """Return the slots whose setpoint is new, by name and with its unit."""
     return [
         f"{slot.name} {setpoint(slot, new)}"
         for slot, old, new in zip(slots, before, values, strict=True)
@@ -127,14 +127,14 @@ def changed_setpoints(
 
 
 def setpoint(slot: SlotSpec, value: float) -> str:
-    """A setpoint as people read it: duty cycle in per cent, angle in degrees."""
+    """Return a setpoint as people read it: duty cycle in per cent, angle in degrees."""
     return f"{degrees(value):.1f}°" if slot.unit == "angle" else f"{value * 100:.3g} %"
 
 
 def summary(
     ended: fx.Ended, now_s: float, distance_m: float | None, odometry_m: float | None
 ) -> str:
-    """How a run ended, in one line."""
+    """Return how a run ended, in one line."""
     ways = []
     if distance_m is not None:
         ways.append(f"moved {distance_m:z.2f} m")
@@ -155,7 +155,7 @@ def away(link: LinkHealth, *, stopping: bool = False) -> str:
 
 
 def shortened(names: Sequence[str]) -> list[str]:
-    """The names without the ending that all of them share."""
+    """Return the names without the ending that all of them share."""
     endings = zip(*map(reversed, names), strict=False)
     shared = sum(1 for _ in takewhile(lambda letters: len(set(letters)) == 1, endings))
     return [name[: len(name) - shared] or name for name in names]

@@ -1,4 +1,4 @@
-"""Looks at a run that goes on: one moment of it, and the last values of what is followed."""
+"""Snapshots of a run that goes on, and trends of the signals that are followed."""
 
 from __future__ import annotations
 

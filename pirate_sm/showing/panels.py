@@ -153,7 +153,7 @@ def shows_success(snapshot: Snapshot, seen: int) -> bool:
 
 
 def states(snapshot: Snapshot, width: int) -> list[Text]:
-    """The state of each region, with an open mark where it is not confirmed; contacts; words."""
+    """Return the state of each region (an open mark: not confirmed), contacts and words."""
     state, robot = snapshot.state, snapshot.scene.robot
     if state is None:
         return [line((" not known yet", MUTED))]
@@ -173,7 +173,7 @@ def states(snapshot: Snapshot, width: int) -> list[Text]:
 
 
 def _contacts(snapshot: Snapshot) -> Text:
-    """Which wall each wheel touches."""
+    """Return which wall each wheel touches."""
     pose = pose_of(snapshot)
     parts: list[Part] = [("  at wall ", MUTED)]
     for number, side in enumerate(pose.touching, 1):
@@ -185,7 +185,7 @@ def _contacts(snapshot: Snapshot) -> Text:
 
 
 def _words(snapshot: Snapshot) -> Text:
-    """What is said from outside, as far as it is known."""
+    """Return what is said from outside, as far as it is known."""
     state, robot = snapshot.state, snapshot.scene.robot
     assert state is not None
     count = len(robot.regions)
@@ -196,7 +196,7 @@ def _words(snapshot: Snapshot) -> Text:
 
 
 def now(snapshot: Snapshot, width: int) -> list[Text]:
-    """What is under way or waited for, and how long still."""
+    """Return what is under way or waited for, and how long still."""
     state = snapshot.state
     if state is None:
         return [line(("the backend is being opened …", MUTED))]
@@ -212,7 +212,7 @@ def now(snapshot: Snapshot, width: int) -> list[Text]:
 
 
 def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:
-    """The mission's phases around the present one: done, current, not yet."""
+    """Return the mission's phases around the present one: done, current, not yet."""
     program, state, story = snapshot.scene.loaded.program, snapshot.state, snapshot.story
     if not snapshot.scene.mission:
         return [line(("No mission is chosen.", MUTED)), line(("Press m for the list.", MUTED))]
@@ -242,7 +242,7 @@ def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:
 
 
 def link(snapshot: Snapshot) -> list[Text]:
-    """How the link is."""
+    """Return how the link is."""
     health = snapshot.link
     if health is None:
         kind = {"sim": "a simulator has no link", "trace": "a trace has no link"}
@@ -291,7 +291,7 @@ def question(snapshot: Snapshot, width: int) -> list[Text]:
 
 
 def told_line(told: Told) -> Text:
-    """A line of the log."""
+    """Return a line of the log."""
     topic, text = told.line
     style = TOPICS.get(topic, "")
     return line((f"{told.now_s:8.2f} ", MUTED), (f"{topic:<9} {text}", style))

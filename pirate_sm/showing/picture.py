@@ -41,7 +41,7 @@ _BESIDE_M = 0.018
 
 
 def draw(snapshot: Snapshot, columns: int, rows: int) -> Canvas:
-    """The picture in so many characters."""
+    """Return the picture in so many characters."""
     canvas = Canvas(columns, rows)
     if columns >= 10 and rows >= 4:
         pose = pose_of(snapshot)
@@ -55,7 +55,7 @@ def draw(snapshot: Snapshot, columns: int, rows: int) -> Canvas:
 
 
 def _lit(snapshot: Snapshot) -> set[bool]:
-    """Which ends have a light that is on: True for the front."""
+    """Return which ends have a light that is on: True for the front."""
     state = snapshot.state
     if state is None:
         return set()
@@ -84,14 +84,14 @@ class _Drawing:
         return (place[0] - self._left) * self._scale, (self._top - place[1]) * self._scale
 
     def walls(self) -> None:
-        """The walls, and which is which."""
+        """Draw the walls with their letters."""
         for side, wall in enumerate(self._pose.walls):
             for one, other in pairwise(wall):
                 self._canvas.line(*self._at(one), *self._at(other), WALL)
             self._name_wall(side, wall)
 
     def _name_wall(self, side: int, wall: tuple[Place, ...]) -> None:
-        """Its letter stands outside the pipe, beside the piece nearest the middle of the robot."""
+        """Write a wall's letter outside the pipe, beside the piece nearest the robot's middle."""
         wheels = self._pose.wheels
         middle = len(wheels) // 2
         (x0, y0), (x1, y1) = wheels[middle - 1], wheels[middle]
@@ -108,7 +108,7 @@ class _Drawing:
         self._canvas.write(*self._at(place), SIDES[side], NOTE)
 
     def body(self) -> None:
-        """The links: full where they are held, an outline where they are not."""
+        """Draw the links: full where they are held, an outline where they are not."""
         for (one, other), held in zip(pairwise(self._pose.wheels), self._pose.held, strict=True):
             (x0, y0), (x1, y1) = self._at(one), self._at(other)
             length = hypot(x1 - x0, y1 - y0) or 1.0
@@ -123,7 +123,7 @@ class _Drawing:
                 self._canvas.line(*ends, HELD if held else BODY)
 
     def wheels(self) -> None:
-        """The wheels with their numbers, and where they touch."""
+        """Draw the wheels with their numbers, and where they touch."""
         radius = self._radius_m * self._scale
         for number, place in enumerate(self._pose.wheels):
             x, y = self._at(place)
@@ -152,7 +152,7 @@ class _Drawing:
             self._canvas.line(x0, y0, x1, y1, TOUCH)
 
     def lights(self, lit: set[bool]) -> None:
-        """A fan of rays before the front, behind the rear, or both."""
+        """Draw a fan of rays before the front, behind the rear, or both."""
         wheels = self._pose.wheels
         for forward in lit:
             tip, before = (wheels[0], wheels[1]) if forward else (wheels[-1], wheels[-2])
@@ -164,7 +164,7 @@ class _Drawing:
                 self._canvas.line(*self._at(ends[0]), *self._at(ends[1]), LIGHT)
 
     def notes(self, origin: str) -> None:
-        """A bar that gives the scale, and where the picture comes from."""
+        """Draw a bar that gives the scale, and write where the picture comes from."""
         canvas, length = self._canvas, round(_BAR_M * self._scale / ACROSS)
         bar = "├" + "─" * max(length - 2, 0) + "┤"
         canvas.write(0, canvas.height - DOWN, f"{bar} {_BAR_M * 1000:.0f} mm", NOTE)

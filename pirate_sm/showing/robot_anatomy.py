@@ -1,4 +1,4 @@
-"""What a robot is made of, as a person follows it: read from its profile, once."""
+"""The motors, readings and lights of a robot that views show, read from its profile."""
 
 from __future__ import annotations
 
@@ -65,17 +65,17 @@ class Anatomy:
 
     @property
     def motors(self) -> tuple[Motor, ...]:
-        """Every motor that something is measured of."""
+        """Return every motor that something is measured of."""
         return (*self.joints, *self.rolls, *self.wheels)
 
     @property
     def followed(self) -> tuple[str, ...]:
-        """The signals whose trend is shown."""
+        """Return the signals whose trend is shown."""
         return tuple(motor.current or motor.value for motor in self.motors)
 
 
 def anatomy_of(profile: Profile, robot: RobotSpec) -> Anatomy:
-    """The anatomy of a robot."""
+    """Return the anatomy of a robot."""
     body, seeker = profile.body, _Seeker(profile, robot)
     joint_of = {joint.wheel: joint.name for joint in body.joints}
     return Anatomy(
@@ -160,7 +160,7 @@ class _Seeker:
                 self._heat.setdefault(names.pop(), []).append(index)
 
     def motor(self, name: str, value: str, limit: float, torque: str, **drives: str) -> Motor:
-        """The motor behind what is driven."""
+        """Return the motor behind what is driven."""
         ((key, driven),) = drives.items()
         found = [n for n, slot in enumerate(self._slots) if getattr(slot, key) == driven]
         if not found:
@@ -175,7 +175,7 @@ class _Seeker:
         return Motor(name, value, limit, torque, current, kind.stall_current or 0.0, found[0], heat)
 
     def lights(self) -> Iterator[tuple[int, bool]]:
-        """Each light; one on the first half of the boards shines forward."""
+        """Yield each light; one on the first half of the boards shines forward."""
         number, boards = 0, self._profile.boards
         for place, board in enumerate(boards):
             for slot in board.slots:

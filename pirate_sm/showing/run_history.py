@@ -1,4 +1,4 @@
-"""What a view must remember, because the engine's state does not say it."""
+"""What has happened in a run so far, as far as the engine's state does not hold it."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Memory:
     def __init__(
         self, robot: RobotSpec, *, nominal: bool = False, quiet: Container[str] = ()
     ) -> None:
-        """Nothing has happened.
+        """Begin before anything has happened.
 
         Args:
             robot: Whose run it is.
@@ -94,13 +94,13 @@ class Memory:
         self._told = 0
 
     def begin(self, robot: RobotSpec) -> None:
-        """Another mission begins; the lines told so far stay, and how the last one ended."""
+        """Begin another mission; the lines so far stay, and how the last one ended."""
         fresh = Memory(robot, nominal=self._nominal, quiet=self._quiet)
         fresh.recent, fresh._told, fresh.banner = self.recent, self._told, self.banner
         self.__dict__.update(fresh.__dict__)
 
     def see(self, effects: Sequence[fx.Effect], now_s: float) -> None:
-        """It has taken note."""
+        """Take in the effects."""
         for effect in effects:
             self._note(effect, now_s)
             for line in self._teller.lines(effect):
@@ -111,7 +111,7 @@ class Memory:
                 self.tell(Line(topic, f"{effect.outcome}: {effect.message}"), now_s)
 
     def tell(self, line: Line, now_s: float) -> None:
-        """The line is one of those that were told."""
+        """Add a line to those that were shown."""
         self._told += 1
         told = Told(self._told, now_s, line)
         self.recent.append(told)
@@ -121,7 +121,7 @@ class Memory:
             self.banner = told
 
     def story(self) -> Story:
-        """All of it as it is now, not to change any more."""
+        """Return all of it as it is now, in a form that does not change."""
         return Story(
             phase=self.phase,
             spent_s=dict(self.spent_s),
@@ -136,7 +136,7 @@ class Memory:
         )
 
     def twin(self) -> Memory:
-        """Another one that knows the same, and goes on by itself."""
+        """Return a copy that goes on independently."""
         twin = copy(self)
         twin._teller, twin.recent, twin.spent_s = (
             copy(self._teller),

@@ -1,4 +1,4 @@
-"""Lines whose styles are names of what they mean; each kind of view says how a name looks."""
+"""Lines of text whose styles say what they mean; each kind of view chooses the looks."""
 
 from __future__ import annotations
 

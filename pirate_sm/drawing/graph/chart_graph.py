@@ -17,7 +17,7 @@ _IN = re.compile(r"In\(\s*(['\"])(.*?)\1\s*\)")
 
 
 def chart_graph(outline: ChartOutline, title: str) -> Graph:
-    """The chart; a state is called ``Region.State``.
+    """Return the graph of a chart; a state is called ``Region.State``.
 
     Guards are written without their ``In('…')``. Long ones are numbered, each different one once;
     the label has the number, the graph's notes the text.
@@ -34,7 +34,7 @@ def chart_graph(outline: ChartOutline, title: str) -> Graph:
 
 
 def _nodes(outline: ChartOutline, place: int) -> Iterator[Node]:
-    """The region's states, the nearest to its initial one first."""
+    """Yield the region's states, the nearest to its initial one first."""
     region = outline.regions[place]
     yield Node(f"{region}.{START}", NodeKind.INITIAL, "start", cluster=region)
     for state in _by_distance(outline, place):

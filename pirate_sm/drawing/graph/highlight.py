@@ -14,7 +14,7 @@ Stop: TypeAlias = str | tuple[str, str] | tuple[str, str, EdgeKind]
 
 
 def highlight(graph: Graph, path: Sequence[Stop]) -> Graph:
-    """The graph with the path marked: nodes numbered in order, the edges between them taken.
+    """Return the graph with the path marked: nodes numbered in order, the edges between them taken.
 
     What a mission's drawing does not show, a phase of a mission that it calls, counts as the phase
     that calls. A stop follows the last one in its own cluster. Where the drawing has no edge for
@@ -54,7 +54,7 @@ def highlight(graph: Graph, path: Sequence[Stop]) -> Graph:
 def _between(
     graph: Graph, cluster: str, source: str | None, target: str, kind: EdgeKind | None
 ) -> tuple[int, ...]:
-    """The places of the edges that may have been taken, the likeliest alone."""
+    """Return the places of the edges that may have been taken, the likeliest alone."""
     hub = NodeKind.INITIAL if source is None else NodeKind.ANYWHERE
     hubs = {node.id for node in graph.nodes if node.kind is hub and node.cluster == cluster}
     direct = _edges(graph, {source or ""}, target)
@@ -75,7 +75,7 @@ def _edges(graph: Graph, sources: set[str], target: str) -> tuple[int, ...]:
 
 
 def _stops(graph: Graph, path: Iterable[Stop]) -> list[tuple[str, EdgeKind | None]]:
-    """Each node reached, and by which kind of edge, where that is known."""
+    """Return each node reached, and by which kind of edge, where that is known."""
     known = {node.id for node in graph.nodes}
     stops: list[tuple[str, EdgeKind | None]] = []
     for stop in path:
@@ -93,7 +93,7 @@ def _stops(graph: Graph, path: Iterable[Stop]) -> list[tuple[str, EdgeKind | Non
 
 
 def _shown(name: str, known: set[str]) -> str | None:
-    """The node of this name, or the one of the phase that it is called from."""
+    """Return the node of this name, or the one of the phase that it is called from."""
     while name not in known and "/" in name:
         name = name.rpartition("/")[0]
     return name if name in known else None

@@ -31,7 +31,7 @@ class Called:
 
 
 def mission_graph(mission: model.Mission, called: Sequence[Called] = ()) -> Graph:
-    """The mission, and each of the called missions in a cluster of its own.
+    """Return the graph of a mission, each called mission in a cluster of its own.
 
     A node is called as the engine calls its phase; an end has its name after the same prefix.
     """
@@ -43,7 +43,7 @@ def mission_graph(mission: model.Mission, called: Sequence[Called] = ()) -> Grap
 
 
 def called_missions(mission: model.Mission, file: Path, prefix: str = "") -> tuple[Called, ...]:
-    """Every mission that this one calls, and those that they call, in the order of the phases.
+    """Return every mission that is called, directly or through others, in the order of the phases.
 
     Args:
         mission: One that was loaded without faults, so it does not call itself.
@@ -120,7 +120,7 @@ def _edges(part: Called) -> Iterator[Edge]:
 
 
 def _ways(phase: model.Phase) -> Iterator[tuple[str, EdgeKind, str]]:
-    """Each way out of the phase: the name it leads to, why, and what to write there."""
+    """Yield each way out of the phase: the name it leads to, why, and its label."""
     if phase.go is not None:
         yield phase.go, EdgeKind.GO, ""
     yield from _wait_ways(phase)

@@ -1,4 +1,4 @@
-"""The way that a run takes through its mission, as its effects tell it."""
+"""The path of a run through its mission, taken from its effects."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Way:
         self._kind: EdgeKind | None = None
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Phases and the end are noted."""
+        """Note the phases and the end that the effects reach."""
         for effect in effects:
             match effect:
                 case PhaseChange(phase=phase):

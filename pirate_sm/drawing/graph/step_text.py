@@ -11,7 +11,7 @@ from pirate_sm.model.triggers import ConditionTrigger, OperatorTrigger, TimeTrig
 
 
 def amount(value: float | int | Parameter, unit: str = "") -> str:
-    """The quantity as a mission might write it: ``200 ms``, ``3``, ``$give_up``."""
+    """Return the quantity as a mission might write it: ``200 ms``, ``3``, ``$give_up``."""
     if isinstance(value, Parameter):
         return f"${value.name}"
     if unit == "s" and 0 < value < 1:
@@ -22,7 +22,7 @@ def amount(value: float | int | Parameter, unit: str = "") -> str:
 
 
 def step_lines(steps: Iterable[model.Step], indent: str = "") -> tuple[str, ...]:
-    """One line for each step; what stands inside a step is indented below it."""
+    """Return one line for each step; what stands inside a step is indented below it."""
     lines: list[str] = []
     deeper = indent + " " * INDENT
     for step in steps:
@@ -77,14 +77,14 @@ def _command(step: model.CommandStep) -> str:
 
 
 def _leads(step: model.Step) -> str:
-    """What becomes of the step's failure, where that is not what becomes of any other's."""
+    """Return what becomes of the step's failure, where that is not what becomes of any other's."""
     if step.on_failure is None:
         return ""
     return ", or go on" if step.on_failure == model.CONTINUE else f", or {step.on_failure}"
 
 
 def short(step: model.Step) -> str:
-    """What a step is called where its failure is told."""
+    """Return what a step is called where its failure is told."""
     match step:
         case model.CommandStep():
             return step.command
@@ -103,7 +103,7 @@ def short(step: model.Step) -> str:
 
 
 def every_step(steps: Iterable[model.Step]) -> Iterator[model.Step]:
-    """The steps and those inside them, in the order of the file."""
+    """Yield the steps and those inside them, in the order of the file."""
     for step in steps:
         yield step
         match step:
@@ -124,7 +124,7 @@ def every_step(steps: Iterable[model.Step]) -> Iterator[model.Step]:
 
 
 def trigger_text(trigger: Trigger) -> str:
-    """When the trigger fires, after its name if it was given one."""
+    """Return when the trigger fires, after its name if it was given one."""
     match trigger:
         case ConditionTrigger():
             held = trigger.held if isinstance(trigger.held, Parameter) or trigger.held else None

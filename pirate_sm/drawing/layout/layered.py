@@ -51,7 +51,7 @@ class _Plan:
 
 
 def layered(boxes: Sequence[Size], links: Sequence[Link]) -> Layout:
-    """Everything has its place; no label lies on a box, another label or a foreign link.
+    """Return a layout in which no label lies on a box, another label or a foreign link.
 
     Args:
         boxes: In reading order: where a circle must be cut, it is before its first box.
@@ -104,7 +104,7 @@ def _add(plan: _Plan, rank: int, size: Size, vertex: Vertex) -> int:
 
 
 def _chain(plan: _Plan, number: int, link: Link, upwards: bool) -> list[int]:
-    """The link's vertices from top to bottom; its label stands on the rank next to its source."""
+    """Return the vertices of a link from the top; its label is on the rank beside its source."""
     upper, lower = (link.target, link.source) if upwards else (link.source, link.target)
     ways = range(plan.rank[upper] + 1, plan.rank[lower])
     chain = [upper]
@@ -120,7 +120,7 @@ def _chain(plan: _Plan, number: int, link: Link, upwards: bool) -> list[int]:
 
 
 def _joints(plan: _Plan) -> dict[tuple[int, int], Segment]:
-    """Each piece of each link, with the ports where it meets the boxes, by link and piece."""
+    """Return each piece of each link, with the ports at the boxes, by link and piece."""
     place = {vertex: p for layer in plan.layers for p, vertex in enumerate(layer)}
     below: dict[int, list[tuple[int, int]]] = {}
     above: dict[int, list[tuple[int, int]]] = {}
@@ -142,7 +142,7 @@ def _joints(plan: _Plan) -> dict[tuple[int, int], Segment]:
 
 
 def _ports(plan: _Plan, sides: dict[int, list[tuple[int, int]]]) -> dict[int, float]:
-    """For each link how far right of the box's middle it meets this side of the box."""
+    """Return for each link how far right of the box's middle it meets this side of the box."""
     ports: dict[int, float] = {}
     for box, meeting in sides.items():
         gap = min(PORT_GAP, plan.boxes[box].width / (len(meeting) + 1))
@@ -183,7 +183,7 @@ def _way(
     joints: dict[tuple[int, int], Segment],
     spans: list[tuple[float, float]],
 ) -> list[Point]:
-    """The link's points from top to bottom: it swings between the ranks only."""
+    """Return the link's points from top to bottom; it bends between the ranks only."""
     upper, *ways, lower = plan.chains[number]
     begin = x[upper] + joints[number, 0].upper_port
     end = x[lower] + joints[number, len(ways)].lower_port
@@ -203,7 +203,7 @@ def _way(
 def _bands(
     plan: _Plan, x: list[float], joints: dict[tuple[int, int], Segment]
 ) -> tuple[list[float], list[float]]:
-    """Where each rank begins and where it ends."""
+    """Return where each rank begins and where it ends."""
     rank = {vertex: r for r, layer in enumerate(plan.layers) for vertex in layer}
     swing = [0.0] * len(plan.layers)
     for each in joints.values():

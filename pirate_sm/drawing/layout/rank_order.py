@@ -11,7 +11,7 @@ Layers = list[list[int]]
 
 
 def ordered(layers: Layers, segments: Sequence[tuple[int, int]]) -> Layers:
-    """The layers, each in the order with the fewest crossings that was found.
+    """Return the layers, each in the order with the fewest crossings that was found.
 
     Args:
         layers: Vertices by rank; the order in each decides where nothing else does.
@@ -31,7 +31,7 @@ def ordered(layers: Layers, segments: Sequence[tuple[int, int]]) -> Layers:
 def _walked(
     layers: Layers, below: Sequence[Sequence[int]], above: Sequence[Sequence[int]], turn: bool
 ) -> Layers:
-    """The layers in the order in which a walk along the segments comes by, depth first."""
+    """Return the layers in the order in which a walk along the segments comes by, depth first."""
     rank = {vertex: number for number, layer in enumerate(layers) for vertex in layer}
     walked: Layers = [[] for _ in layers]
     seen: set[int] = set()
@@ -50,7 +50,7 @@ def _walked(
 def _improved(
     layers: Layers, above: Sequence[Sequence[int]], below: Sequence[Sequence[int]]
 ) -> tuple[int, Layers]:
-    """The fewest crossings that sweeping down and up finds, and the layers then."""
+    """Return the fewest crossings that sweeping down and up finds, and the layers then."""
     best = [list(layer) for layer in layers]
     fewest = _crossings(best, below)
     current = [list(layer) for layer in layers]
@@ -67,7 +67,7 @@ def _improved(
 
 
 def _sweep(layers: Layers, neighbours: Sequence[Sequence[int]], downwards: bool) -> None:
-    """Each layer is sorted by the mean place of what its vertices hang on."""
+    """Sort each layer by the mean place of what its vertices hang on."""
     for layer in layers[1:] if downwards else layers[-2::-1]:
         place = _places(layers)
         middle = {
@@ -86,7 +86,7 @@ def _places(layers: Layers) -> dict[int, int]:
 def _exchange(
     layers: Layers, above: Sequence[Sequence[int]], below: Sequence[Sequence[int]]
 ) -> None:
-    """Neighbours in a layer have changed places as long as that saved crossings."""
+    """Swap neighbours in a layer as long as that saves crossings."""
     place = _places(layers)
     improved = True
     while improved:
@@ -105,7 +105,7 @@ def _exchange(
 
 
 def _pair(left: Sequence[int], right: Sequence[int], place: dict[int, int]) -> int:
-    """Crossings between the segments of two vertices that stand side by side."""
+    """Return crossings between the segments of two vertices that stand side by side."""
     return sum(place[one] > place[other] for one in left for other in right)
 
 

@@ -95,7 +95,7 @@ class _Part:
 
 
 def scene(graph: Graph) -> Scene:
-    """Everything has its place; nothing lies on anything else."""
+    """Return the place of everything, so that nothing lies on anything else."""
     parts = [_part(graph, cluster) for cluster in graph.clusters]
     places, inside = _arranged([part.size for part in parts])
     columns = max(LEAST_HEADING, int(inside.width / (TEXT_FONT * ADVANCE)))
@@ -203,7 +203,7 @@ def _room(label: Sequence[tuple[str, Edge]]) -> Size:
 
 
 def _arranged(sizes: Sequence[Size]) -> tuple[list[Point], Size]:
-    """A place for each, row by row, the whole as near to the wanted shape as can be."""
+    """Return a place for each, row by row, the whole as near to the wanted shape as can be."""
     widths = {sum(size.width + BETWEEN_FRAMES for size in sizes[:n]) for n in range(len(sizes) + 1)}
     return min(
         (_rows(sizes, width) for width in sorted(widths)),

@@ -92,7 +92,7 @@ _COLOURS = """
 
 
 def stylesheet() -> str:
-    """The style of every drawing, in the colours that the reader's system asks for.
+    """Return the style of every drawing, in the colours that the reader's system asks for.
 
     Every rule is about things inside ``.drawing``, so that it may stand in a larger page.
     """
@@ -101,5 +101,5 @@ def stylesheet() -> str:
 
 
 def colours(palette: Mapping[str, str]) -> str:
-    """The rules that give the drawing the colours of the palette."""
+    """Return the rules that give the drawing the colours of the palette."""
     return _COLOURS.format(**palette)

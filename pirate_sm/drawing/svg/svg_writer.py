@@ -1,4 +1,4 @@
-"""The scene as SVG text."""
+"""Writes a graph as SVG."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ MOST_VISITS = 4
 
 
 def svg(graph: Graph) -> str:
-    """The graph as one SVG element, complete in itself: for a file, or for inside a page.
+    """Return the graph as one SVG element, complete in itself: for a file, or for inside a page.
 
     Nodes carry ``data-node``, edges ``data-from`` and ``data-to``, for scripts of such a page.
     """
@@ -61,7 +61,7 @@ def svg(graph: Graph) -> str:
 
 
 def visits_text(visits: Sequence[int]) -> str:
-    """The numbers of the visits; of many only the first ones and the last."""
+    """Return the numbers of the visits; of many only the first ones and the last."""
     if len(visits) > MOST_VISITS:
         return f"{', '.join(map(str, visits[: MOST_VISITS - 1]))} … {visits[-1]}"
     return ", ".join(map(str, visits))
@@ -169,7 +169,7 @@ def _arrow(arrow: Arrow) -> Iterator[str]:
 
 
 def _way(route: Route) -> tuple[str, str]:
-    """The path of the line, and the points of its head."""
+    """Return the path of the line, and the points of its head."""
     points = list(route.points)
     (tip_x, tip_y), (_, before) = points[-1], points[-2]
     down = 1.0 if tip_y > before else -1.0

@@ -29,7 +29,7 @@ LEFT = r"\l"
 
 
 def dot(graph: Graph) -> str:
-    """The graph as a ``digraph``; visited nodes have their numbers in parentheses."""
+    """Return the graph as a ``digraph``; visited nodes have their numbers in parentheses."""
     title = _left([graph.title, *wrapped(graph.description, NOTE_COLUMNS)])
     notes = [
         line for note in graph.notes for line in wrapped(f"{note.mark}: {note.text}", NOTE_COLUMNS)
@@ -95,7 +95,7 @@ def _edge_attributes(edge: Edge) -> Iterator[str]:
 
 
 def _left(lines: list[str] | tuple[str, ...]) -> str:
-    """The lines as one quoted string, each to the left."""
+    """Return the lines as one quoted string, each to the left."""
     text = "".join(_inside(line) + LEFT for line in lines)
     return f'"{text}"'
 
@@ -105,7 +105,7 @@ def _quoted(text: str) -> str:
 
 
 def _inside(text: str) -> str:
-    """The text within quotes: a backslash would begin an escape, an ampersand an entity."""
+    """Return the text within quotes: a backslash would begin an escape, an ampersand an entity."""
     blanks = len(text) - len(text.lstrip(" "))
     flat = "\N{NO-BREAK SPACE}" * blanks + " ".join(printable(text).split())
     return flat.replace("\\", "\\\\").replace('"', '\\"').replace("&", "&amp;")

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 
 def plain_names(ids: Iterable[str], prefix: str) -> dict[str, str]:
-    """A different name of ASCII letters, digits and underscores for each id.
+    """Return a different name of ASCII letters, digits and underscores for each id.
 
     The prefix keeps them apart from the words that a language reserves.
     """

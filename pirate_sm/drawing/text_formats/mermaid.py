@@ -33,7 +33,7 @@ _CLASSES = (
 
 
 def mermaid(graph: Graph) -> str:
-    """The graph as a flowchart; visited nodes have their numbers in parentheses."""
+    """Return the graph as a flowchart; visited nodes have their numbers in parentheses."""
     names = plain_names((node.id for node in graph.nodes), "n")
     clusters = plain_names((cluster.id for cluster in graph.clusters), "c")
     lines = ["---", f"title: {_yaml(graph.title)}", "---", "flowchart TD"]
@@ -104,7 +104,7 @@ def _class_names(node: Node) -> Iterator[str]:
 
 
 def _escaped(text: str, *, indent: bool = False) -> str:
-    """The text with every character that could mean something written by its number."""
+    """Return the text with every character that could mean something written by its number."""
     bare = text.lstrip(" ")
     blanks = BLANK * (len(text) - len(bare)) if indent else ""
     return blanks + "".join(
