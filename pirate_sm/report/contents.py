@@ -30,7 +30,7 @@ class Span(NamedTuple):
     about: str = ""
 
 
-class Mark(NamedTuple):
+class TimelineMark(NamedTuple):
     """Something that happened at one moment."""
 
     at_s: float
@@ -45,7 +45,7 @@ class Lane:
 
     name: str
     spans: tuple[Span, ...] = ()
-    marks: tuple[Mark, ...] = ()
+    marks: tuple[TimelineMark, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class Chart:
 
 
 @dataclass(frozen=True)
-class Wheel:
+class DrawnWheel:
     """A wheel as it is drawn.
 
     Attributes:
@@ -108,7 +108,7 @@ class Light:
 
 
 @dataclass(frozen=True)
-class Scene:
+class RobotScene:
     """The robot in its pipe, to scale, in the plane of the pipe, m.
 
     Attributes:
@@ -123,7 +123,7 @@ class Scene:
     times_s: Sequence[float]
     poses: Sequence[Sequence[Place]]
     walls: tuple[tuple[Place, ...], ...]
-    wheels: tuple[Wheel, ...]
+    wheels: tuple[DrawnWheel, ...]
     wheel_radius_m: float
     half_thickness_m: float
     parts: tuple[Lane, ...]
@@ -183,7 +183,7 @@ class Report:
     duration_s: float
     lanes: tuple[Lane, ...]
     charts: tuple[Chart, ...]
-    scene: Scene | None
+    scene: RobotScene | None
     diagram: str
     facts: tuple[Fact, ...]
     files: Mapping[str, str]

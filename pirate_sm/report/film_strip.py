@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import Literal, NamedTuple
 
 from pirate_sm.geometry.space import Place
-from pirate_sm.report.contents import Lane, Report, Scene
+from pirate_sm.report.contents import Lane, Report, RobotScene
 from pirate_sm.report.timeline import COMMANDS, PHASE
 
 MOST_PICTURES = 60
@@ -33,7 +33,7 @@ _MARGIN = 2.0
 _MM = 1e3
 
 
-class Picture(NamedTuple):
+class StripPicture(NamedTuple):
     """A moment that is worth a picture.
 
     Attributes:
@@ -49,22 +49,22 @@ class Picture(NamedTuple):
     weight: float = 0.0
 
 
-def pictures(report: Report) -> tuple[Picture, ...]:
+def pictures(report: Report) -> tuple[StripPicture, ...]:
     """Return the moments of a run that are worth a picture, in order."""
-    found = [Picture(0.0, "start", "start", weight=float("inf"))]
+    found = [StripPicture(0.0, "start", "start", weight=float("inf"))]
     for failure in report.failures:
         phase = failure.topic
         short = failure.text.partition(":")[0].partition(" (")[0] if phase else "failed"
-        found.append(Picture(failure.before_s, short, "failed", phase, float("inf")))
+        found.append(StripPicture(failure.before_s, short, "failed", phase, float("inf")))
     phases, commands = (_lane(report, name) for name in (PHASE, COMMANDS))
     for start_s, end_s, name, *_ in phases.spans:
         at_s = max(start_s, end_s - _JUST_BEFORE_S) if end_s < report.duration_s else end_s
-        _add(found, Picture(at_s, name, "phase", weight=1e6 + end_s - start_s))
+        _add(found, StripPicture(at_s, name, "phase", weight=1e6 + end_s - start_s))
     for start_s, end_s, name, kind, _ in commands.spans:
         if kind in ("done", "failed") and end_s - start_s >= _LONG_S:
             within = next((each for each in phases.spans if each[0] <= start_s < each[1]), None)
             where = within.text if within else ""
-            _add(found, Picture(end_s, f"{name} {kind}", "command", where, end_s - start_s))
+            _add(found, StripPicture(end_s, f"{name} {kind}", "command", where, end_s - start_s))
     kept = sorted(found, key=lambda each: each.weight, reverse=True)[:MOST_PICTURES]
     return tuple(sorted(kept))
 
@@ -73,7 +73,7 @@ def _lane(report: Report, name: str) -> Lane:
     return next((lane for lane in report.lanes if lane.name == name), Lane(name))
 
 
-def _add(found: list[Picture], picture: Picture) -> None:
+def _add(found: list[StripPicture], picture: StripPicture) -> None:
     """Add the picture, unless there is one of nearly the same moment."""
     if all(abs(each.at_s - picture.at_s) >= _APART_S for each in found):
         found.append(picture)
@@ -95,7 +95,7 @@ def strip(report: Report) -> str:
     )
 
 
-def _item(it: Picture, drawing: str) -> str:
+def _item(it: StripPicture, drawing: str) -> str:
     sign = "✗ " if it.kind == "failed" or it.title.endswith(" failed") else ""
     about = f"<small>{_breaking(it.about)}</small>" if it.about else ""
     return (
@@ -118,7 +118,7 @@ class _Drawing:
         times_s: At which moments.
     """
 
-    def __init__(self, scene: Scene, times_s: Iterable[float]) -> None:
+    def __init__(self, scene: RobotScene, times_s: Iterable[float]) -> None:
         self._scene = scene
         margin = 2 * (1 + _MARGIN) * scene.wheel_radius_m
         boxes = [_box(self._pose(at_s)) for at_s in times_s]

@@ -12,7 +12,7 @@ from math import isnan, nan
 
 from pirate_sm.drawing.graph.highlight import highlight
 from pirate_sm.drawing.graph.mission_graph import mission_graph
-from pirate_sm.drawing.graph.run_path import Way
+from pirate_sm.drawing.graph.run_path import RunPath
 from pirate_sm.drawing.svg.svg_writer import svg
 from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission
@@ -22,7 +22,7 @@ from pirate_sm.recording.replay.replay import Rerun, same
 from pirate_sm.recording.viewers.wheel_places import Placing
 from pirate_sm.report.charts import Measured, Travel, charts
 from pirate_sm.report.contents import Fact, Report, Sentence
-from pirate_sm.report.poses import Following, Holding, Poses, scene_of, travel_of, walls_of
+from pirate_sm.report.poses import Holding, Poses, ReckonedPath, scene_of, travel_of, walls_of
 from pirate_sm.report.sampling import Samples
 from pirate_sm.report.story import Story
 from pirate_sm.report.summary import RunEnding, RunFacts, summary
@@ -82,10 +82,10 @@ class _Run:
         self._timeline = Timeline(robot.regions, nominal=about.nominal)
         descriptions = {name: each.description for name, each in loaded.mission.phases.items()}
         self._story = Story(descriptions, nominal=about.nominal)
-        self._way = Way()
+        self._way = RunPath()
         self._holding = Holding(robot)
         placing = Placing(profile, robot, loaded.pipe, about.first_wheel_m)
-        self._following = Following(placing)
+        self._following = ReckonedPath(placing)
         self._at_s = 0.0
         self._doubt = ""
         self._ended: fx.Ended | None = None

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from math import isfinite
 from typing import Any, TypeAlias
 
-from pirate_sm.report.contents import Chart, Lane, Light, Report, Scene, Series, Wheel
+from pirate_sm.report.contents import Chart, DrawnWheel, Lane, Light, Report, RobotScene, Series
 
 Json: TypeAlias = dict[str, Any]
 
@@ -91,7 +91,7 @@ def _seconds(time_s: float) -> float:
     return round(time_s, 3)
 
 
-def _scene(scene: Scene, clocks: _Clocks) -> Json:
+def _scene(scene: RobotScene, clocks: _Clocks) -> Json:
     paths = [
         list(_steps([round(pose[wheel][axis] * _PLACE_PER_M) for pose in scene.poses]))
         for wheel in range(len(scene.wheels))
@@ -111,7 +111,7 @@ def _scene(scene: Scene, clocks: _Clocks) -> Json:
     }
 
 
-def _wheel(wheel: Wheel, clocks: _Clocks) -> Json:
+def _wheel(wheel: DrawnWheel, clocks: _Clocks) -> Json:
     return {
         "name": wheel.name,
         "part": wheel.part,

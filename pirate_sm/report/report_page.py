@@ -12,7 +12,7 @@ from string import Template
 
 from pirate_sm import __version__
 from pirate_sm.errors import UsageError
-from pirate_sm.report.contents import Report, Scene, Sentence
+from pirate_sm.report.contents import Report, RobotScene, Sentence
 from pirate_sm.report.film_strip import strip
 from pirate_sm.report.report_json import Json, report_json
 
@@ -112,7 +112,7 @@ def _told(report: Report) -> Iterable[str]:
         )
 
 
-def _robot(scene: Scene | None) -> str:
+def _robot(scene: RobotScene | None) -> str:
     if scene is None:
         return '<p class="empty">Nothing is known of where the robot was.</p>'
     about = "The robot in its pipe, to scale" if scene.walls else "The robot, to scale"
@@ -126,7 +126,7 @@ def _robot(scene: Scene | None) -> str:
     )
 
 
-def _robot_key(scene: Scene) -> str:
+def _robot_key(scene: RobotScene) -> str:
     """Return what the signs in the picture mean."""
     signs = ["Links with a line in them are held (dashed: not yet confirmed)"]
     if scene.source == "truth" and scene.walls:

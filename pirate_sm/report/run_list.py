@@ -18,7 +18,7 @@ Outcome: TypeAlias = Literal[
 
 
 @dataclass(frozen=True)
-class Listed:
+class ListedRun:
     """A run as a list has it.
 
     Attributes:
@@ -47,7 +47,7 @@ class Listed:
     faults: Mapping[str, int] = field(default_factory=dict)
 
 
-def listed(recording: Recording, link: str) -> Listed:
+def listed(recording: Recording, link: str) -> ListedRun:
     """Return the run as a line of a list.
 
     Args:
@@ -66,7 +66,7 @@ def listed(recording: Recording, link: str) -> Listed:
             elif isinstance(effect, fx.Ended):
                 ended = effect
     header = recording.header
-    return Listed(
+    return ListedRun(
         name=recording.path.name,
         outcome=ended.outcome if ended else "unfinished",
         message=ended.message if ended else "The recording breaks off.",
@@ -82,9 +82,9 @@ def listed(recording: Recording, link: str) -> Listed:
     )
 
 
-def unreadable(path: Path, why: str) -> Listed:
+def unreadable(path: Path, why: str) -> ListedRun:
     """Return the line of a recording that cannot be read."""
-    return Listed(name=path.name, outcome="unreadable", message=why)
+    return ListedRun(name=path.name, outcome="unreadable", message=why)
 
 
 def _conditions(header: RunHeader) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from string import Template
 from pirate_sm import __version__
 from pirate_sm.report.phrases import seconds
 from pirate_sm.report.report_page import SIGNS
-from pirate_sm.report.run_list import Listed
+from pirate_sm.report.run_list import ListedRun
 
 _SIGNS = {**SIGNS, "unreadable": ("?", "Unreadable")}
 _COLUMNS = (
@@ -21,7 +21,7 @@ _COLUMNS = (
 )
 
 
-def index_html(runs: Sequence[Listed]) -> str:
+def index_html(runs: Sequence[ListedRun]) -> str:
     """Return the page as HTML; the newest run stands first."""
     folder = files("pirate_sm.report") / "page"
     newest = sorted(runs, key=lambda each: (each.began, each.name), reverse=True)
@@ -38,7 +38,7 @@ def index_html(runs: Sequence[Listed]) -> str:
     )
 
 
-def _outcomes(runs: Sequence[Listed]) -> Iterable[str]:
+def _outcomes(runs: Sequence[ListedRun]) -> Iterable[str]:
     """Yield a button for each outcome that there is; it shows only the runs that ended so."""
     counts = Counter[str](run.outcome for run in runs)
     for outcome, (sign, word) in _SIGNS.items():
@@ -50,7 +50,7 @@ def _outcomes(runs: Sequence[Listed]) -> Iterable[str]:
             )
 
 
-def _row(it: Listed) -> str:
+def _row(it: ListedRun) -> str:
     sign, word = _SIGNS[it.outcome]
     ended = f'<span aria-hidden="true">{sign}</span> {word}'
     faults = ", ".join(f"{code}{f' × {n}' if n > 1 else ''}" for code, n in it.faults.items())

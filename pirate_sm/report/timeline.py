@@ -13,7 +13,7 @@ from pirate_sm.model.effect_words import (
     trigger_reason,
     with_reason,
 )
-from pirate_sm.report.contents import Lane, Mark, MarkKind, Span, SpanKind
+from pirate_sm.report.contents import Lane, MarkKind, Span, SpanKind, TimelineMark
 
 PHASE, COMMANDS, WAITS, TRIGGERS = "phase", "commands", "waits for", "triggers"
 DETECTOR, SEGMENT, OPERATOR, TROUBLE = "detector", "pipe", "operator", "faults"
@@ -29,7 +29,7 @@ class _Track:
 
     def __init__(self) -> None:
         self.spans: list[Span] = []
-        self.marks: list[Mark] = []
+        self.marks: list[TimelineMark] = []
         self._open: Span | None = None
 
     @property
@@ -59,7 +59,7 @@ class _Track:
 
     def mark(self, at_s: float, text: str, kind: MarkKind, about: str = "") -> None:
         """Add a mark."""
-        self.marks.append(Mark(at_s, text, kind, about))
+        self.marks.append(TimelineMark(at_s, text, kind, about))
 
 
 class Timeline:

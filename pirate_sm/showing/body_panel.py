@@ -7,7 +7,7 @@ from math import degrees, isnan, nan
 
 from rich.text import Text
 
-from pirate_sm.showing.robot_anatomy import Motor, Reading
+from pirate_sm.showing.robot_anatomy import MotorReadings, ShownReading
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.text_styles import ACCENT, BAD, GOOD, MUTED, WARN, Part, line
 
@@ -58,7 +58,7 @@ def briefly(snapshot: Snapshot, width: int) -> list[Text]:
     return _in_cells([*joints, *_readings(snapshot)], width)
 
 
-def _motor(snapshot: Snapshot, motor: Motor, unit: str, width: int) -> Text:
+def _motor(snapshot: Snapshot, motor: MotorReadings, unit: str, width: int) -> Text:
     signals = snapshot.signals
     value = signals.get(motor.value, nan)
     written = "–"
@@ -89,7 +89,7 @@ def _centred(value: float, limit: float, *, marked: bool) -> list[Part]:
     return [(scale, WARN if near else ""), ("!" if near else " ", WARN)]
 
 
-def _current(snapshot: Snapshot, motor: Motor) -> list[Part]:
+def _current(snapshot: Snapshot, motor: MotorReadings) -> list[Part]:
     current = snapshot.signals.get(motor.current, nan)
     if isnan(current):
         return [f"{'–' if motor.current else '':>7} {'':<9}"]
@@ -105,7 +105,7 @@ def _current(snapshot: Snapshot, motor: Motor) -> list[Part]:
     ]
 
 
-def _heat(snapshot: Snapshot, motor: Motor) -> list[Part]:
+def _heat(snapshot: Snapshot, motor: MotorReadings) -> list[Part]:
     """Return how long the motor has been at a current that a fault rule allows for a time only."""
     state, rules = snapshot.state, snapshot.scene.robot.faults
     if state is None or not motor.heat:
@@ -122,7 +122,7 @@ def _heat(snapshot: Snapshot, motor: Motor) -> list[Part]:
     return [(f"{'HOT' if share >= 1 else 'warm'} {spent_s:.0f}/{held_s:.0f}s".ljust(10), style)]
 
 
-def _trend(snapshot: Snapshot, motor: Motor, room: int) -> str:
+def _trend(snapshot: Snapshot, motor: MotorReadings, room: int) -> str:
     """Return the last values, each as high as its share of the stall current, or of the largest."""
     values = [abs(each) for each in (snapshot.trends or {}).get(motor.current or motor.value, ())]
     return sparkline(values[-room:], motor.stall_a or max(values, default=0.0))
@@ -146,7 +146,7 @@ def travelled(snapshot: Snapshot) -> list[Text]:
     return [line(*parts)] if parts else []
 
 
-def _written(snapshot: Snapshot, reading: Reading) -> str:
+def _written(snapshot: Snapshot, reading: ShownReading) -> str:
     """Return a distance is shown with what the runs before this one came, where there were any."""
     value = snapshot.signals.get(reading.signal, nan)
     written = "–" if isnan(value) else _WRITE[reading.kind](value)

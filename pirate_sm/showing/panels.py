@@ -13,7 +13,7 @@ from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.showing.effect_lines import UNCONFIRMED, away, shortened
 from pirate_sm.showing.pose import SIDES, pose_of
 from pirate_sm.showing.progress_lines import idle, moving, waiting
-from pirate_sm.showing.run_history import Told
+from pirate_sm.showing.run_history import NumberedLine
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.text_styles import (
     ACCENT,
@@ -129,7 +129,7 @@ def trouble(snapshot: Snapshot) -> Text | None:
     return line(f" ⚠ {said} ") if said else None
 
 
-def _is_past(snapshot: Snapshot, told: Told) -> bool:
+def _is_past(snapshot: Snapshot, told: NumberedLine) -> bool:
     """Whether a fault was reported that the signals show no more."""
     state, robot = snapshot.state, snapshot.scene.robot
     if told.line.topic != "fault" or state is None:
@@ -290,7 +290,7 @@ def question(snapshot: Snapshot, width: int) -> list[Text]:
     return lines
 
 
-def told_line(told: Told) -> Text:
+def told_line(told: NumberedLine) -> Text:
     """Return a line of the log."""
     topic, text = told.line
     style = TOPICS.get(topic, "")

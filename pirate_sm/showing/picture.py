@@ -13,7 +13,7 @@ from math import atan2, cos, floor, hypot, log, sin
 
 from pirate_sm.geometry.space import Place
 from pirate_sm.showing.canvas import ACROSS, DOWN, Canvas
-from pirate_sm.showing.pose import SIDES, Pose, contact, pose_of
+from pirate_sm.showing.pose import SIDES, RobotPose, contact, pose_of
 from pirate_sm.showing.robot_anatomy import Anatomy
 from pirate_sm.showing.snapshot import Snapshot
 
@@ -66,7 +66,7 @@ def _lit(snapshot: Snapshot) -> set[bool]:
 class _Drawing:
     """Puts one pose on a canvas."""
 
-    def __init__(self, canvas: Canvas, pose: Pose, anatomy: Anatomy) -> None:
+    def __init__(self, canvas: Canvas, pose: RobotPose, anatomy: Anatomy) -> None:
         self._canvas = canvas
         self._pose = pose
         self._radius_m = anatomy.wheel_radius_m

@@ -12,7 +12,7 @@ from pirate_sm.model import derived as kinds
 from pirate_sm.model.profile import Profile, Slot
 
 
-class Motor(NamedTuple):
+class MotorReadings(NamedTuple):
     """A motor with what is measured of it; names of signals, empty where nothing is.
 
     Attributes:
@@ -34,7 +34,7 @@ class Motor(NamedTuple):
     heat: tuple[int, ...]
 
 
-class Reading(NamedTuple):
+class ShownReading(NamedTuple):
     """Another signal worth a look, and how it is written."""
 
     label: str
@@ -53,10 +53,10 @@ class Anatomy:
         wheel_parts: Per wheel the index of its part; -1 without.
     """
 
-    joints: tuple[Motor, ...]
-    rolls: tuple[Motor, ...]
-    wheels: tuple[Motor, ...]
-    readings: tuple[Reading, ...]
+    joints: tuple[MotorReadings, ...]
+    rolls: tuple[MotorReadings, ...]
+    wheels: tuple[MotorReadings, ...]
+    readings: tuple[ShownReading, ...]
     lights: tuple[tuple[int, bool], ...]
     wheel_parts: tuple[int, ...]
     joint_at: tuple[str, ...]
@@ -64,7 +64,7 @@ class Anatomy:
     half_thickness_m: float
 
     @property
-    def motors(self) -> tuple[Motor, ...]:
+    def motors(self) -> tuple[MotorReadings, ...]:
         """Return every motor that something is measured of."""
         return (*self.joints, *self.rolls, *self.wheels)
 
@@ -102,7 +102,7 @@ def anatomy_of(profile: Profile, robot: RobotSpec) -> Anatomy:
     )
 
 
-def _readings(profile: Profile) -> Iterator[Reading]:
+def _readings(profile: Profile) -> Iterator[ShownReading]:
     """Yield the derived signals that are shown as a number, kind after kind."""
     for place in range(_MOST_KINDS):
         for name, derived in profile.derived.items():
@@ -111,7 +111,7 @@ def _readings(profile: Profile) -> Iterator[Reading]:
                 label = (
                     f"⌀ {derived.diameter_of}" if isinstance(derived, kinds.DiameterOf) else name
                 )
-                yield Reading(label, name, written)
+                yield ShownReading(label, name, written)
 
 
 _MOST_KINDS = 6
@@ -159,12 +159,14 @@ class _Seeker:
             if len(names) == 1 and rule.held_s > 0:
                 self._heat.setdefault(names.pop(), []).append(index)
 
-    def motor(self, name: str, value: str, limit: float, torque: str, **drives: str) -> Motor:
+    def motor(
+        self, name: str, value: str, limit: float, torque: str, **drives: str
+    ) -> MotorReadings:
         """Return the motor behind what is driven."""
         ((key, driven),) = drives.items()
         found = [n for n, slot in enumerate(self._slots) if getattr(slot, key) == driven]
         if not found:
-            return Motor(name, value, limit, torque, "", 0.0, -1, ())
+            return MotorReadings(name, value, limit, torque, "", 0.0, -1, ())
         slot = self._slots[found[0]]
         kind = self._profile.motors[slot.motor]
         current = self._senses.get((slot.name, "current"), "")
@@ -172,7 +174,9 @@ class _Seeker:
             limit = slot.limit or (0.0 if slot.unit == "angle" else kind.no_load_speed or 0.0)
         heat = tuple(self._heat.get(current, ()))
         torque = torque or self._torques.get(slot.name, "")
-        return Motor(name, value, limit, torque, current, kind.stall_current or 0.0, found[0], heat)
+        return MotorReadings(
+            name, value, limit, torque, current, kind.stall_current or 0.0, found[0], heat
+        )
 
     def lights(self) -> Iterator[tuple[int, bool]]:
         """Yield each light; one on the first half of the boards shines forward."""

@@ -26,7 +26,7 @@ class Visit(NamedTuple):
     since_s: float
 
 
-class Told(NamedTuple):
+class NumberedLine(NamedTuple):
     """A line, when it was told, and the how many-th it is."""
 
     number: int
@@ -42,10 +42,10 @@ class Story(NamedTuple):
     wait: tuple[fx.WaitArmed, float] | None
     question: fx.Ask | None
     setpoints: tuple[float, ...]
-    recent: tuple[Told, ...]
-    alarm: Told | None
+    recent: tuple[NumberedLine, ...]
+    alarm: NumberedLine | None
     ended: fx.Ended | None
-    banner: Told | None = None
+    banner: NumberedLine | None = None
     passed: frozenset[str] = frozenset()
 
 
@@ -85,9 +85,9 @@ class Memory:
         self.states: fx.StateChange | None = None
         self.setpoints: tuple[float, ...] = (0.0,) * len(robot.slots)
         self.changed: frozenset[int] = frozenset()
-        self.recent: deque[Told] = deque(maxlen=_KEPT)
-        self.alarm: Told | None = None
-        self.banner: Told | None = None
+        self.recent: deque[NumberedLine] = deque(maxlen=_KEPT)
+        self.alarm: NumberedLine | None = None
+        self.banner: NumberedLine | None = None
         self.question: fx.Ask | None = None
         self.ended: fx.Ended | None = None
         self.passed: frozenset[str] = frozenset()
@@ -113,7 +113,7 @@ class Memory:
     def tell(self, line: Line, now_s: float) -> None:
         """Add a line to those that were shown."""
         self._told += 1
-        told = Told(self._told, now_s, line)
+        told = NumberedLine(self._told, now_s, line)
         self.recent.append(told)
         if line.topic in _ALARMING:
             self.alarm = told

@@ -16,7 +16,7 @@ from pirate_sm.model.effects import (
 )
 
 
-class Way:
+class RunPath:
     """Notes what a run reaches, and by which kind of line.
 
     Attributes:

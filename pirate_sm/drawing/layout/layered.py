@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from pirate_sm.drawing.layout.coordinates import Segment, Vertex, abscissae
-from pirate_sm.drawing.layout.plan import NOTHING, Layout, Link, Point, Route, Size
+from pirate_sm.drawing.layout.plan import NOTHING, EdgeRoute, GraphLayout, LayoutLink, Point, Size
 from pirate_sm.drawing.layout.rank_order import Layers, ordered
 from pirate_sm.drawing.layout.ranks import ranks, turned
 
@@ -40,7 +40,7 @@ class _Plan:
     """
 
     boxes: Sequence[Size]
-    links: Sequence[Link]
+    links: Sequence[LayoutLink]
     upwards: tuple[bool, ...]
     rank: list[int]
     sizes: list[Size] = field(default_factory=list)
@@ -50,7 +50,7 @@ class _Plan:
     layers: Layers = field(default_factory=list)
 
 
-def layered(boxes: Sequence[Size], links: Sequence[Link]) -> Layout:
+def layered(boxes: Sequence[Size], links: Sequence[LayoutLink]) -> GraphLayout:
     """Return a layout in which no label lies on a box, another label or a foreign link.
 
     Args:
@@ -69,7 +69,7 @@ def layered(boxes: Sequence[Size], links: Sequence[Link]) -> Layout:
     return _placed(plan, [each - edge for each in x], joints)
 
 
-def _is_loop(link: Link) -> bool:
+def _is_loop(link: LayoutLink) -> bool:
     return link.source == link.target
 
 
@@ -103,7 +103,7 @@ def _add(plan: _Plan, rank: int, size: Size, vertex: Vertex) -> int:
     return len(plan.sizes) - 1
 
 
-def _chain(plan: _Plan, number: int, link: Link, upwards: bool) -> list[int]:
+def _chain(plan: _Plan, number: int, link: LayoutLink, upwards: bool) -> list[int]:
     """Return the vertices of a link from the top; its label is on the rank beside its source."""
     upper, lower = (link.target, link.source) if upwards else (link.source, link.target)
     ways = range(plan.rank[upper] + 1, plan.rank[lower])
@@ -151,7 +151,7 @@ def _ports(plan: _Plan, sides: dict[int, list[tuple[int, int]]]) -> dict[int, fl
     return ports
 
 
-def _placed(plan: _Plan, x: list[float], joints: dict[tuple[int, int], Segment]) -> Layout:
+def _placed(plan: _Plan, x: list[float], joints: dict[tuple[int, int], Segment]) -> GraphLayout:
     tops, bottoms = _bands(plan, x, joints)
     rank = {vertex: r for r, layer in enumerate(plan.layers) for vertex in layer}
     middle = [(tops[rank[v]] + bottoms[rank[v]]) / 2 for v in range(len(plan.sizes))]
@@ -170,9 +170,11 @@ def _placed(plan: _Plan, x: list[float], joints: dict[tuple[int, int], Segment])
         if label is not None:
             at_label = (x[label] + LABEL_GAP, middle[label] - plan.sizes[label].height / 2)
         points = _way(plan, number, x, middle, joints, spans)
-        routes.append(Route(tuple(reversed(points) if plan.upwards[number] else points), at_label))
+        routes.append(
+            EdgeRoute(tuple(reversed(points) if plan.upwards[number] else points), at_label)
+        )
     width = max((x[v] + plan.vertices[v].right for v in range(len(x))), default=0.0)
-    return Layout(Size(width, bottoms[-1] if bottoms else 0.0), corners, tuple(routes))
+    return GraphLayout(Size(width, bottoms[-1] if bottoms else 0.0), corners, tuple(routes))
 
 
 def _way(
@@ -219,8 +221,8 @@ def _bands(
     return tops, bottoms
 
 
-def _loop(plan: _Plan, link: Link, x: float, y: float) -> Route:
+def _loop(plan: _Plan, link: LayoutLink, x: float, y: float) -> EdgeRoute:
     size = plan.boxes[link.source]
     side, half = x + size.width / 2, min(12.0, size.height / 4)
     label = (side + LOOP + LABEL_GAP, y - link.label.height / 2)
-    return Route(((side, y - half), (side + LOOP, y), (side, y + half)), label, loop=True)
+    return EdgeRoute(((side, y - half), (side + LOOP, y), (side, y + half)), label, loop=True)

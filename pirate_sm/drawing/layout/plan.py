@@ -19,7 +19,7 @@ NOTHING = Size(0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class LayoutLink:
     """Leads from one box to another.
 
     Attributes:
@@ -34,7 +34,7 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True)
-class Route:
+class EdgeRoute:
     """Is the way of a link.
 
     Attributes:
@@ -50,7 +50,7 @@ class Route:
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class GraphLayout:
     """Is where everything stands; nothing lies left of or above (0, 0).
 
     Attributes:
@@ -60,4 +60,4 @@ class Layout:
 
     size: Size
     corners: tuple[Point, ...]
-    routes: tuple[Route, ...]
+    routes: tuple[EdgeRoute, ...]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pirate_sm.drawing.layout.plan import Link
+from pirate_sm.drawing.layout.plan import LayoutLink
 
 
-def turned(count: int, links: Sequence[Link]) -> tuple[bool, ...]:
+def turned(count: int, links: Sequence[LayoutLink]) -> tuple[bool, ...]:
     """Return for each link whether it leads upwards.
 
     Those do that lead to an earlier box from which their source can be reached; without them
@@ -19,7 +19,7 @@ def turned(count: int, links: Sequence[Link]) -> tuple[bool, ...]:
     )
 
 
-def _reached(count: int, links: Sequence[Link]) -> list[set[int]]:
+def _reached(count: int, links: Sequence[LayoutLink]) -> list[set[int]]:
     following: list[list[int]] = [[] for _ in range(count)]
     for link in links:
         following[link.source].append(link.target)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.drawing.layout.layered import layered
-from pirate_sm.drawing.layout.plan import NOTHING, Link, Point, Route, Size
+from pirate_sm.drawing.layout.plan import NOTHING, EdgeRoute, LayoutLink, Point, Size
 from pirate_sm.drawing.text_wrapping import INDENT, balanced, cells, wrapped
 
 ADVANCE = 0.61
@@ -57,13 +57,13 @@ class Arrow:
     """
 
     edges: tuple[Edge, ...]
-    route: Route
+    route: EdgeRoute
     lines: tuple[tuple[str, Edge], ...]
     room: Size
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class ClusterFrame:
     """Is a cluster's frame."""
 
     cluster: Cluster
@@ -72,12 +72,12 @@ class Frame:
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class Arrangement:
     """Is the whole picture."""
 
     size: Size
     heading: tuple[str, ...]
-    frames: tuple[Frame, ...]
+    frames: tuple[ClusterFrame, ...]
     boxes: tuple[Box, ...]
     arrows: tuple[Arrow, ...]
     notes: tuple[str, ...]
@@ -89,15 +89,15 @@ class _Part:
     """Is one cluster by itself, from (0, 0) on."""
 
     size: Size
-    frames: tuple[Frame, ...]
+    frames: tuple[ClusterFrame, ...]
     boxes: tuple[Box, ...]
     arrows: tuple[Arrow, ...]
 
 
-def scene(graph: Graph) -> Scene:
+def arranged(graph: Graph) -> Arrangement:
     """Return the place of everything, so that nothing lies on anything else."""
     parts = [_part(graph, cluster) for cluster in graph.clusters]
-    places, inside = _arranged([part.size for part in parts])
+    places, inside = _side_by_side([part.size for part in parts])
     columns = max(LEAST_HEADING, int(inside.width / (TEXT_FONT * ADVANCE)))
     heading = (graph.title, *wrapped(graph.description, columns))
     top = MARGIN + TITLE_LINE + TEXT_LINE * (len(heading) - 1) + MARGIN
@@ -108,7 +108,7 @@ def scene(graph: Graph) -> Scene:
     notes_at = top + inside.height + (MARGIN if notes else 0.0)
     texts = max(cells(line) for line in (*heading, *notes)) * TITLE_FONT * ADVANCE
     width = max(inside.width, texts) + 2 * MARGIN
-    return Scene(
+    return Arrangement(
         Size(width, notes_at + len(notes) * TEXT_LINE + MARGIN),
         heading,
         tuple(frame for part in shifted for frame in part.frames),
@@ -133,7 +133,7 @@ def _part(graph: Graph, cluster: Cluster) -> _Part:
     links = []
     for place, ((source, target, _), label) in enumerate(zip(bundles, labels, strict=True)):
         weight = _ONWARDS if first[source] == place else _ASIDE
-        links.append(Link(number[source], number[target], _room(label), weight))
+        links.append(LayoutLink(number[source], number[target], _room(label), weight))
     layout = layered(sizes, links)
     boxes = tuple(map(Box, nodes, layout.corners, sizes, lines))
     arrows = tuple(
@@ -150,7 +150,7 @@ def _framed(part: _Part, cluster: Cluster) -> _Part:
     title = cells(cluster.title) * TITLE_FONT * ADVANCE
     size = Size(max(part.size.width, title) + 2 * FRAME, part.size.height + FRAME_TITLE + 2 * FRAME)
     inside = _moved(part, (size.width - part.size.width) / 2, FRAME + FRAME_TITLE)
-    return replace(inside, size=size, frames=(Frame(cluster, (0.0, 0.0), size),))
+    return replace(inside, size=size, frames=(ClusterFrame(cluster, (0.0, 0.0), size),))
 
 
 def _moved(part: _Part, x: float, y: float) -> _Part:
@@ -202,7 +202,7 @@ def _room(label: Sequence[tuple[str, Edge]]) -> Size:
     return Size(width, len(label) * LABEL_LINE)
 
 
-def _arranged(sizes: Sequence[Size]) -> tuple[list[Point], Size]:
+def _side_by_side(sizes: Sequence[Size]) -> tuple[list[Point], Size]:
     """Return a place for each, row by row, the whole as near to the wanted shape as can be."""
     widths = {sum(size.width + BETWEEN_FRAMES for size in sizes[:n]) for n in range(len(sizes) + 1)}
     return min(

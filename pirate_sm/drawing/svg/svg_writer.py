@@ -7,7 +7,7 @@ from itertools import pairwise
 from xml.sax.saxutils import escape, quoteattr
 
 from pirate_sm.drawing.graph.graph import EdgeKind, Graph, NodeKind
-from pirate_sm.drawing.layout.plan import Point, Route
+from pirate_sm.drawing.layout.plan import EdgeRoute, Point
 from pirate_sm.drawing.svg.arrangement import (
     ADVANCE,
     LABEL_FONT,
@@ -18,11 +18,11 @@ from pirate_sm.drawing.svg.arrangement import (
     TEXT_FONT,
     TEXT_LINE,
     TITLE_LINE,
+    Arrangement,
     Arrow,
     Box,
-    Frame,
-    Scene,
-    scene,
+    ClusterFrame,
+    arranged,
 )
 from pirate_sm.drawing.svg.style import stylesheet
 from pirate_sm.drawing.text_wrapping import cells, printable
@@ -40,7 +40,7 @@ def svg(graph: Graph) -> str:
 
     Nodes carry ``data-node``, edges ``data-from`` and ``data-to``, for scripts of such a page.
     """
-    whole = scene(graph)
+    whole = arranged(graph)
     width, height = _number(whole.size.width), _number(whole.size.height)
     about = f"{graph.title}: {graph.description}" if graph.description else graph.title
     lines = [
@@ -67,19 +67,19 @@ def visits_text(visits: Sequence[int]) -> str:
     return ", ".join(map(str, visits))
 
 
-def _heading(whole: Scene) -> Iterator[str]:
+def _heading(whole: Arrangement) -> Iterator[str]:
     y = MARGIN
     yield _text("title", MARGIN, y, TITLE_LINE, whole.heading[0])
     for number, line in enumerate(whole.heading[1:]):
         yield _text("text soft", MARGIN, y + TITLE_LINE + number * TEXT_LINE, TEXT_LINE, line)
 
 
-def _notes(whole: Scene) -> Iterator[str]:
+def _notes(whole: Arrangement) -> Iterator[str]:
     for number, line in enumerate(whole.notes):
         yield _text("text soft", MARGIN, whole.notes_at + number * TEXT_LINE, TEXT_LINE, line)
 
 
-def _frame(frame: Frame) -> Iterator[str]:
+def _frame(frame: ClusterFrame) -> Iterator[str]:
     (x, y), size = frame.corner, frame.size
     yield "<g>"
     yield from _tooltip(frame.cluster.tooltip)
@@ -168,7 +168,7 @@ def _arrow(arrow: Arrow) -> Iterator[str]:
     yield "</g>"
 
 
-def _way(route: Route) -> tuple[str, str]:
+def _way(route: EdgeRoute) -> tuple[str, str]:
     """Return the path of the line, and the points of its head."""
     points = list(route.points)
     (tip_x, tip_y), (_, before) = points[-1], points[-2]
@@ -186,7 +186,7 @@ def _way(route: Route) -> tuple[str, str]:
     return "".join(path), " ".join(map(_point, corners))
 
 
-def _loop(route: Route) -> tuple[str, str]:
+def _loop(route: EdgeRoute) -> tuple[str, str]:
     begin, apex, end = route.points
     base = (end[0] + HEAD, end[1])
     reach = begin[0] + (apex[0] - begin[0]) * 4 / 3  # a cubic gets three quarters of the way

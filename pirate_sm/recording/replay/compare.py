@@ -30,7 +30,7 @@ _MOST_KEPT = 60_000
 
 
 @dataclass(frozen=True)
-class Mark:
+class Milestone:
     """Something that a mission has come to."""
 
     what: str
@@ -47,7 +47,7 @@ class ComparedRun:
         kinds: What each signal is, such as a current; for ranges that signals share.
     """
 
-    marks: list[Mark] = field(default_factory=list)
+    marks: list[Milestone] = field(default_factory=list)
     names: tuple[str, ...] = ()
     kinds: tuple[str, ...] = ()
     times: list[float] = field(default_factory=list)
@@ -124,7 +124,7 @@ def compared_run(recording: Recording, loaded: LoadedMission) -> ComparedRun:
         for effect in again.step.effects:
             what = _mark(effect)
             if what:
-                found.marks.append(Mark(what, at_s))
+                found.marks.append(Milestone(what, at_s))
             if isinstance(effect, fx.Ended):
                 found.ended = effect
         if again.state is not None and isinstance(again.step.event, SensorFrame):
@@ -165,7 +165,7 @@ def _next(course: ComparedRun, place: int) -> str:
     return course.marks[place].what if place < len(course.marks) else "nothing more"
 
 
-def _legs(one: Sequence[Mark], other: Sequence[Mark]) -> Iterator[Leg]:
+def _legs(one: Sequence[Milestone], other: Sequence[Milestone]) -> Iterator[Leg]:
     before = (0.0, 0.0)
     for a, b in zip(one, other, strict=True):
         yield Leg(a.what, a.at_s, b.at_s, a.at_s - before[0], b.at_s - before[1])

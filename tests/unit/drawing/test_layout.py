@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from pirate_sm.drawing.layout.coordinates import Segment, Vertex, abscissae
 from pirate_sm.drawing.layout.layered import layered
-from pirate_sm.drawing.layout.plan import NOTHING, Layout, Link, Size
+from pirate_sm.drawing.layout.plan import NOTHING, GraphLayout, LayoutLink, Size
 from pirate_sm.drawing.layout.rank_order import ordered
 from pirate_sm.drawing.layout.ranks import ranks, turned
 
@@ -21,16 +21,16 @@ labels = st.just(NOTHING) | st.builds(Size, st.integers(5, 200), st.integers(14,
 
 
 @st.composite
-def graphs(draw: st.DrawFn) -> tuple[list[Size], list[Link]]:
+def graphs(draw: st.DrawFn) -> tuple[list[Size], list[LayoutLink]]:
     boxes = draw(st.lists(sizes, min_size=1, max_size=9))
     number = st.integers(0, len(boxes) - 1)
-    links = st.builds(Link, number, number, labels, st.sampled_from([1, 8]))
+    links = st.builds(LayoutLink, number, number, labels, st.sampled_from([1, 8]))
     return boxes, draw(st.lists(links, max_size=18))
 
 
 @given(graphs())
 @settings(max_examples=150, deadline=None)
-def test_nothing_lies_on_anything_else(graph: tuple[list[Size], list[Link]]) -> None:
+def test_nothing_lies_on_anything_else(graph: tuple[list[Size], list[LayoutLink]]) -> None:
     boxes, links = graph
     layout = layered(boxes, links)
 
@@ -57,12 +57,12 @@ def test_nothing_lies_on_anything_else(graph: tuple[list[Size], list[Link]]) -> 
         assert bottom <= whole[3] + 0.01
 
 
-def chain(*links: Link, count: int = 3) -> Layout:
+def chain(*links: LayoutLink, count: int = 3) -> GraphLayout:
     return layered([BOX] * count, links)
 
 
 def test_links_lead_downwards_and_those_that_close_a_circle_upwards() -> None:
-    layout = chain(Link(0, 1), Link(1, 2), Link(2, 0))
+    layout = chain(LayoutLink(0, 1), LayoutLink(1, 2), LayoutLink(2, 0))
 
     assert [y for _, y in layout.corners] == sorted(y for _, y in layout.corners)
     downwards = [route.points[0][1] < route.points[-1][1] for route in layout.routes]
@@ -70,21 +70,28 @@ def test_links_lead_downwards_and_those_that_close_a_circle_upwards() -> None:
 
 
 def test_what_only_goes_on_stands_on_one_vertical() -> None:
-    layout = chain(Link(0, 1, LABEL, 8), Link(1, 2, NOTHING, 8))
+    layout = chain(LayoutLink(0, 1, LABEL, 8), LayoutLink(1, 2, NOTHING, 8))
 
     assert len({round(x, 3) for x, _ in layout.corners}) == 1
     assert all(len({x for x, _ in route.points}) == 1 for route in layout.routes)
 
 
 def test_a_long_link_is_straight_between_its_swings() -> None:
-    layout = chain(*(Link(n, n + 1, LABEL, 8) for n in range(4)), Link(0, 4, LABEL), count=5)
+    layout = chain(
+        *(LayoutLink(n, n + 1, LABEL, 8) for n in range(4)), LayoutLink(0, 4, LABEL), count=5
+    )
 
     xs = [x for x, _ in layout.routes[-1].points][2:-2]
     assert max(xs) - min(xs) < 1
 
 
 def test_labels_stand_beside_their_own_link_next_to_its_source() -> None:
-    layout = chain(Link(0, 1, LABEL), Link(1, 0, LABEL), Link(0, 2, LABEL), Link(1, 2, LABEL))
+    layout = chain(
+        LayoutLink(0, 1, LABEL),
+        LayoutLink(1, 0, LABEL),
+        LayoutLink(0, 2, LABEL),
+        LayoutLink(1, 2, LABEL),
+    )
 
     down, up, *_ = layout.routes
     for route in (down, up):
@@ -94,7 +101,7 @@ def test_labels_stand_beside_their_own_link_next_to_its_source() -> None:
 
 
 def test_a_link_to_its_own_box_stands_beside_it() -> None:
-    layout = chain(Link(0, 0, LABEL), Link(0, 1), count=2)
+    layout = chain(LayoutLink(0, 0, LABEL), LayoutLink(0, 1), count=2)
 
     loop = layout.routes[0]
     assert loop.loop
@@ -103,7 +110,7 @@ def test_a_link_to_its_own_box_stands_beside_it() -> None:
 
 
 def test_nothing_gives_an_empty_layout() -> None:
-    assert layered([], []) == Layout(Size(0.0, 0.0), (), ())
+    assert layered([], []) == GraphLayout(Size(0.0, 0.0), (), ())
 
 
 def test_a_rank_without_anything_stays_empty() -> None:
@@ -113,14 +120,24 @@ def test_a_rank_without_anything_stays_empty() -> None:
 
 
 def test_the_same_graph_gives_the_same_layout() -> None:
-    links = [Link(0, 1, LABEL), Link(0, 2), Link(1, 3), Link(2, 3, LABEL), Link(3, 0)]
+    links = [
+        LayoutLink(0, 1, LABEL),
+        LayoutLink(0, 2),
+        LayoutLink(1, 3),
+        LayoutLink(2, 3, LABEL),
+        LayoutLink(3, 0),
+    ]
 
     assert layered([BOX] * 4, links) == layered([BOX] * 4, links)
 
 
 def test_only_links_that_close_a_circle_are_turned() -> None:
-    assert turned(3, [Link(0, 2), Link(2, 1), Link(1, 1)]) == (False, False, False)
-    assert turned(3, [Link(0, 1), Link(1, 2), Link(2, 0)]) == (False, False, True)
+    assert turned(3, [LayoutLink(0, 2), LayoutLink(2, 1), LayoutLink(1, 1)]) == (
+        False,
+        False,
+        False,
+    )
+    assert turned(3, [LayoutLink(0, 1), LayoutLink(1, 2), LayoutLink(2, 0)]) == (False, False, True)
 
 
 def test_what_nothing_leads_to_stands_just_above_what_it_leads_to() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.drawing.graph.highlight import highlight
-from pirate_sm.drawing.svg.arrangement import scene
+from pirate_sm.drawing.svg.arrangement import arranged
 from pirate_sm.drawing.svg.svg_writer import svg, visits_text
 
 from .conftest import DRAWN, ROOT, drawing, name
@@ -32,7 +32,7 @@ def parsed(graph: Graph) -> ElementTree.Element:
 
 @pytest.mark.parametrize("path", DRAWN, ids=name)
 def test_no_label_and_no_foreign_line_lies_on_a_box(path: Path) -> None:
-    picture = scene(drawing(path))
+    picture = arranged(drawing(path))
 
     boxes = {box.node.id: rectangle(box.corner, box.size) for box in picture.boxes}
     labels = {
@@ -102,7 +102,7 @@ def test_many_visits_are_told_by_the_first_ones_and_the_last() -> None:
 def test_edges_of_one_kind_between_the_same_two_nodes_are_one_arrow() -> None:
     nodes = (Node("a", NodeKind.STATE, "a"), Node("b", NodeKind.STATE, "b"))
     edges = tuple(Edge("a", "b", EdgeKind.TRIGGER, label) for label in ("One", "Two"))
-    picture = scene(Graph("tiny", (Cluster(""),), nodes, edges))
+    picture = arranged(Graph("tiny", (Cluster(""),), nodes, edges))
 
     assert [[line for line, _ in arrow.lines] for arrow in picture.arrows] == [["One", "Two"]]
 

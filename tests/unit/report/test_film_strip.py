@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pytest
 
 from pirate_sm.report.contents import Lane, Report, Span
-from pirate_sm.report.film_strip import MOST_PICTURES, Picture, pictures, strip
+from pirate_sm.report.film_strip import MOST_PICTURES, StripPicture, pictures, strip
 
 Reports = Callable[[str], Report]
 
@@ -30,7 +30,7 @@ def phase(start_s: float, end_s: float, name: str) -> Span:
     return Span(start_s, end_s, name, "phase")
 
 
-def titles(found: tuple[Picture, ...]) -> list[str]:
+def titles(found: tuple[StripPicture, ...]) -> list[str]:
     return [each.title for each in found]
 
 

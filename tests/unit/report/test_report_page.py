@@ -11,7 +11,7 @@ import pytest
 
 from pirate_sm.errors import UsageError
 from pirate_sm.report import report_page as page
-from pirate_sm.report.contents import Chart, Fact, Lane, Mark, Report, Sentence, Series
+from pirate_sm.report.contents import Chart, Fact, Lane, Report, Sentence, Series, TimelineMark
 from pirate_sm.report.report_json import report_json
 from pirate_sm.report.report_page import html
 
@@ -53,7 +53,7 @@ def evil() -> Report:
         story=(Sentence(0.5, EVIL, "trouble", EVIL),),
         warnings=(EVIL,),
         duration_s=1.0,
-        lanes=(Lane(EVIL, (), (Mark(0.5, EVIL, "fault", EVIL),)),),
+        lanes=(Lane(EVIL, (), (TimelineMark(0.5, EVIL, "fault", EVIL),)),),
         charts=(Chart(EVIL, "m", 2, (Series(EVIL, (0.0, 1.0, 2.0), (nan, inf, 1.23456)),)),),
         scene=None,
         diagram="",

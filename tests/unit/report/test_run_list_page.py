@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.report.run_list import Listed, listed, unreadable
+from pirate_sm.report.run_list import ListedRun, listed, unreadable
 from pirate_sm.report.run_list_page import index_html
 
 Recordings = Callable[[str], Path]
-RUN = Listed(
+RUN = ListedRun(
     name="a.mcap", outcome="failed", message="why", link="a.html", mission="m", robot="r",
     backend="sim", began="2026-01-02T03:04:05+00:00", seed=7, conditions=("dead", "x = 3 s"),
     duration_s=61.5, faults={"wheel.dead": 2, "robot.stuck": 1},

@@ -6,7 +6,7 @@ import pytest
 from recording_runs import record
 
 from pirate_sm.recording.replay import compare as module
-from pirate_sm.recording.replay.compare import ComparedRun, Mark, compare, compared_run
+from pirate_sm.recording.replay.compare import ComparedRun, Milestone, compare, compared_run
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.wiring import Order
 
@@ -61,7 +61,7 @@ def test_where_they_part_is_told_with_both_sides(tmp_path):
     )
     assert compare(one, other).parted is None
 
-    stopped = ComparedRun(marks=[*one.marks[:4], Mark("fault", 9.0)])
+    stopped = ComparedRun(marks=[*one.marks[:4], Milestone("fault", 9.0)])
 
     assert compare(one, stopped).parted == (one.marks[4].what, "fault")
     assert compare(one, ComparedRun(marks=one.marks[:4])).parted == (
@@ -72,7 +72,7 @@ def test_where_they_part_is_told_with_both_sides(tmp_path):
 
 def test_a_slower_run_is_compared_where_it_does_the_same():
     def run(pace):
-        marks = [Mark("a", 0.0), Mark("b", 10.0 * pace)]
+        marks = [Milestone("a", 0.0), Milestone("b", 10.0 * pace)]
         times = [pace * each / 10 for each in range(101)]
         return ComparedRun(
             marks=marks, names=("x",), times=times, values=[(t / pace,) for t in times]
