@@ -182,17 +182,9 @@ class _Run:
         if self._state is not None and robot.odometry >= 0 and not self._about.nominal:
             odometer = self._state.sensing.numbers[robot.odometry]
         moved = travel.distance.values[-1] if travel is not None and travel.true else None
-        return RunFacts(
-            mission=loaded.mission.mission,
-            description=loaded.mission.description,
-            robot=robot.name,
-            where=self._about.where,
-            ending=ending,
-            odometer_m=None if isnan(odometer) else odometer,
-            moved_m=moved,
-            counts=story.counts,
-            faults=story.faults,
-        )
+        names = loaded.mission.mission, loaded.mission.description, robot.name
+        ways_m = None if isnan(odometer) else odometer, moved
+        return RunFacts(*names, self._about.where, ending, *ways_m, story.counts, story.faults)
 
     def _doubts(self, seen: Poses | None) -> tuple[str, ...]:
         doubts = [self._doubt] if self._doubt else []

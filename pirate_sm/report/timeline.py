@@ -18,10 +18,8 @@ from pirate_sm.report.contents import Lane, MarkKind, Span, SpanKind, TimelineMa
 PHASE, COMMANDS, WAITS, TRIGGERS = "phase", "commands", "waits for", "triggers"
 DETECTOR, SEGMENT, OPERATOR, TROUBLE = "detector", "pipe", "operator", "faults"
 
-_CLOSING: dict[str, SpanKind] = {"done": "done", "failed": "failed"}
 _LASTING = {"phase", "state", "unconfirmed", "word"}
-"""What did not last was not: at one moment several things can happen."""
-_AT_ONCE: dict[str, MarkKind] = {"skipped": "skipped", "refused": "refused"}
+"""Spans of these kinds are left out where they have no length: several can begin at once."""
 
 
 class _Track:
@@ -131,14 +129,17 @@ class Timeline:
 
     def _command(self, at_s: float, it: fx.CommandStatus) -> None:
         track, about = self._tracks[COMMANDS], _about(it)
-        if it.status == "sent":
-            track.begin(at_s, it.name, "open", about)
-        elif it.status in _CLOSING and track.current == it.name:
-            track.end(at_s, _CLOSING[it.status], about)
-        elif it.status in _AT_ONCE:
-            if track.current == it.name:
-                track.end(at_s, "failed", about)
-            track.mark(at_s, it.name, _AT_ONCE[it.status], about)
+        match it.status:
+            case "sent":
+                track.begin(at_s, it.name, "open", about)
+            case "done" | "failed" if track.current == it.name:
+                track.end(at_s, it.status, about)
+            case "skipped" | "refused":
+                if track.current == it.name:
+                    track.end(at_s, "failed", about)
+                track.mark(at_s, it.name, it.status, about)
+            case "accepted" | "done" | "failed":
+                pass
 
     def _state(self, at_s: float, it: fx.StateChange) -> None:
         for place, (region, state) in enumerate(zip(self._regions, it.states, strict=True)):

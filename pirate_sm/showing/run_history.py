@@ -122,18 +122,8 @@ class Memory:
 
     def story(self) -> Story:
         """Return all of it as it is now, in a form that does not change."""
-        return Story(
-            phase=self.phase,
-            spent_s=dict(self.spent_s),
-            wait=self.wait,
-            question=self.question,
-            setpoints=self.setpoints,
-            recent=tuple(self.recent),
-            alarm=self.alarm,
-            ended=self.ended,
-            banner=self.banner,
-            passed=self.passed,
-        )
+        now = {name: getattr(self, name) for name in Story._fields}
+        return Story(**{**now, "spent_s": {**self.spent_s}, "recent": tuple(self.recent)})
 
     def twin(self) -> Memory:
         """Return a copy that goes on independently."""

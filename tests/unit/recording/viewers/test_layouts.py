@@ -10,18 +10,15 @@ from xml.etree import ElementTree
 
 import pytest
 from mcap.reader import make_reader
+from recording_runs import ROOT, record_with_viewers
 
-from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.viewers.layouts import lichtblick_layout, plotjuggler_layout
-from pirate_sm.runtime.companions import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.wiring import Order, prepare
+from pirate_sm.wiring import Order
 
-ROOT = Path(__file__).resolve().parents[4]
 RUNS = {
     "the shipped robot": Order("mitre_bend"),
     "another robot": Order(str(ROOT / "tests" / "robots" / "newt" / "patrol.yaml")),
@@ -32,14 +29,7 @@ RUNS = {
 def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The recording of a whole run, written just now."""
     path: Path = tmp_path_factory.mktemp("runs") / "run.mcap"
-    prepared = prepare(RUNS[request.param])
-    with recorded(prepared, RecordingOptions(record=str(path)), float("inf")) as kept:
-        mission = MissionRun(
-            prepared.engine, prepared.backend, tap=kept.tap,
-            companions=[*prepared.companions, *kept.companions, FirstChoice()],
-        )  # fmt: skip
-        kept.follow(mission)
-        mission.execute()
+    record_with_viewers(path, RUNS[request.param])
     return path
 
 

@@ -12,8 +12,8 @@ import jsonschema
 import pytest
 from keeping import header
 from mcap.reader import make_reader
+from recording_runs import ROOT, record_with_viewers
 
-from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
@@ -23,11 +23,8 @@ from pirate_sm.recording.viewers.live_server import Live
 from pirate_sm.recording.viewers.log_lines import log_line
 from pirate_sm.recording.viewers.viewer_messages import ViewerMessages, ViewerSnapshot
 from pirate_sm.recording.write.side_channel import EVERY_S
-from pirate_sm.runtime.companions import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
 
-ROOT = Path(__file__).resolve().parents[4]
 NEWT = ROOT / "tests" / "robots" / "newt"
 SCHEMAS = ROOT / "pirate_sm" / "recording" / "viewers" / "foxglove_schemas"
 FOXGLOVE = {
@@ -49,14 +46,7 @@ RUNS = {
 @pytest.fixture(scope="module", params=RUNS)
 def recording(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path: Path = tmp_path_factory.mktemp("runs") / "run.mcap"
-    prepared = prepare(RUNS[request.param])
-    with recorded(prepared, RecordingOptions(record=str(path)), float("inf")) as kept:
-        run = MissionRun(
-            prepared.engine, prepared.backend, tap=kept.tap,
-            companions=[*prepared.companions, *kept.companions, FirstChoice()],
-        )  # fmt: skip
-        kept.follow(run)
-        run.execute()
+    kept = record_with_viewers(path, RUNS[request.param])
     assert kept.tap is not None
     assert kept.tap.failure == ""
     assert kept.side is not None

@@ -10,7 +10,7 @@ from pirate_sm.drawing.graph.mission_graph import mission_graph
 from pirate_sm.drawing.graph.step_text import every_step
 from pirate_sm.model import mission as model
 
-from .conftest import MISSIONS, ROOT, drawing, name, read_mission, written
+from ..conftest import MISSIONS, ROOT, drawing, name, read_mission, written
 
 
 def edges(graph: Graph) -> list[tuple[str, str, str, str]]:

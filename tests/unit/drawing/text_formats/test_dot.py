@@ -13,7 +13,7 @@ from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, 
 from pirate_sm.drawing.graph.highlight import highlight
 from pirate_sm.drawing.text_formats.dot import dot
 
-from .conftest import DRAWN, ROOT, drawing, name
+from ..conftest import DRAWN, ROOT, drawing, name
 
 _TOKEN = re.compile(r'\s*(?:("(?:[^"\\]|\\.)*")|([A-Za-z_]\w*|-?\d+(?:\.\d+)?)|(->|[{}\[\]=,;]))')
 

@@ -9,7 +9,7 @@ from pirate_sm.drawing.graph.chart_graph import LONGEST_GUARD, chart_graph
 from pirate_sm.drawing.graph.graph import EdgeKind, NodeKind
 from pirate_sm.loading.chart_outline import ChartOutline, Transition
 
-from .conftest import CHARTS, name, read_chart
+from ..conftest import CHARTS, name, read_chart
 
 
 @pytest.mark.parametrize("path", CHARTS, ids=name)

@@ -11,7 +11,7 @@ from pirate_sm.drawing.layout.plan import NOTHING, GraphLayout, LayoutLink, Size
 from pirate_sm.drawing.layout.rank_order import ordered
 from pirate_sm.drawing.layout.ranks import ranks, turned
 
-from .geometry import along, inside, overlap, rectangle
+from ..geometry import along, inside, overlap, rectangle
 
 BOX = Size(60, 30)
 LABEL = Size(40, 14)

@@ -15,7 +15,7 @@ from pirate_sm.drawing.text_formats.identifiers import plain_names
 from pirate_sm.drawing.text_formats.mermaid import mermaid
 from pirate_sm.drawing.text_wrapping import printable
 
-from .conftest import DRAWN, ROOT, drawing, name
+from ..conftest import DRAWN, ROOT, drawing, name
 
 _TEXT = r'"((?:[^"#;]|#\w+;)*)"'
 _NODE = re.compile(rf"\s+(n_\w+|notes)[(\[]+{_TEXT}[)\]]+")

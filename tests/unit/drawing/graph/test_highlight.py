@@ -7,7 +7,7 @@ from pirate_sm.drawing.graph.highlight import highlight
 from pirate_sm.drawing.graph.mission_graph import mission_graph
 from pirate_sm.errors import UsageError
 
-from .conftest import CHARTS, ROOT, drawing, read_mission, written
+from ..conftest import CHARTS, ROOT, drawing, read_mission, written
 
 
 @pytest.fixture

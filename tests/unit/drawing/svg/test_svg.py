@@ -11,8 +11,8 @@ from pirate_sm.drawing.graph.highlight import highlight
 from pirate_sm.drawing.svg.arrangement import arranged
 from pirate_sm.drawing.svg.svg_writer import svg, visits_text
 
-from .conftest import DRAWN, ROOT, drawing, name
-from .geometry import along, inside, overlap, rectangle
+from ..conftest import DRAWN, ROOT, drawing, name
+from ..geometry import along, inside, overlap, rectangle
 
 SPACE = "{http://www.w3.org/2000/svg}"
 
