@@ -12,7 +12,7 @@ from pirate_sm.drawing.robot.robot_page import robot_page
 from pirate_sm.drawing.robot.written_page import Heading, Paragraph, Table, html, markdown
 from pirate_sm.loading.robot import load_robot
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 FOLDERS = [ROOT / "hardware_profiles" / "pirate_ii", ROOT / "tests" / "robots" / "newt"]
 
 
