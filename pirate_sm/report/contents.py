@@ -20,7 +20,7 @@ class Span(NamedTuple):
     """Something that lasted.
 
     Attributes:
-        about: More of it, for whoever asks.
+        about: More about it, shown when it is pointed at.
     """
 
     start_s: float
@@ -89,7 +89,7 @@ class DrawnWheel:
     Attributes:
         part: The part that it belongs to.
         angle: Its angle over time, rad; counter-clockwise is positive where side A is up.
-        drive: What it is told, forward positive.
+        drive: Its setpoint, forward positive.
     """
 
     name: str

@@ -80,7 +80,7 @@ def _add(found: list[StripPicture], picture: StripPicture) -> None:
 
 
 def strip(report: Report) -> str:
-    """Return the strip as a section of a page; empty where nobody knows where the robot was."""
+    """Return the strip as a section of a page; empty where its place is not known."""
     if report.scene is None:
         return ""
     shown = pictures(report)

@@ -54,7 +54,7 @@ def about_run(header: RunHeader, loaded: LoadedMission, notices: Iterable[str] =
 
 
 def known_poses(recording: Recording, loaded: LoadedMission) -> Poses | None:
-    """Return where the robot really was, as a simulator told viewers; None where nobody knew."""
+    """Return where the robot really was, from a simulator; None where that is not known."""
     names = [wheel.name for wheel in loaded.loaded_robot.profile.body.wheels]
     poses = Poses(true=True)
     for shown in recording.shown(PLACES):

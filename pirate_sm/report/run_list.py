@@ -30,7 +30,7 @@ class ListedRun:
         began: ISO 8601 with the zone.
         seed: Of the simulator; None where nothing was left to chance.
         conditions: Defects and parameters that somebody asked for, in words.
-        faults: How often each fault was told, by its code.
+        faults: How often each fault was reported, by its code.
     """
 
     name: str

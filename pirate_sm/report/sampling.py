@@ -76,19 +76,19 @@ def _telling(bucket: Sequence[int], values: Sequence[float]) -> Iterable[int]:
 
 
 class Samples:
-    """What each of some numbers was, whenever it was told or changed."""
+    """The values of several numbers, each noted when it was measured or has changed."""
 
     def __init__(self, count: int) -> None:
         self._curves = [Curve() for _ in range(count)]
         self._last: tuple[float, ...] = (nan,) * count
 
-    def take(self, at_s: float, numbers: tuple[float, ...], told: Sequence[int] = ()) -> None:
+    def take(self, at_s: float, numbers: tuple[float, ...], measured: Sequence[int] = ()) -> None:
         """Note the numbers that were measured now, and those that changed.
 
         Args:
             at_s: When; does not go back.
             numbers: All of them, NaN where unknown.
-            told: Indexes of those that were measured at this moment, whether new or not.
+            measured: Indexes of those that were measured now, changed or not.
         """
         if numbers is self._last:
             return
@@ -98,7 +98,7 @@ class Samples:
             for index in compress(count(), map(ne, last, numbers))
             if not (isnan(last[index]) and isnan(numbers[index]))
         }
-        for index in changed.union(told):
+        for index in changed.union(measured):
             self._curves[index].add(at_s, numbers[index])
         self._last = numbers
 

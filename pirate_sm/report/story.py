@@ -14,10 +14,10 @@ from pirate_sm.report.summary import ENDED, RunEnding
 from pirate_sm.report.timeline import operator_action
 
 _WORTH_TELLING_S = 0.2
-"""A command that took less was done as soon as the robot had it."""
+"""The duration of a command that took less is left out, s."""
 
 _MOST_NAMES = 8
-"""Of more commands in one phase only the number is told."""
+"""Where a phase has more commands than this, only their number is written."""
 
 
 class Story:

@@ -24,7 +24,7 @@ class RunFacts(NamedTuple):
         odometer_m: What the odometer showed in the end, None where there is none.
         moved_m: How far the robot really came, None where that is not known.
         counts: How often commands were done, failed and so on, by what they came to.
-        faults: How often each fault was told, by its code.
+        faults: How often each fault was reported, by its code.
     """
 
     mission: str
@@ -48,7 +48,7 @@ ENDED = {
 
 
 def summary(it: RunFacts) -> tuple[str, ...]:
-    """Return a few sentences for whoever reads no further."""
+    """Return the summary as a few sentences."""
     purpose = f" ({_lower(it.description)})" if it.description else ""
     message = f": {it.ending.message}" if it.ending.message else ""
     lines = [
@@ -65,9 +65,9 @@ def summary(it: RunFacts) -> tuple[str, ...]:
         lines.append(sentence(" and ".join(ways)))
     lines.append(sentence(_counted(it.counts)))
     if it.faults:
-        told = [f"{code}{f' ({n} times)' if n > 1 else ''}" for code, n in it.faults.items()]
+        codes = [f"{code}{f' ({n} times)' if n > 1 else ''}" for code, n in it.faults.items()]
         faults = number_of(sum(it.faults.values()), "fault was", "faults were")
-        lines.append(f"{faults} reported: {listed(told)}.")
+        lines.append(f"{faults} reported: {listed(codes)}.")
     return tuple(lines)
 
 

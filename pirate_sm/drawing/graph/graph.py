@@ -33,7 +33,7 @@ class EdgeKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """Is something that can be current.
+    """Something that can be current.
 
     Attributes:
         id: Unique in its graph; what :func:`pirate_sm.drawing.graph.highlight.highlight` calls it.
@@ -75,7 +75,7 @@ class Edge:
 
 @dataclass(frozen=True, slots=True)
 class Cluster:
-    """Is a group of nodes; one without a title has no frame."""
+    """A group of nodes; one without a title has no frame."""
 
     id: str
     title: str = ""
@@ -84,7 +84,7 @@ class Cluster:
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """Is what a label was too short for; labels refer to it by its mark."""
+    """What a label was too short for; labels refer to it by its mark."""
 
     mark: str
     text: str
@@ -92,7 +92,7 @@ class Note:
 
 @dataclass(frozen=True)
 class Graph:
-    """Is a whole drawing. Nodes and edges stand in the order in which they shall be read.
+    """A whole drawing. Nodes and edges stand in the order in which they shall be read.
 
     Raises:
         GraphError: An id stands twice, or something refers to nothing.

@@ -15,7 +15,7 @@ NO_PULL = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class Vertex:
-    """Is something on a rank; it stands at its anchor, which need not be its middle."""
+    """Something on a rank; it stands at its anchor, which need not be its middle."""
 
     left: float
     right: float

@@ -9,7 +9,7 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """Is how much room something needs."""
+    """How much room something needs."""
 
     width: float
     height: float
@@ -35,7 +35,7 @@ class LayoutLink:
 
 @dataclass(frozen=True, slots=True)
 class EdgeRoute:
-    """Is the way of a link.
+    """The way of a link.
 
     Attributes:
         points: From border to border. Where two follow each other with different x, the link
@@ -51,7 +51,7 @@ class EdgeRoute:
 
 @dataclass(frozen=True, slots=True)
 class GraphLayout:
-    """Is where everything stands; nothing lies left of or above (0, 0).
+    """Where everything stands; nothing lies left of or above (0, 0).
 
     Attributes:
         corners: Left upper corner of each box.

@@ -34,7 +34,7 @@ _ONWARDS, _ASIDE = 8, 1
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """Is a node where it stands.
+    """A node where it stands.
 
     Attributes:
         corner: Left upper one.
@@ -49,7 +49,7 @@ class Box:
 
 @dataclass(frozen=True, slots=True)
 class Arrow:
-    """Is every edge of one kind from one node to another.
+    """Every edge of one kind from one node to another.
 
     Attributes:
         lines: Each line of the label with the edge that it is about.
@@ -64,7 +64,7 @@ class Arrow:
 
 @dataclass(frozen=True, slots=True)
 class ClusterFrame:
-    """Is a cluster's frame."""
+    """A cluster's frame."""
 
     cluster: Cluster
     corner: Point
@@ -73,7 +73,7 @@ class ClusterFrame:
 
 @dataclass(frozen=True, slots=True)
 class Arrangement:
-    """Is the whole picture."""
+    """The whole picture."""
 
     size: Size
     heading: tuple[str, ...]
@@ -86,7 +86,7 @@ class Arrangement:
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """Is one cluster by itself, from (0, 0) on."""
+    """One cluster by itself, from (0, 0) on."""
 
     size: Size
     frames: tuple[ClusterFrame, ...]

@@ -42,7 +42,7 @@ def number_from_json(value: Any) -> float:
     """Return the number that :func:`number_to_json` was given.
 
     Raises:
-        ValueError: It is none.
+        ValueError: The value is not a number.
     """
     if isinstance(value, float):
         return value

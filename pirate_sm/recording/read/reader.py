@@ -36,7 +36,7 @@ _NO_INDEX = (
 )
 
 
-def _nobody(share: float) -> None:
+def _no_progress(share: float) -> None:
     """Do nothing with the progress."""
 
 
@@ -57,7 +57,7 @@ class Recording:
     path: Path
     header: RunHeader
     content: Content = field(repr=False)
-    watch: Callable[[float], None] = field(default=_nobody, repr=False)
+    watch: Callable[[float], None] = field(default=_no_progress, repr=False)
 
     @property
     def complete(self) -> bool:
@@ -217,7 +217,7 @@ class Recording:
 
 
 def read_recording(
-    path: Path, watch: Callable[[float], None] = _nobody, *, damaged: bool = False
+    path: Path, watch: Callable[[float], None] = _no_progress, *, damaged: bool = False
 ) -> Recording:
     """Return the recording in this file, as far as it goes.
 

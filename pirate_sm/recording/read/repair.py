@@ -30,7 +30,7 @@ class Repaired(NamedTuple):
         until_s: Until when.
         torn_bytes: How many bytes at the end of the old file are not whole, or come after damage.
         damage: Why more was left out; empty where nothing was.
-        left_until_s: Until about when that goes; 0 where nobody knows.
+        left_until_s: Until about when that goes; 0 where that is not known.
         complete: Whether all that was recorded is in it.
     """
 
@@ -63,7 +63,7 @@ def repair(recording: Recording, path: Path) -> Repaired:
 
     Raises:
         FileExistsError: There is one of this name, which stays as it is.
-        OSError: It cannot be written; there is none then.
+        OSError: It cannot be written; no file is left then.
     """
     with closing(DiskFile(path)) as sink:
         try:

@@ -37,7 +37,7 @@ def unlike(first: RunHeader, second: RunHeader) -> tuple[Unlike, ...]:
 
 
 def _circumstances(it: RunHeader) -> Iterator[tuple[str, Any]]:
-    """Yield each by its name; what one run has and another has not is None there."""
+    """Yield name and value of everything that a run was set up with."""
     yield "mission", it.mission
     yield "robot", it.robot
     yield "polarity", it.polarity
