@@ -50,11 +50,11 @@ ALPHABETS = {
         "NewEffect(NamedTuple)",
         (
             "cli/output/json_lines.py",
-            "recording/rows.py",
-            "recording/told.py",
+            "recording/tables/table_rows.py",
+            "recording/viewers/log_lines.py",
             "report/timeline.py",
-            "report/words.py",
-            "showing/telling.py",
+            "report/story.py",
+            "showing/effect_lines.py",
         ),
     ),
     "instruction": Alphabet(
@@ -73,7 +73,7 @@ ALPHABETS = {
         '| Annotated[WaitStep, Tag("wait")]',
         "NewStep(_AnyStep)",
         (
-            "drawing/step_text.py",
+            "drawing/graph/step_text.py",
             "loading/mission/called_missions.py",
             "loading/mission/program_writer.py",
         ),
@@ -84,8 +84,8 @@ ALPHABETS = {
         "NewTrigger(Frozen)",
         (
             "checking/mission/mission_parameters.py",
-            "drawing/mission_graph.py",
-            "drawing/step_text.py",
+            "drawing/graph/mission_graph.py",
+            "drawing/graph/step_text.py",
             "loading/mission/wait_writer.py",
         ),
     ),
@@ -93,7 +93,7 @@ ALPHABETS = {
         "model/criteria.py",
         "| Aligned | Below",
         "NewCriterion(Frozen)",
-        ("drawing/criterion_text.py", "loading/robot/commands.py"),
+        ("drawing/robot/criterion_text.py", "loading/robot/commands.py"),
     ),
     "resolved criterion": Alphabet(
         "engine/robot/criteria.py",
@@ -111,7 +111,7 @@ ALPHABETS = {
         "model/derived.py",
         '| Annotated[SpeedOf, Tag("speed_of")]',
         "NewOf(Frozen)",
-        ("loading/robot/boards.py", "loading/robot/derived_signals.py", "showing/anatomy.py"),
+        ("loading/robot/boards.py", "loading/robot/derived_signals.py", "showing/robot_anatomy.py"),
     ),
     "origin of a fault": Alphabet(
         "model/fault_codes.py",

@@ -14,12 +14,12 @@ from pirate_sm.engine.engine import Engine
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
-from pirate_sm.recording.header import RunHeader
-from pirate_sm.recording.reader import read_recording
-from pirate_sm.recording.reloading import recorded_mission
-from pirate_sm.recording.replay import rerun_steps
-from pirate_sm.recording.rows import SIGNALS, Row, rows_of
-from pirate_sm.recording.steps import Step
+from pirate_sm.recording.format.header import RunHeader
+from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.read.steps import Step
+from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.replay.replay import rerun_steps
+from pirate_sm.recording.tables.table_rows import SIGNALS, TableRow, rows_of
 from pirate_sm.report.poses import Poses
 
 Columns: TypeAlias = dict[str, list[Any]]
@@ -132,9 +132,9 @@ class Run:
         Raises:
             UsageError: The extra ``report`` is not installed.
         """
-        from pirate_sm.report.gathering import gather
-        from pirate_sm.report.page import html
-        from pirate_sm.report.recorded import about_run
+        from pirate_sm.report.recording_report import about_run
+        from pirate_sm.report.report_builder import gather
+        from pirate_sm.report.report_page import html
 
         about = about_run(self.header, self.loaded, self.notices)
         again = rerun_steps(self._engine, self.steps(), origin_s=self.origin_s)
@@ -199,7 +199,7 @@ class Run:
         return tables
 
 
-def _add(tables: dict[str, Columns], row: Row) -> None:
+def _add(tables: dict[str, Columns], row: TableRow) -> None:
     if row.table not in tables:
         tables[row.table] = {name: [] for name in row.header}
     for column, value in zip(tables[row.table].values(), row.values, strict=True):
@@ -215,7 +215,7 @@ def read(recording: str | PathLike[str]) -> Run:
     Raises:
         RecordingError: It cannot be read, or is of a version that cannot be used any more.
     """
-    from pirate_sm.report.recorded import known_poses
+    from pirate_sm.report.recording_report import known_poses
 
     found = read_recording(Path(recording))
     with recorded_mission(found.header) as loaded:

@@ -14,9 +14,9 @@ from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
-from pirate_sm.recording.header import RunHeader
-from pirate_sm.recording.recorder import Recorder
-from pirate_sm.recording.steps import Step
+from pirate_sm.recording.format.header import RunHeader
+from pirate_sm.recording.read.steps import Step
+from pirate_sm.recording.write.recorder import Recorder
 from pirate_sm.report.poses import EVERY_S, Poses
 from pirate_sm.wiring import Prepared
 from pirate_sm.wiring.run_recorder import RunRecorder, requested_recording, run_header

@@ -13,8 +13,8 @@ from pirate_sm.loading.file_names import shown
 from pirate_sm.wiring.run_recorder import new_recording, requested_recording
 
 if TYPE_CHECKING:
-    from pirate_sm.recording.file import RecordingFile
-    from pirate_sm.recording.header import RunHeader
+    from pirate_sm.recording.format.header import RunHeader
+    from pirate_sm.recording.write.recording_file import RecordingFile
     from pirate_sm.wiring import Prepared
 
 RUNS = "runs"

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from pirate_sm.cli.output.progress import progress
-from pirate_sm.recording.reader import Recording, read_recording
+from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.visible import visible
 
 

@@ -21,9 +21,9 @@ from pirate_sm.wiring.run_recorder import RunRecorder, run_header
 if TYPE_CHECKING:
     from pirate_sm.companion import Companion
     from pirate_sm.engine.state import EngineState
-    from pirate_sm.recording.file import RecordingFile
-    from pirate_sm.recording.live import Live
-    from pirate_sm.recording.recorder import Recorder
+    from pirate_sm.recording.viewers.live_server import Live
+    from pirate_sm.recording.write.recorder import Recorder
+    from pirate_sm.recording.write.recording_file import RecordingFile
     from pirate_sm.runtime.loop import MissionRun
     from pirate_sm.wiring import Prepared
 
@@ -128,7 +128,7 @@ def _live(options: RecordingOptions, stack: ExitStack) -> tuple[Live | None, tup
     """Return what serves viewers while the run goes on, and notices about it."""
     if not options.live:
         return None, ()
-    from pirate_sm.recording.live import Live
+    from pirate_sm.recording.viewers.live_server import Live
 
     live = Live()
     stack.callback(live.close)

@@ -41,9 +41,9 @@ from pirate_sm.console.widgets import (
 )
 from pirate_sm.runtime.stop_requests import Stop
 from pirate_sm.showing import panels
-from pirate_sm.showing.body import travelled
+from pirate_sm.showing.body_panel import travelled
 from pirate_sm.showing.snapshot import Snapshot
-from pirate_sm.showing.styled import FLAG, MUTED, Part, line
+from pirate_sm.showing.text_styles import FLAG, MUTED, Part, line
 
 _W = TypeVar("_W", bound=Widget)
 

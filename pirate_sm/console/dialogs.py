@@ -17,7 +17,7 @@ from textual.widgets.option_list import Option
 from pirate_sm.console.key_bindings import LEAVE, both_cases
 from pirate_sm.console.terminal_driver import STOP_KEY
 from pirate_sm.console.themed_lines import line
-from pirate_sm.showing.styled import MUTED
+from pirate_sm.showing.text_styles import MUTED
 
 _WIDEST = 100
 """A list is at most so wide, as the stylesheet says."""

@@ -17,7 +17,7 @@ from pirate_sm.engine.robot.robot_state import RobotState, state_change
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.events import GoTo
 from pirate_sm.showing.snapshot import Scene
-from pirate_sm.showing.styled import STRONG, Part, line
+from pirate_sm.showing.text_styles import STRONG, Part, line
 
 SEEKING = "looking for commands that lead there …"
 """What the list says of a phase that cannot run, until it is known what restores it."""

@@ -9,7 +9,7 @@ from textual.content import Content
 from pirate_sm.console.availability import controls
 from pirate_sm.console.themed_lines import line
 from pirate_sm.showing.snapshot import Snapshot
-from pirate_sm.showing.styled import MUTED, STRONG
+from pirate_sm.showing.text_styles import MUTED, STRONG
 
 _ALWAYS = (
     ("Space", "STOP: wheels stop, clamps hold. Works at any time, also over a dialog."),

@@ -9,8 +9,8 @@ from typing import NamedTuple
 from rich.text import Text
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.showing.styled import MUTED, STRONG, line
-from pirate_sm.showing.telling import shortened
+from pirate_sm.showing.effect_lines import shortened
+from pirate_sm.showing.text_styles import MUTED, STRONG, line
 
 _SIGNS = {"unneeded": "=", "impossible": "✕"}
 

@@ -13,13 +13,13 @@ from pirate_sm.geometry.plane import walls
 from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.true_position import Truth
-from pirate_sm.recording.reader import Recording
-from pirate_sm.recording.reloading import recorded_mission
-from pirate_sm.recording.replay import engine_of, rerun
-from pirate_sm.recording.steps import Checkpoint, Shown, with_own_times
-from pirate_sm.showing.anatomy import anatomy_of
-from pirate_sm.showing.looking import Trends
-from pirate_sm.showing.memory import Memory
+from pirate_sm.recording.read.reader import Recording
+from pirate_sm.recording.read.steps import Checkpoint, Shown, with_own_times
+from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.replay.replay import engine_of, rerun
+from pirate_sm.showing.live_snapshots import Trends
+from pirate_sm.showing.robot_anatomy import anatomy_of
+from pirate_sm.showing.run_history import Memory
 from pirate_sm.showing.snapshot import Scene, Snapshot
 
 MOST_FRAMES = 4000

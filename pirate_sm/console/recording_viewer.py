@@ -18,7 +18,7 @@ from pirate_sm.console.key_bindings import LEAVE, both_cases
 from pirate_sm.console.recorded_snapshots import RecordedSnapshots
 from pirate_sm.console.widgets import EventLog, Lines, Picture, is_whole, panel, show_robot
 from pirate_sm.showing import panels
-from pirate_sm.showing.styled import ACCENT, FLAG, STRONG, Part, line
+from pirate_sm.showing.text_styles import ACCENT, FLAG, STRONG, Part, line
 
 _W = TypeVar("_W", bound=Widget)
 

@@ -11,10 +11,10 @@ from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Answer, Event
 from pirate_sm.runtime.first_choice import Answered
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.showing.looking import Trends, snapshot_of
-from pirate_sm.showing.memory import Memory
+from pirate_sm.showing.effect_lines import Line
+from pirate_sm.showing.live_snapshots import Trends, snapshot_of
+from pirate_sm.showing.run_history import Memory
 from pirate_sm.showing.snapshot import Scene, Snapshot
-from pirate_sm.showing.telling import Line
 from pirate_sm.wiring import Prepared
 
 QUIET = frozenset({"another mission was chosen", "the console was left"})

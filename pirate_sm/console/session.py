@@ -20,7 +20,7 @@ from pirate_sm.runtime.outcome import BUG, Result
 from pirate_sm.runtime.pump import UNCONFIRMED
 from pirate_sm.runtime.stop_requests import Stop
 from pirate_sm.runtime.trace_repeats import LoopWatch
-from pirate_sm.showing.looking import scene_of
+from pirate_sm.showing.live_snapshots import scene_of
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Prepared, again
 

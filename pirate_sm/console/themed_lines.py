@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from rich.text import Text
 from textual.content import Content, Span
 
-from pirate_sm.showing import styled
-from pirate_sm.showing.styled import ACCENT, BAD, FLAG, GOOD, MUTED, STRONG, WARN, Part
+from pirate_sm.showing import text_styles as styled
+from pirate_sm.showing.text_styles import ACCENT, BAD, FLAG, GOOD, MUTED, STRONG, WARN, Part
 
 _THEMED: Mapping[str, str] = {
     MUTED: "$foreground 55%",

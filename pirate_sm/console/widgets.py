@@ -17,10 +17,9 @@ from textual.widgets import Static
 
 from pirate_sm.console.reason_lines import sign_of
 from pirate_sm.console.themed_lines import themed
-from pirate_sm.showing import body as body_panel
-from pirate_sm.showing import panels, picture
+from pirate_sm.showing import body_panel, panels, picture
 from pirate_sm.showing.snapshot import Snapshot
-from pirate_sm.showing.styled import ACCENT, FLAG, GOOD, MUTED, STRONG, line
+from pirate_sm.showing.text_styles import ACCENT, FLAG, GOOD, MUTED, STRONG, line
 from pirate_sm.visible import visible
 
 _QUIET = "quiet"

@@ -1,5 +1,5 @@
-"""A recorded run as one page that needs nothing else: words, pictures, plots.
+"""A recorded run as one HTML page that needs no other file: words, pictures, plots.
 
-``docs/reports.md`` says how to read it. :mod:`pirate_sm.report.gathering` makes a plain model of a
-run, :mod:`pirate_sm.report.page` makes HTML of that.
+``docs/reports.md`` says how to read it. :mod:`pirate_sm.report.report_builder` makes plain values
+of a run, :mod:`pirate_sm.report.report_page` makes HTML of them.
 """

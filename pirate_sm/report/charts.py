@@ -10,7 +10,7 @@ from math import degrees, isnan, nan
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model import derived as kinds
 from pirate_sm.model.profile import Profile, Slot
-from pirate_sm.report.model import Chart, Series
+from pirate_sm.report.contents import Chart, Series
 from pirate_sm.report.sampling import Samples, over, value_at
 
 _DEGREES = degrees(1.0)
@@ -47,12 +47,12 @@ class Measured:
     def signal(
         self, name: str, scale: float = 1.0, label: str = "", *, main: bool = False
     ) -> Series:
-        """A signal by its name."""
+        """Return a signal by its name."""
         index = self.robot.vocabulary.numbers.index(name)
         return self.signals.series(index, label or name, scale=scale, main=main)
 
     def rim(self, number: int, scale: float = 1.0) -> Series:
-        """How fast the rim of a wheel goes forward, m/s."""
+        """Return how fast the rim of a wheel goes forward, m/s."""
         wheel = self.robot.wheels[number]
         label = self.profile.body.wheels[number].name
         scale *= wheel.metres_per_rad
@@ -60,7 +60,7 @@ class Measured:
 
 
 def charts(measured: Measured) -> tuple[Chart, ...]:
-    """The plots in which there is a curve with a point in it."""
+    """Return the plots in which there is a curve with a point in it."""
     found = (make(measured) for make in _CHARTS)
     return tuple(chart for each in found if (chart := _filled(each)) is not None)
 
@@ -173,9 +173,9 @@ def _angle_setpoints(it: Measured) -> Chart:
 
 
 _CHARTS: tuple[Callable[[Measured], Chart], ...] = (
-    _angles, _joint_torques, _other_currents, _wheel_currents, _rim_speeds, _slip, _distance,
-    _speeds, _wheel_torques, _diameters, _attitude, _duties, _angle_setpoints,
-)  # fmt: skip
+    *(_angles, _joint_torques, _other_currents, _wheel_currents, _rim_speeds, _slip, _distance),
+    *(_speeds, _wheel_torques, _diameters, _attitude, _duties, _angle_setpoints),
+)
 
 
 def _derived(profile: Profile, kind: type) -> Iterator[str]:
@@ -187,7 +187,7 @@ def _signals(it: Measured, kind: type, scale: float) -> Iterable[Series]:
 
 
 def _setpoints(it: Measured, unit: str, scale: float) -> Iterator[Series]:
-    """The setpoints of slots that were ever told anything but zero."""
+    """Yield the setpoints of slots that were ever told anything but zero."""
     for index, slot in enumerate(it.robot.slots):
         if slot.unit != unit:
             continue
@@ -203,7 +203,7 @@ def _less(taken: Callable[[float], float], scale: float) -> Callable[[float, flo
 
 
 def _rate(series: Series) -> Callable[[float], float]:
-    """The slope of a curve around a moment; NaN where there are no two points beside it."""
+    """Return the slope of a curve around a moment; NaN where there are no two points beside it."""
 
     def rate(at_s: float) -> float:
         times, values = series.times_s, series.values

@@ -13,10 +13,10 @@ from pirate_sm.geometry.plane import walls
 from pirate_sm.geometry.space import Place
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.recording.evenly import add_evenly
-from pirate_sm.recording.placing import Placing
+from pirate_sm.recording.thinning import add_evenly
+from pirate_sm.recording.viewers.wheel_places import Placing
 from pirate_sm.report.charts import Travel
-from pirate_sm.report.model import Lane, Light, Scene, Series, Span, Wheel
+from pirate_sm.report.contents import DrawnWheel, Lane, Light, RobotScene, Series, Span
 from pirate_sm.report.sampling import Samples
 
 MOST_POSES = 6_000
@@ -55,7 +55,7 @@ class Poses:
         return Poses(self.true, [self.times_s[n] for n in chosen], [self.points[n] for n in chosen])
 
 
-class Following:
+class ReckonedPath:
     """Follows a robot by dead reckoning while its engine is replayed.
 
     Args:
@@ -102,7 +102,7 @@ def scene_of(
     signals: Samples,
     setpoints: Samples,
     held: Sequence[Lane],
-) -> Scene | None:
+) -> RobotScene | None:
     """Return the scene with everything drawn on the robot; None where no place was known."""
     if not poses.times_s:
         return None
@@ -112,11 +112,11 @@ def scene_of(
         forward = 1.0 if spec.metres_per_rad > 0 else -1.0
         angle = signals.series(spec.angle, wheel.name)
         drive = setpoints.series(spec.slot, wheel.name, scale=forward, stepped=True)
-        wheels.append(Wheel(wheel.name, wheel.part, angle, drive))
+        wheels.append(DrawnWheel(wheel.name, wheel.part, angle, drive))
     source: Literal["truth", "reckoned"] = "truth" if poses.true else "reckoned"
     seen = source, thin.times_s, thin.points, walls, tuple(wheels)
     sizes = body.wheel_radius, body.body_half_thickness
-    return Scene(*seen, *sizes, tuple(held), _lights(profile, setpoints))
+    return RobotScene(*seen, *sizes, tuple(held), _lights(profile, setpoints))
 
 
 def _lights(profile: Profile, setpoints: Samples) -> tuple[Light, ...]:

@@ -1,4 +1,4 @@
-"""Values over time, and no more of them than can be seen."""
+"""Values over time, thinned to as many points as can be seen."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from itertools import compress, count, groupby
 from math import isnan, nan
 from operator import ne
 
-from pirate_sm.report.model import Series
+from pirate_sm.report.contents import Series
 
 MOST_POINTS = 4_000
 """A screen has fewer columns; a run of ten minutes has about as many frames of each board."""
@@ -36,20 +36,20 @@ class Curve:
         self._bucket_s = 0.0
 
     def add(self, at_s: float, value: float) -> None:
-        """There is one more point; ``at_s`` does not go back."""
+        """Add a point; ``at_s`` must not go back."""
         self._times.append(at_s)
         self._values.append(value)
         if len(self._times) > _MOST_KEPT:
             self._thin()
 
     def points(self) -> tuple[list[float], list[float]]:
-        """Times and values."""
+        """Return times and values."""
         if self._bucket_s:
             self._thin()
         return list(self._times), list(self._values)
 
     def _thin(self) -> None:
-        """There are at most half as many points as may be."""
+        """Reduce the points to at most half of the largest number."""
         times, values = self._times, self._values
         span_s, bucket_s = times[-1] - times[0], self._bucket_s or _FINEST_S
         while span_s / bucket_s > _MOST_KEPT / 2 / _EACH - 2:
@@ -64,7 +64,7 @@ class Curve:
 
 
 def _telling(bucket: Sequence[int], values: Sequence[float]) -> Iterable[int]:
-    """The indexes of a bucket that tell what was in it, in order."""
+    """Return the indexes of a bucket that tell what was in it, in order."""
     known = [index for index in bucket if not isnan(values[index])]
     kept = {bucket[-1]}
     if known:
@@ -76,19 +76,19 @@ def _telling(bucket: Sequence[int], values: Sequence[float]) -> Iterable[int]:
 
 
 class Samples:
-    """What each of some numbers was, whenever it was told or changed."""
+    """The values of several numbers, each noted when it was measured or has changed."""
 
     def __init__(self, count: int) -> None:
         self._curves = [Curve() for _ in range(count)]
         self._last: tuple[float, ...] = (nan,) * count
 
-    def take(self, at_s: float, numbers: tuple[float, ...], told: Sequence[int] = ()) -> None:
-        """What was told, and what is different, has been noted.
+    def take(self, at_s: float, numbers: tuple[float, ...], measured: Sequence[int] = ()) -> None:
+        """Note the numbers that were measured now, and those that changed.
 
         Args:
             at_s: When; does not go back.
             numbers: All of them, NaN where unknown.
-            told: Indexes of those that were measured at this moment, whether new or not.
+            measured: Indexes of those that were measured now, changed or not.
         """
         if numbers is self._last:
             return
@@ -98,7 +98,7 @@ class Samples:
             for index in compress(count(), map(ne, last, numbers))
             if not (isnan(last[index]) and isnan(numbers[index]))
         }
-        for index in changed.union(told):
+        for index in changed.union(measured):
             self._curves[index].add(at_s, numbers[index])
         self._last = numbers
 
@@ -112,7 +112,7 @@ class Samples:
         main: bool = False,
         until_s: float | None = None,
     ) -> Series:
-        """One of the numbers as a curve.
+        """Return one of the numbers as a curve.
 
         Args:
             index: Which.
@@ -150,7 +150,7 @@ def thinned(
 
 
 def value_at(series: Series, at_s: float) -> float:
-    """What the curve shows at a moment, between two points on the line that joins them.
+    """Return what the curve shows at a moment, between two points on the line that joins them.
 
     NaN before the first point and where nothing is known; before a gap and after the last point
     the value holds.
@@ -166,6 +166,6 @@ def value_at(series: Series, at_s: float) -> float:
 
 
 def over(series: Series, change: Callable[[float, float], float], name: str) -> Series:
-    """The curve with another value at each of its moments, made from time and value."""
+    """Return the curve with another value at each of its moments, made from time and value."""
     pairs = zip(series.times_s, series.values, strict=True)
     return Series(name, series.times_s, [change(at_s, value) for at_s, value in pairs])

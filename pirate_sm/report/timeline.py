@@ -13,15 +13,13 @@ from pirate_sm.model.effect_words import (
     trigger_reason,
     with_reason,
 )
-from pirate_sm.report.model import Lane, Mark, MarkKind, Span, SpanKind
+from pirate_sm.report.contents import Lane, MarkKind, Span, SpanKind, TimelineMark
 
 PHASE, COMMANDS, WAITS, TRIGGERS = "phase", "commands", "waits for", "triggers"
 DETECTOR, SEGMENT, OPERATOR, TROUBLE = "detector", "pipe", "operator", "faults"
 
-_CLOSING: dict[str, SpanKind] = {"done": "done", "failed": "failed"}
 _LASTING = {"phase", "state", "unconfirmed", "word"}
-"""What did not last was not: at one moment several things can happen."""
-_AT_ONCE: dict[str, MarkKind] = {"skipped": "skipped", "refused": "refused"}
+"""Spans of these kinds are left out where they have no length: several can begin at once."""
 
 
 class _Track:
@@ -29,21 +27,21 @@ class _Track:
 
     def __init__(self) -> None:
         self.spans: list[Span] = []
-        self.marks: list[Mark] = []
+        self.marks: list[TimelineMark] = []
         self._open: Span | None = None
 
     @property
     def current(self) -> str:
-        """What is going on; empty where nothing is."""
+        """Return what is going on; empty where nothing is."""
         return self._open.text if self._open else ""
 
     def begin(self, at_s: float, text: str, kind: SpanKind, about: str = "") -> None:
-        """What went on has ended, and this goes on."""
+        """End what went on, and begin this."""
         self.end(at_s)
         self._open = Span(at_s, at_s, text, kind, about)
 
     def end(self, at_s: float, kind: SpanKind | None = None, about: str = "") -> None:
-        """Nothing goes on any more; what did has taken this turn."""
+        """End what went on, with this kind and this text."""
         if self._open is None:
             return
         span, self._open = self._open._replace(end_s=at_s), None
@@ -58,8 +56,8 @@ class _Track:
         self.spans.append(span)
 
     def mark(self, at_s: float, text: str, kind: MarkKind, about: str = "") -> None:
-        """There is a mark."""
-        self.marks.append(Mark(at_s, text, kind, about))
+        """Add a mark."""
+        self.marks.append(TimelineMark(at_s, text, kind, about))
 
 
 class Timeline:
@@ -80,8 +78,8 @@ class Timeline:
         self._unconfirmed: tuple[str, ...] = ()
 
     def take(self, at_s: float, cause: object, effects: Sequence[fx.Effect]) -> None:
-        """What a moment brought is on it."""
-        told = told_person(cause)
+        """Take in the cause and the effects of one moment."""
+        told = operator_action(cause)
         if told and not (self._nominal and isinstance(cause, ev.Skip)):  # its script does
             self._tracks[OPERATOR].mark(at_s, told, "operator")
         for effect in effects:
@@ -116,11 +114,11 @@ class Timeline:
 
     @property
     def phase(self) -> str:
-        """The phase that goes on; empty before the first one and after the end."""
+        """Return the phase that goes on; empty before the first one and after the end."""
         return self._tracks[PHASE].current
 
     def lanes(self, until_s: float) -> tuple[Lane, ...]:
-        """The lanes on which there is something, in order; what goes on does so until the end."""
+        """Return the lanes that are not empty, in order; what still goes on ends at ``until_s``."""
         found = []
         for name, track in self._tracks.items():
             track.end(until_s)
@@ -131,14 +129,17 @@ class Timeline:
 
     def _command(self, at_s: float, it: fx.CommandStatus) -> None:
         track, about = self._tracks[COMMANDS], _about(it)
-        if it.status == "sent":
-            track.begin(at_s, it.name, "open", about)
-        elif it.status in _CLOSING and track.current == it.name:
-            track.end(at_s, _CLOSING[it.status], about)
-        elif it.status in _AT_ONCE:
-            if track.current == it.name:
-                track.end(at_s, "failed", about)
-            track.mark(at_s, it.name, _AT_ONCE[it.status], about)
+        match it.status:
+            case "sent":
+                track.begin(at_s, it.name, "open", about)
+            case "done" | "failed" if track.current == it.name:
+                track.end(at_s, it.status, about)
+            case "skipped" | "refused":
+                if track.current == it.name:
+                    track.end(at_s, "failed", about)
+                track.mark(at_s, it.name, it.status, about)
+            case "accepted" | "done" | "failed":
+                pass
 
     def _state(self, at_s: float, it: fx.StateChange) -> None:
         for place, (region, state) in enumerate(zip(self._regions, it.states, strict=True)):
@@ -207,7 +208,7 @@ def _about(it: fx.CommandStatus) -> str:
     return f"{with_reason(it.status, it.reason)}{place}"
 
 
-def told_person(cause: object) -> str:
+def operator_action(cause: object) -> str:
     """Return what a person did, in words; empty where no person caused it."""
     return _asked(cause) if isinstance(cause, ev.Request) else ""
 

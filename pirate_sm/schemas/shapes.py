@@ -15,7 +15,7 @@ Schema = dict[str, Any]
 
 
 def _given(key: str) -> Schema:
-    """The key is there; in our files `null` is as good as nothing."""
+    """Return the schema that requires the key; in our files `null` counts as absent."""
     return {"required": [key], "properties": {key: {"not": {"type": "null"}}}}
 
 

@@ -1,1 +1,1 @@
-"""What every view of a run shares: words for people, a canvas of characters. No view itself."""
+"""What all views of a run share: snapshots, lines of text, panels, a canvas of characters."""

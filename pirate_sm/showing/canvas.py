@@ -24,7 +24,7 @@ class Canvas:
         self._letters: dict[tuple[int, int], str] = {}
 
     def dot(self, x: float, y: float, style: str) -> None:
-        """There is a dot, unless it lies outside; y counts downwards."""
+        """Draw a dot, unless it lies outside; y counts downwards."""
         column, row = floor(x + 0.5), floor(y + 0.5)  # round() leaves gaps at halves
         if 0 <= column < self.width and 0 <= row < self.height:
             across, down = column // ACROSS, row // DOWN
@@ -32,7 +32,7 @@ class Canvas:
             self._styles[down][across] = style
 
     def line(self, x0: float, y0: float, x1: float, y1: float, style: str) -> None:
-        """The two places are joined, as far as they lie inside."""
+        """Draw a line between two places, as far as it lies inside."""
         clipped = _clip(x0, y0, x1, y1, self.width, self.height)
         if clipped is None:
             return
@@ -43,7 +43,7 @@ class Canvas:
             self.dot(x0 + (x1 - x0) * share, y0 + (y1 - y0) * share, style)
 
     def disc(self, x: float, y: float, radius: float, style: str) -> None:
-        """There is a filled disc of at least one dot."""
+        """Draw a filled disc of at least one dot."""
         self.dot(x, y, style)
         reach = int(radius) + 1
         for row in range(round(y) - reach, round(y) + reach + 1):
@@ -52,7 +52,7 @@ class Canvas:
                     self.dot(column, row, style)
 
     def erase(self, x: float, y: float, radius: float) -> None:
-        """Nothing is drawn in this disc any more."""
+        """Erase what is drawn in this disc."""
         reach = int(radius) + 1
         for row in range(max(0, round(y) - reach), min(self.height, round(y) + reach + 1)):
             for column in range(max(0, round(x) - reach), min(self.width, round(x) + reach + 1)):
@@ -60,14 +60,14 @@ class Canvas:
                     self._bits[row // DOWN][column // ACROSS] &= ~_BITS[row % DOWN][column % ACROSS]
 
     def circle(self, x: float, y: float, radius: float, style: str) -> None:
-        """There is a ring."""
+        """Draw a ring."""
         count = max(8, round(4 * pi * radius))
         for step in range(count):
             angle = 2 * pi * step / count
             self.dot(x + radius * cos(angle), y + radius * sin(angle), style)
 
     def write(self, x: float, y: float, text: str, style: str) -> None:
-        """The text stands over what is drawn, its first character at this dot."""
+        """Write a text over what is drawn, its first character at this dot."""
         column, row = floor(x / ACROSS), floor(y / DOWN)
         if 0 <= row < len(self._bits):
             for place, letter in enumerate(text, column):
@@ -76,7 +76,7 @@ class Canvas:
                     self._styles[row][place] = style
 
     def runs(self) -> Iterator[list[tuple[str, str]]]:
-        """Per row of characters the pieces of one style, each as text and style."""
+        """Yield for each row of characters the pieces of one style, each as text and style."""
         for row, (bits, styles) in enumerate(zip(self._bits, self._styles, strict=True)):
             letters = [
                 self._letters.get((row, column)) or (chr(_BLANK + bit) if bit else " ")
@@ -86,7 +86,7 @@ class Canvas:
             yield [("".join(letter for _, letter in piece), style) for style, piece in pieces]
 
     def rows(self) -> list[Text]:
-        """One line of text per row of characters."""
+        """Return one line of text per row of characters."""
         lines = []
         for pieces in self.runs():
             line = Text(no_wrap=True, end="")
@@ -99,7 +99,7 @@ class Canvas:
 def _clip(
     x0: float, y0: float, x1: float, y1: float, width: float, height: float
 ) -> tuple[float, float, float, float] | None:
-    """The part of a line inside the grid (Liang and Barsky 1984); None where it passes by."""
+    """Return the part of a line inside the grid (Liang and Barsky 1984); None without one."""
     dx, dy = x1 - x0, y1 - y0
     enter, leave = 0.0, 1.0
     for toward, room in ((-dx, x0), (dx, width - x0), (-dy, y0), (dy, height - y0)):

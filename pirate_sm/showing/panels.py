@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isinf, isnan
+from math import isnan
 
 from rich.text import Text
 
@@ -10,10 +10,12 @@ from pirate_sm.engine.mission.program import Question, Wait
 from pirate_sm.engine.robot.robot_state import state_change
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.fault_codes import BuiltInFault
-from pirate_sm.showing.memory import Told
+from pirate_sm.showing.effect_lines import UNCONFIRMED, away, shortened
 from pirate_sm.showing.pose import SIDES, pose_of
+from pirate_sm.showing.progress_lines import idle, moving, waiting
+from pirate_sm.showing.run_history import NumberedLine
 from pirate_sm.showing.snapshot import Snapshot
-from pirate_sm.showing.styled import (
+from pirate_sm.showing.text_styles import (
     ACCENT,
     BAD,
     FLAG,
@@ -26,11 +28,14 @@ from pirate_sm.showing.styled import (
     in_columns,
     line,
 )
-from pirate_sm.showing.telling import UNCONFIRMED, away, shortened
 
 TOPICS = {
-    "fault": BAD, "error": BAD, "warning": WARN, "detected": GOOD, "ended": STRONG,
-}  # fmt: skip
+    "fault": BAD,
+    "error": BAD,
+    "warning": WARN,
+    "detected": GOOD,
+    "ended": STRONG,
+}
 
 OUTCOME = {"succeeded": GOOD, "interrupted": WARN}
 """Styles of how a run has ended; any other end is bad."""
@@ -124,7 +129,7 @@ def trouble(snapshot: Snapshot) -> Text | None:
     return line(f" ⚠ {said} ") if said else None
 
 
-def _is_past(snapshot: Snapshot, told: Told) -> bool:
+def _is_past(snapshot: Snapshot, told: NumberedLine) -> bool:
     """Whether a fault was reported that the signals show no more."""
     state, robot = snapshot.state, snapshot.scene.robot
     if told.line.topic != "fault" or state is None:
@@ -148,7 +153,7 @@ def shows_success(snapshot: Snapshot, seen: int) -> bool:
 
 
 def states(snapshot: Snapshot, width: int) -> list[Text]:
-    """The state of each region, with an open mark where it is not confirmed; contacts; words."""
+    """Return the state of each region (an open mark: not confirmed), contacts and words."""
     state, robot = snapshot.state, snapshot.scene.robot
     if state is None:
         return [line((" not known yet", MUTED))]
@@ -168,7 +173,7 @@ def states(snapshot: Snapshot, width: int) -> list[Text]:
 
 
 def _contacts(snapshot: Snapshot) -> Text:
-    """Which wall each wheel touches."""
+    """Return which wall each wheel touches."""
     pose = pose_of(snapshot)
     parts: list[Part] = [("  at wall ", MUTED)]
     for number, side in enumerate(pose.touching, 1):
@@ -180,7 +185,7 @@ def _contacts(snapshot: Snapshot) -> Text:
 
 
 def _words(snapshot: Snapshot) -> Text:
-    """What is said from outside, as far as it is known."""
+    """Return what is said from outside, as far as it is known."""
     state, robot = snapshot.state, snapshot.scene.robot
     assert state is not None
     count = len(robot.regions)
@@ -191,69 +196,23 @@ def _words(snapshot: Snapshot) -> Text:
 
 
 def now(snapshot: Snapshot, width: int) -> list[Text]:
-    """What is under way or waited for, and how long still."""
+    """Return what is under way or waited for, and how long still."""
     state = snapshot.state
     if state is None:
         return [line(("the backend is being opened …", MUTED))]
     ended = snapshot.story.ended
     if snapshot.over and ended is not None:
         return [line((ended.message, OUTCOME.get(ended.outcome, BAD)))]
-    lines = _moving(snapshot, width)
+    lines = moving(snapshot, width)
     if state.mission.paused and snapshot.scene.mission:
         lines.append(line(("‖ ", WARN), "paused: drive by hand, or go on"))
-    return lines + (_waiting(snapshot, width) if snapshot.scene.mission else []) or [
-        line((_idle(snapshot), MUTED))
+    return lines + (waiting(snapshot, width) if snapshot.scene.mission else []) or [
+        line((idle(snapshot), MUTED))
     ]
-
-
-def _idle(snapshot: Snapshot) -> str:
-    """What the robot does while no command is under way."""
-    state, robot = snapshot.state, snapshot.scene.robot
-    if state is None or not any(state.robot.values[wheel.slot] for wheel in robot.wheels):
-        return "nothing is under way"
-    way = {1: "driving forward", -1: "driving backward"}.get(robot.travel(state.robot.values))
-    return way or "wheels are driven"
-
-
-def _moving(snapshot: Snapshot, width: int) -> list[Text]:
-    state = snapshot.state
-    motion = state.robot.motion if state is not None else None
-    if state is None or motion is None:
-        return []
-    name = snapshot.scene.robot.commands[motion.command].name
-    if isnan(motion.accepted_s):
-        return [line(("▶ ", GOOD), f"{name}: sent, not yet accepted")]
-    spent_s = state.mission.motion_clock(snapshot.engine_s) - motion.accepted_s
-    limit_s = motion.deadline_s - motion.accepted_s
-    return [line(("▶ ", GOOD), f"{name}: until it is done"), bar(spent_s, limit_s, width)]
-
-
-def _waiting(snapshot: Snapshot, width: int) -> list[Text]:
-    state = snapshot.state
-    if state is None or not state.mission.begun:
-        return []
-    here = snapshot.scene.loaded.program.instructions[state.mission.pc]
-    if not isinstance(here, Wait):
-        return []
-    lines = [
-        line(("○ ", WARN), f"{each.text} ", (f"→ {each.go_name}", MUTED)) for each in here.triggers
-    ]
-    spent_s = state.mission.clock(snapshot.engine_s) - state.mission.armed_s
-    return [*lines, bar(spent_s, here.within_s, width)]
-
-
-def bar(spent_s: float, limit_s: float, width: int) -> Text:
-    """How much of a time has gone, and how much is left."""
-    if isinf(limit_s) or isnan(limit_s):
-        return line((f"  {spent_s:.1f} s so far", MUTED))
-    text = f" {max(limit_s - spent_s, 0.0):.1f} s left"
-    room = max(width - len(text) - 2, 4)
-    full = round(room * min(1.0, max(0.0, spent_s / limit_s))) if limit_s else room
-    return line("  ", ("━" * full, ACCENT), ("─" * (room - full), MUTED), text)
 
 
 def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:
-    """The mission's phases around the present one: done, current, not yet."""
+    """Return the mission's phases around the present one: done, current, not yet."""
     program, state, story = snapshot.scene.loaded.program, snapshot.state, snapshot.story
     if not snapshot.scene.mission:
         return [line(("No mission is chosen.", MUTED)), line(("Press m for the list.", MUTED))]
@@ -283,7 +242,7 @@ def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:
 
 
 def link(snapshot: Snapshot) -> list[Text]:
-    """How the link is."""
+    """Return how the link is."""
     health = snapshot.link
     if health is None:
         kind = {"sim": "a simulator has no link", "trace": "a trace has no link"}
@@ -294,12 +253,13 @@ def link(snapshot: Snapshot) -> list[Text]:
     if health.trouble:
         word, style = "○ silent", BAD
     trip = "–" if isnan(health.round_trip_s) else f"{health.round_trip_s * 1000:.0f} ms"
+    lost = ("  lost bytes ", MUTED), f"{health.dropped_bytes}"
+    damaged = ("  damaged ", MUTED), f"{health.damaged}"
     return [
         line((word, style), (health.trouble and f": {health.trouble}", style)),
         line(("echo after ", MUTED), trip, ("   repeated ", MUTED), f"{share:.0%}"),
-        line(("frames ", MUTED), f"{health.received}", ("  damaged ", MUTED), f"{health.damaged}",
-             ("  lost bytes ", MUTED), f"{health.dropped_bytes}"),
-    ]  # fmt: skip
+        line(("frames ", MUTED), f"{health.received}", *damaged, *lost),
+    ]
 
 
 def choices(snapshot: Snapshot) -> tuple[str, tuple[str, ...]]:
@@ -330,8 +290,8 @@ def question(snapshot: Snapshot, width: int) -> list[Text]:
     return lines
 
 
-def told_line(told: Told) -> Text:
-    """A line of the log."""
+def told_line(told: NumberedLine) -> Text:
+    """Return a line of the log."""
     topic, text = told.line
     style = TOPICS.get(topic, "")
     return line((f"{told.now_s:8.2f} ", MUTED), (f"{topic:<9} {text}", style))

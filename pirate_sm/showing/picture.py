@@ -12,14 +12,13 @@ from itertools import pairwise
 from math import atan2, cos, floor, hypot, log, sin
 
 from pirate_sm.geometry.space import Place
-from pirate_sm.showing.anatomy import Anatomy
 from pirate_sm.showing.canvas import ACROSS, DOWN, Canvas
-from pirate_sm.showing.pose import SIDES, Pose, contact, pose_of
+from pirate_sm.showing.pose import SIDES, RobotPose, contact, pose_of
+from pirate_sm.showing.robot_anatomy import Anatomy
 from pirate_sm.showing.snapshot import Snapshot
 
-WALL, TOUCH, BODY, HELD, WHEEL, FREE, LIGHT, NOTE = (
-    "wall", "touch", "body", "held", "wheel", "free", "light", "note",
-)  # fmt: skip
+WALL, TOUCH, BODY, HELD = "wall", "touch", "body", "held"
+WHEEL, FREE, LIGHT, NOTE = "wheel", "free", "light", "note"
 
 ON_A_TERMINAL: Mapping[str, str] = {
     WALL: "bright_black",
@@ -42,7 +41,7 @@ _BESIDE_M = 0.018
 
 
 def draw(snapshot: Snapshot, columns: int, rows: int) -> Canvas:
-    """The picture in so many characters."""
+    """Return the picture in so many characters."""
     canvas = Canvas(columns, rows)
     if columns >= 10 and rows >= 4:
         pose = pose_of(snapshot)
@@ -56,7 +55,7 @@ def draw(snapshot: Snapshot, columns: int, rows: int) -> Canvas:
 
 
 def _lit(snapshot: Snapshot) -> set[bool]:
-    """Which ends have a light that is on: True for the front."""
+    """Return which ends have a light that is on: True for the front."""
     state = snapshot.state
     if state is None:
         return set()
@@ -67,7 +66,7 @@ def _lit(snapshot: Snapshot) -> set[bool]:
 class _Drawing:
     """Puts one pose on a canvas."""
 
-    def __init__(self, canvas: Canvas, pose: Pose, anatomy: Anatomy) -> None:
+    def __init__(self, canvas: Canvas, pose: RobotPose, anatomy: Anatomy) -> None:
         self._canvas = canvas
         self._pose = pose
         self._radius_m = anatomy.wheel_radius_m
@@ -85,14 +84,14 @@ class _Drawing:
         return (place[0] - self._left) * self._scale, (self._top - place[1]) * self._scale
 
     def walls(self) -> None:
-        """The walls, and which is which."""
+        """Draw the walls with their letters."""
         for side, wall in enumerate(self._pose.walls):
             for one, other in pairwise(wall):
                 self._canvas.line(*self._at(one), *self._at(other), WALL)
             self._name_wall(side, wall)
 
     def _name_wall(self, side: int, wall: tuple[Place, ...]) -> None:
-        """Its letter stands outside the pipe, beside the piece nearest the middle of the robot."""
+        """Write a wall's letter outside the pipe, beside the piece nearest the robot's middle."""
         wheels = self._pose.wheels
         middle = len(wheels) // 2
         (x0, y0), (x1, y1) = wheels[middle - 1], wheels[middle]
@@ -109,7 +108,7 @@ class _Drawing:
         self._canvas.write(*self._at(place), SIDES[side], NOTE)
 
     def body(self) -> None:
-        """The links: full where they are held, an outline where they are not."""
+        """Draw the links: full where they are held, an outline where they are not."""
         for (one, other), held in zip(pairwise(self._pose.wheels), self._pose.held, strict=True):
             (x0, y0), (x1, y1) = self._at(one), self._at(other)
             length = hypot(x1 - x0, y1 - y0) or 1.0
@@ -124,7 +123,7 @@ class _Drawing:
                 self._canvas.line(*ends, HELD if held else BODY)
 
     def wheels(self) -> None:
-        """The wheels with their numbers, and where they touch."""
+        """Draw the wheels with their numbers, and where they touch."""
         radius = self._radius_m * self._scale
         for number, place in enumerate(self._pose.wheels):
             x, y = self._at(place)
@@ -148,13 +147,12 @@ class _Drawing:
         x, y = self._at(point)
         reach = 0.8 * self._radius_m * self._scale
         for out in (0.0, 1.0):
-            self._canvas.line(
-                x + out * ox - oy * reach, y + out * oy + ox * reach,
-                x + out * ox + oy * reach, y + out * oy - ox * reach, TOUCH,
-            )  # fmt: skip
+            x0, y0 = x + out * ox - oy * reach, y + out * oy + ox * reach
+            x1, y1 = x + out * ox + oy * reach, y + out * oy - ox * reach
+            self._canvas.line(x0, y0, x1, y1, TOUCH)
 
     def lights(self, lit: set[bool]) -> None:
-        """A fan of rays before the front, behind the rear, or both."""
+        """Draw a fan of rays before the front, behind the rear, or both."""
         wheels = self._pose.wheels
         for forward in lit:
             tip, before = (wheels[0], wheels[1]) if forward else (wheels[-1], wheels[-2])
@@ -166,7 +164,7 @@ class _Drawing:
                 self._canvas.line(*self._at(ends[0]), *self._at(ends[1]), LIGHT)
 
     def notes(self, origin: str) -> None:
-        """A bar that gives the scale, and where the picture comes from."""
+        """Draw a bar that gives the scale, and write where the picture comes from."""
         canvas, length = self._canvas, round(_BAR_M * self._scale / ACROSS)
         bar = "├" + "─" * max(length - 2, 0) + "┤"
         canvas.write(0, canvas.height - DOWN, f"{bar} {_BAR_M * 1000:.0f} mm", NOTE)

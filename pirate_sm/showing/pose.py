@@ -14,7 +14,7 @@ from pirate_sm.showing.snapshot import Snapshot
 SIDES = "AB"
 
 
-class Pose(NamedTuple):
+class RobotPose(NamedTuple):
     """The robot as it is drawn.
 
     Attributes:
@@ -32,7 +32,7 @@ class Pose(NamedTuple):
     origin: str
 
 
-def pose_of(snapshot: Snapshot) -> Pose:
+def pose_of(snapshot: Snapshot) -> RobotPose:
     """Return the robot as it is to be drawn."""
     robot, state, truth = snapshot.scene.robot, snapshot.state, snapshot.truth
     held: frozenset[int] = frozenset()
@@ -49,16 +49,16 @@ def pose_of(snapshot: Snapshot) -> Pose:
     if truth is None:
         wheels, seen = _chain(snapshot)
         origin = "drawn from joint angles" if seen else "drawn straight: no sensor speaks"
-        return Pose(wheels, (), by_part, links, origin)
+        return RobotPose(wheels, (), by_part, links, origin)
     if not truth.touching:
         origin = "reckoned from odometry" if snapshot.reckoned else ""
-        return Pose(truth.wheels, truth.walls, by_part, links, origin)
+        return RobotPose(truth.wheels, truth.walls, by_part, links, origin)
     sides = range(len(truth.walls))
     touching = tuple(
         min(sides, key=lambda side: nearest_on(truth.walls[side], place)[0]) if touches else -1
         for place, touches in zip(truth.wheels, truth.touching, strict=True)
     )
-    return Pose(truth.wheels, truth.walls, touching, links, "")
+    return RobotPose(truth.wheels, truth.walls, touching, links, "")
 
 
 def _chain(snapshot: Snapshot) -> tuple[tuple[Place, ...], bool]:
@@ -70,7 +70,7 @@ def _chain(snapshot: Snapshot) -> tuple[tuple[Place, ...], bool]:
     return tuple(snapshot.scene.robot.body.places(known)), seen
 
 
-def contact(pose: Pose, wheel: int) -> Place | None:
+def contact(pose: RobotPose, wheel: int) -> Place | None:
     """Return the point of the wall that a wheel touches; None where it touches none."""
     side = pose.touching[wheel]
     if side < 0 or side >= len(pose.walls):

@@ -14,8 +14,8 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.mission.manual_mission import BY_HAND
 from pirate_sm.model.true_position import Truth
-from pirate_sm.showing.anatomy import Anatomy
-from pirate_sm.showing.memory import Story
+from pirate_sm.showing.robot_anatomy import Anatomy
+from pirate_sm.showing.run_history import Story
 
 if TYPE_CHECKING:
     from pirate_sm.backends.serial.health import LinkHealth
@@ -39,12 +39,12 @@ class Scene:
 
     @property
     def robot(self) -> RobotSpec:
-        """The robot."""
+        """Return the robot."""
         return self.loaded.robot
 
     @property
     def mission(self) -> str:
-        """Name of the mission; empty while there is none."""
+        """Return the name of the mission; empty while there is none."""
         name = self.loaded.mission.mission
         return "" if name == BY_HAND else name
 
@@ -80,16 +80,16 @@ class Snapshot:
 
     @property
     def engine_s(self) -> float:
-        """The time that those in the engine's state are compared with."""
+        """Return the time that those in the engine's state are compared with."""
         return self.now_s + self.ahead_s
 
     @cached_property
     def signals(self) -> Mapping[str, float]:
-        """Every signal in SI, NaN where unknown."""
+        """Return every signal in SI, NaN where unknown."""
         return {} if self.state is None else self.scene.engine.signals(self.state)
 
     @property
     def odometry_m(self) -> float:
-        """What the odometer has counted in this run; NaN where unknown."""
+        """Return what the odometer has counted in this run; NaN where unknown."""
         place = self.scene.robot.odometry
         return nan if self.state is None or place < 0 else self.state.sensing.numbers[place]

@@ -15,12 +15,12 @@ from pirate_sm.loading.file_names import shown
 from pirate_sm.wiring.prepared import Prepared
 
 if TYPE_CHECKING:
-    from pirate_sm.recording.file import RecordingFile
-    from pirate_sm.recording.header import RunHeader
-    from pirate_sm.recording.live import Live
-    from pirate_sm.recording.recorder import Recorder
-    from pirate_sm.recording.side_channel import SideChannel
-    from pirate_sm.recording.viewing import Snapshot
+    from pirate_sm.recording.format.header import RunHeader
+    from pirate_sm.recording.viewers.live_server import Live
+    from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
+    from pirate_sm.recording.write.recorder import Recorder
+    from pirate_sm.recording.write.recording_file import RecordingFile
+    from pirate_sm.recording.write.side_channel import SideChannel
 
 LIVE_S = 0.1
 """So often viewers that look on get something new."""
@@ -36,7 +36,7 @@ def run_header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
     """
     from pydantic_core import to_jsonable_python
 
-    from pirate_sm.recording.header import header_of
+    from pirate_sm.recording.format.header import header_of
 
     options: dict[str, Any] = to_jsonable_python(prepared.order)
     options["speed"] = "max" if isinf(factor) else factor
@@ -50,16 +50,16 @@ def run_header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
     )
 
 
-def shown_to_viewers(prepared: Prepared, state: EngineState | None) -> Snapshot | None:
+def shown_to_viewers(prepared: Prepared, state: EngineState | None) -> ViewerSnapshot | None:
     """Return what viewers are shown of this moment; None before the engine has started."""
-    from pirate_sm.recording.viewing import Snapshot
+    from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
 
     if state is None:
         return None
     if prepared.wheels is not None:
-        return Snapshot(state, prepared.wheels(), True)
+        return ViewerSnapshot(state, prepared.wheels(), True)
     taken = prepared.reckoned() if prepared.reckoned else None
-    return Snapshot(state, taken.wheels if taken else None, False)
+    return ViewerSnapshot(state, taken.wheels if taken else None, False)
 
 
 class RunRecorder:
@@ -83,13 +83,13 @@ class RunRecorder:
         file: RecordingFile | None,
         live: Live | None = None,
     ) -> None:
-        from pirate_sm.recording.file import Nowhere, RecordingFile
-        from pirate_sm.recording.recorder import COMMIT_S, Recorder
-        from pirate_sm.recording.side_channel import SideChannel
-        from pirate_sm.recording.viewing import Viewer
+        from pirate_sm.recording.viewers.viewer_messages import ViewerMessages
+        from pirate_sm.recording.write.recorder import COMMIT_S, Recorder
+        from pirate_sm.recording.write.recording_file import Nowhere, RecordingFile
+        from pirate_sm.recording.write.side_channel import SideChannel
 
         self.side: SideChannel = SideChannel(
-            Viewer(prepared.loaded, prepared.order.start_at_m), live
+            ViewerMessages(prepared.loaded, prepared.order.start_at_m), live
         )
         self.recorder: Recorder = Recorder(
             file or RecordingFile(Nowhere(), header),
@@ -119,7 +119,7 @@ def new_recording(path: Path, header: RunHeader) -> RecordingFile:
         FileExistsError: The file is there already.
         OSError: It cannot be written.
     """
-    from pirate_sm.recording.file import DiskFile, RecordingFile
+    from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
 
     sink = DiskFile(path)
     try:

@@ -14,14 +14,14 @@ from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.console.recorded_snapshots import recorded_snapshots
 from pirate_sm.console.recording_hooks import RunKeeper
 from pirate_sm.model.events import GoTo, OperatorCommand
-from pirate_sm.recording.compare import course_of
-from pirate_sm.recording.file import NS_PER_S, RecordingFile
-from pirate_sm.recording.reader import read_recording
-from pirate_sm.recording.reloading import recorded_mission
-from pirate_sm.recording.replay import replay
-from pirate_sm.recording.tables import write_tables
-from pirate_sm.report.listing import listed
-from pirate_sm.report.recorded import report_of
+from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.replay.compare import compared_run
+from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.replay.replay import replay
+from pirate_sm.recording.tables.csv_files import write_tables
+from pirate_sm.recording.write.recording_file import NS_PER_S, RecordingFile
+from pirate_sm.report.recording_report import report_of
+from pirate_sm.report.run_list import listed
 from pirate_sm.wiring import Prepared
 
 from .driving import Operator, operator, played, with_mission
@@ -155,7 +155,7 @@ def test_a_later_run_is_replayed_and_scrubbed_from_its_own_start(later: Path) ->
     recording = read_recording(later)
     with recorded_mission(recording.header) as loaded:
         again = replay(recording, loaded)
-        course = course_of(recording, loaded)
+        course = compared_run(recording, loaded)
     assert again.difference is None
     assert 0.0 < again.until_s < 10.0
     assert course.until_s == again.until_s == recording.until_s

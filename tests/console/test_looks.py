@@ -12,7 +12,7 @@ from pirate_sm.console import availability
 from pirate_sm.console.key_bindings import TAKEN, letters_for
 from pirate_sm.model.effects import CommandStatus
 from pirate_sm.model.events import OperatorCommand
-from pirate_sm.showing.body import sparkline
+from pirate_sm.showing.body_panel import sparkline
 from pirate_sm.showing.picture import draw
 from pirate_sm.wiring import Order
 

@@ -17,7 +17,7 @@ from pirate_sm.console.recording_viewer import RecordingViewer
 from pirate_sm.console.widgets import Lines
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot.robot_state import states_of
-from pirate_sm.recording import recorder
+from pirate_sm.recording.write import recorder
 from pirate_sm.wiring import Order
 
 

@@ -16,7 +16,7 @@ from pirate_sm.console.dialogs import Confirm, Pick
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import GoTo, OperatorCommand
-from pirate_sm.showing.looking import scene_of
+from pirate_sm.showing.live_snapshots import scene_of
 
 from .driving import WALL_S, Operator, confirming, operator, played, with_mission
 from .test_looks import PICTURES, picture_of, text_of

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from pirate_sm.cli.opened_recording import opened_recording, print_visible, title
 from pirate_sm.cli.options.recordings import CompareOptions
 from pirate_sm.expressions import NumberType, Vocabulary
-from pirate_sm.recording.circumstances import unlike
-from pirate_sm.recording.compare import Comparison, compare, course_of
-from pirate_sm.recording.header import RunHeader
-from pirate_sm.recording.reloading import recorded_mission
+from pirate_sm.recording.format.header import RunHeader
+from pirate_sm.recording.replay.compare import Comparison, compare, compared_run
+from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.replay.setup_differences import unlike
 from pirate_sm.units import DIMENSIONLESS, format_quantity
 
 SAME, DIFFERENT = 0, 1
@@ -28,7 +28,7 @@ def run_compare(options: CompareOptions) -> int:
     for name, path in (("A", options.first), ("B", options.second)):
         with opened_recording(path) as recording, recorded_mission(recording.header) as loaded:
             headers.append(recording.header)
-            courses.append(course_of(recording, loaded))
+            courses.append(compared_run(recording, loaded))
             vocabularies.append(loaded.robot.vocabulary)
         print_visible(f"{name}: {title(recording)}")
     result = compare(*courses)

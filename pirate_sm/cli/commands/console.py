@@ -107,7 +107,7 @@ def _view(path: str) -> int:
 
     from pirate_sm.console.recorded_snapshots import recorded_snapshots
     from pirate_sm.console.recording_viewer import RecordingViewer
-    from pirate_sm.recording.reader import read_recording
+    from pirate_sm.recording.read.reader import read_recording
 
     with progress(f"reading {visible(path)}") as watch:
         reel = recorded_snapshots(read_recording(Path(path), watch))

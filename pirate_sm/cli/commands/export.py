@@ -10,10 +10,10 @@ from pirate_sm.cli.options.recordings import ExportOptions
 from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.recording import layouts
-from pirate_sm.recording.reloading import recorded_mission
-from pirate_sm.recording.tables import write_tables
-from pirate_sm.recording.urdf import urdf
+from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.tables.csv_files import write_tables
+from pirate_sm.recording.viewers import layouts
+from pirate_sm.recording.viewers.urdf import urdf
 
 
 def run_export(options: ExportOptions) -> int:

@@ -9,13 +9,13 @@ from pathlib import Path
 from pirate_sm.cli.options.files import GraphOptions
 from pirate_sm.cli.options.values import read_settings
 from pirate_sm.cli.output.files import write_file
-from pirate_sm.drawing.chart_graph import chart_graph
-from pirate_sm.drawing.dot import dot
-from pirate_sm.drawing.highlight import Stop, highlight
-from pirate_sm.drawing.mermaid import mermaid
-from pirate_sm.drawing.mission_graph import called_missions, mission_graph
-from pirate_sm.drawing.model import Graph
-from pirate_sm.drawing.svg.picture import svg
+from pirate_sm.drawing.graph.chart_graph import chart_graph
+from pirate_sm.drawing.graph.graph import Graph
+from pirate_sm.drawing.graph.highlight import Stop, highlight
+from pirate_sm.drawing.graph.mission_graph import called_missions, mission_graph
+from pirate_sm.drawing.svg.svg_writer import svg
+from pirate_sm.drawing.text_formats.dot import dot
+from pirate_sm.drawing.text_formats.mermaid import mermaid
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.chart.outline_reader import outline_chart

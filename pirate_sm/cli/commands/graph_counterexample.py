@@ -7,8 +7,8 @@ from math import inf
 from pathlib import Path
 
 from pirate_sm.cli.order import read_script
-from pirate_sm.drawing.highlight import Stop as Reached
-from pirate_sm.drawing.way import Way
+from pirate_sm.drawing.graph.highlight import Stop as Reached
+from pirate_sm.drawing.graph.run_path import RunPath
 from pirate_sm.errors import UsageError
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
@@ -36,7 +36,7 @@ def phases_of_course(mission: Path, script: Path, settings: dict[str, str]) -> l
         raise UsageError(f"'{script}' lays down no course of events")
     order = Order(str(mission), backend="trace", settings=settings, course=course)
     prepared = prepare(order)
-    requests, way = StopRequests(), Way()
+    requests, way = StopRequests(), RunPath()
     players = [each for each in prepared.companions if isinstance(each, CoursePlayer)]
     MissionRun(
         prepared.engine,

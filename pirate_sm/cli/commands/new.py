@@ -14,7 +14,7 @@ from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import LoadedRobot, load_robot
-from pirate_sm.schemas.writing import MODELINE, mission_schema_text, schema_text
+from pirate_sm.schemas.schema_files import MODELINE, mission_schema_text, schema_text
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 _ROBOT_FILES = ("profile.yaml", "chart.yaml", "first_mission.yaml")

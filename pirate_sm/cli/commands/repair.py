@@ -9,8 +9,8 @@ from pirate_sm.cli.options.recordings import RepairOptions
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.file_names import shown
-from pirate_sm.recording.reader import read_recording
-from pirate_sm.recording.repair import Repaired, is_whole, repair
+from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.read.repair import Repaired, is_whole, repair
 from pirate_sm.visible import visible
 
 

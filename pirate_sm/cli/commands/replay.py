@@ -15,10 +15,10 @@ from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.model.effect_words import field_words
 from pirate_sm.model.effects import Effect
-from pirate_sm.recording.header import RunHeader
-from pirate_sm.recording.reader import Recording
-from pirate_sm.recording.reloading import as_recorded, recorded_mission
-from pirate_sm.recording.replay import Difference, Replayed, replay
+from pirate_sm.recording.format.header import RunHeader
+from pirate_sm.recording.read.reader import Recording
+from pirate_sm.recording.replay.recorded_mission import as_recorded, recorded_mission
+from pirate_sm.recording.replay.replay import Difference, Replayed, replay
 from pirate_sm.units import TIME, QuantityError, read_quantity
 
 SAME, DIFFERENT = 0, 1
@@ -114,7 +114,7 @@ def _replayed(
         )
     jobs = 1 if other else options.jobs or _jobs(recording, stretch)
     if jobs > 1 and next(recording.checkpoints(after), None) is not None:
-        from pirate_sm.recording.sharing import replay_shared
+        from pirate_sm.recording.replay.parallel_replay import replay_shared
 
         return replay_shared(recording, jobs, after=after, until_s=stretch.until_s)
     return replay(recording, loaded, changed=other, after=after, until_s=stretch.until_s)

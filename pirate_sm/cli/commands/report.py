@@ -13,11 +13,11 @@ from pirate_sm.cli.options.recordings import ReportOptions
 from pirate_sm.cli.output.files import begins, is_recording, write_file
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.errors import RecordingError, UsageError
-from pirate_sm.recording.reader import Recording, read_recording
-from pirate_sm.report.index import index_html
-from pirate_sm.report.listing import Listed, listed, unreadable
-from pirate_sm.report.page import html
-from pirate_sm.report.recorded import report_of
+from pirate_sm.recording.read.reader import Recording, read_recording
+from pirate_sm.report.recording_report import report_of
+from pirate_sm.report.report_page import html
+from pirate_sm.report.run_list import ListedRun, listed, unreadable
+from pirate_sm.report.run_list_page import index_html
 from pirate_sm.visible import visible
 
 _INDEX = "index.html"
@@ -97,7 +97,7 @@ def _refuse_read_only(place: Path) -> None:
         )
 
 
-def _one(path: Path, page: Path, index: Path) -> Listed:
+def _one(path: Path, page: Path, index: Path) -> ListedRun:
     """Write the page of a run unless it is fresh; return its entry for the list."""
     link = quote(Path(os.path.relpath(page.resolve(), index.resolve().parent)).as_posix())
     text = ""

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from pirate_sm.cli.options.files import RobotOptions
 from pirate_sm.cli.output.files import write_file
-from pirate_sm.drawing.page import html as as_html
-from pirate_sm.drawing.page import markdown
-from pirate_sm.drawing.robot_page import robot_page
+from pirate_sm.drawing.robot.robot_page import robot_page
+from pirate_sm.drawing.robot.written_page import html as as_html
+from pirate_sm.drawing.robot.written_page import markdown
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.visible import visible

@@ -8,7 +8,7 @@ from pirate_sm.cli.options.files import SchemaOptions
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import load_robot
-from pirate_sm.schemas.writing import mission_schema_text, schema_text
+from pirate_sm.schemas.schema_files import mission_schema_text, schema_text
 
 
 def print_schema(options: SchemaOptions) -> int:

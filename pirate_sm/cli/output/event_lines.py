@@ -10,7 +10,7 @@ from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.model.effects import Effect, Ended
 from pirate_sm.runtime.first_choice import Answered
 from pirate_sm.runtime.stop_requests import StopRequests
-from pirate_sm.showing.telling import UNCONFIRMED, Teller, away, summary
+from pirate_sm.showing.effect_lines import UNCONFIRMED, Teller, away, summary
 from pirate_sm.visible import visible
 from pirate_sm.wiring import Order
 

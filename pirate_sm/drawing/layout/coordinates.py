@@ -15,7 +15,7 @@ NO_PULL = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class Vertex:
-    """Is something on a rank; it stands at its anchor, which need not be its middle."""
+    """Something on a rank; it stands at its anchor, which need not be its middle."""
 
     left: float
     right: float
@@ -44,7 +44,7 @@ def abscissae(
     chains: Sequence[Sequence[int]],
     gap: float,
 ) -> list[float]:
-    """The x of each vertex's anchor; neighbours on a rank are ``gap`` apart at least.
+    """Return the x of each vertex's anchor; neighbours on a rank are ``gap`` apart at least.
 
     Args:
         layers: The vertices of each rank from left to right.
@@ -73,7 +73,7 @@ def abscissae(
 def _wish(
     vertex: int, pulls: Sequence[tuple[int, float, float]], x: Sequence[float]
 ) -> tuple[float, float]:
-    """Where the vertex would stand if it were alone, and how much it matters."""
+    """Return where the vertex would stand if it were alone, and how much it matters."""
     weight = sum(pull for _, _, pull in pulls)
     if not weight:
         return x[vertex], NO_PULL
@@ -87,7 +87,7 @@ def _settle(
     gap: float,
     x: list[float],
 ) -> None:
-    """The layer stands as near to its wishes as its order and the gaps allow (least squares).
+    """Move a layer as near to its wishes as its order and the gaps allow (least squares).
 
     Taking from each wish the room that is needed left of it makes this the isotonic regression,
     which pooling adjacent violators solves.
@@ -117,7 +117,7 @@ def _straighten(
     gap: float,
     x: list[float],
 ) -> None:
-    """Each chain stands on one vertical, or as near to one as its neighbours let it."""
+    """Move each chain to one vertical, or as near to one as its neighbours allow."""
     place = {vertex: (layer, p) for layer in layers for p, vertex in enumerate(layer)}
     for _ in range(STRAIGHTENINGS):
         for chain in sorted(chains, key=len, reverse=True):
@@ -137,7 +137,7 @@ def _snap(
     gap: float,
     x: list[float],
 ) -> None:
-    """Each vertex stands straight below what it hangs on most, where little is missing for it."""
+    """Move each vertex straight below what it hangs on most, where little is missing for it."""
     seen: set[int] = set()
     for layer in layers:
         for place, vertex in enumerate(layer):
@@ -154,7 +154,7 @@ def _snap(
 def _free(
     layer: Sequence[int], place: int, vertices: Sequence[Vertex], gap: float, x: Sequence[float]
 ) -> tuple[float, float]:
-    """Between which x the vertex can stand while its neighbours stay."""
+    """Return between which x the vertex can stand while its neighbours stay."""
     vertex = layer[place]
     low, high = float("-inf"), float("inf")
     if place:

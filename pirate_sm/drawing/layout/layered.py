@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from pirate_sm.drawing.layout.coordinates import Segment, Vertex, abscissae
-from pirate_sm.drawing.layout.order import Layers, ordered
-from pirate_sm.drawing.layout.plan import NOTHING, Layout, Link, Point, Route, Size
+from pirate_sm.drawing.layout.plan import NOTHING, EdgeRoute, GraphLayout, LayoutLink, Point, Size
+from pirate_sm.drawing.layout.rank_order import Layers, ordered
 from pirate_sm.drawing.layout.ranks import ranks, turned
 
 GAP = 22.0
@@ -40,7 +40,7 @@ class _Plan:
     """
 
     boxes: Sequence[Size]
-    links: Sequence[Link]
+    links: Sequence[LayoutLink]
     upwards: tuple[bool, ...]
     rank: list[int]
     sizes: list[Size] = field(default_factory=list)
@@ -50,8 +50,8 @@ class _Plan:
     layers: Layers = field(default_factory=list)
 
 
-def layered(boxes: Sequence[Size], links: Sequence[Link]) -> Layout:
-    """Everything has its place; no label lies on a box, another label or a foreign link.
+def layered(boxes: Sequence[Size], links: Sequence[LayoutLink]) -> GraphLayout:
+    """Return a layout in which no label lies on a box, another label or a foreign link.
 
     Args:
         boxes: In reading order: where a circle must be cut, it is before its first box.
@@ -69,7 +69,7 @@ def layered(boxes: Sequence[Size], links: Sequence[Link]) -> Layout:
     return _placed(plan, [each - edge for each in x], joints)
 
 
-def _is_loop(link: Link) -> bool:
+def _is_loop(link: LayoutLink) -> bool:
     return link.source == link.target
 
 
@@ -103,8 +103,8 @@ def _add(plan: _Plan, rank: int, size: Size, vertex: Vertex) -> int:
     return len(plan.sizes) - 1
 
 
-def _chain(plan: _Plan, number: int, link: Link, upwards: bool) -> list[int]:
-    """The link's vertices from top to bottom; its label stands on the rank next to its source."""
+def _chain(plan: _Plan, number: int, link: LayoutLink, upwards: bool) -> list[int]:
+    """Return the vertices of a link from the top; its label is on the rank beside its source."""
     upper, lower = (link.target, link.source) if upwards else (link.source, link.target)
     ways = range(plan.rank[upper] + 1, plan.rank[lower])
     chain = [upper]
@@ -120,7 +120,7 @@ def _chain(plan: _Plan, number: int, link: Link, upwards: bool) -> list[int]:
 
 
 def _joints(plan: _Plan) -> dict[tuple[int, int], Segment]:
-    """Each piece of each link, with the ports where it meets the boxes, by link and piece."""
+    """Return each piece of each link, with the ports at the boxes, by link and piece."""
     place = {vertex: p for layer in plan.layers for p, vertex in enumerate(layer)}
     below: dict[int, list[tuple[int, int]]] = {}
     above: dict[int, list[tuple[int, int]]] = {}
@@ -134,17 +134,15 @@ def _joints(plan: _Plan) -> dict[tuple[int, int], Segment]:
     for number, chain in enumerate(plan.chains):
         last = len(chain) - 2
         for piece in range(last + 1):
-            joints[number, piece] = Segment(
-                chain[piece], chain[piece + 1],
-                begins[number] if piece == 0 else 0.0,
-                ends[number] if piece == last else 0.0,
-                plan.links[number].weight * (INNER_WEIGHT if 0 < piece < last else 1),
-            )  # fmt: skip
+            begin = begins[number] if piece == 0 else 0.0
+            end = ends[number] if piece == last else 0.0
+            weight = plan.links[number].weight * (INNER_WEIGHT if 0 < piece < last else 1)
+            joints[number, piece] = Segment(chain[piece], chain[piece + 1], begin, end, weight)
     return joints
 
 
 def _ports(plan: _Plan, sides: dict[int, list[tuple[int, int]]]) -> dict[int, float]:
-    """For each link how far right of the box's middle it meets this side of the box."""
+    """Return for each link how far right of the box's middle it meets this side of the box."""
     ports: dict[int, float] = {}
     for box, meeting in sides.items():
         gap = min(PORT_GAP, plan.boxes[box].width / (len(meeting) + 1))
@@ -153,7 +151,7 @@ def _ports(plan: _Plan, sides: dict[int, list[tuple[int, int]]]) -> dict[int, fl
     return ports
 
 
-def _placed(plan: _Plan, x: list[float], joints: dict[tuple[int, int], Segment]) -> Layout:
+def _placed(plan: _Plan, x: list[float], joints: dict[tuple[int, int], Segment]) -> GraphLayout:
     tops, bottoms = _bands(plan, x, joints)
     rank = {vertex: r for r, layer in enumerate(plan.layers) for vertex in layer}
     middle = [(tops[rank[v]] + bottoms[rank[v]]) / 2 for v in range(len(plan.sizes))]
@@ -172,9 +170,11 @@ def _placed(plan: _Plan, x: list[float], joints: dict[tuple[int, int], Segment])
         if label is not None:
             at_label = (x[label] + LABEL_GAP, middle[label] - plan.sizes[label].height / 2)
         points = _way(plan, number, x, middle, joints, spans)
-        routes.append(Route(tuple(reversed(points) if plan.upwards[number] else points), at_label))
+        routes.append(
+            EdgeRoute(tuple(reversed(points) if plan.upwards[number] else points), at_label)
+        )
     width = max((x[v] + plan.vertices[v].right for v in range(len(x))), default=0.0)
-    return Layout(Size(width, bottoms[-1] if bottoms else 0.0), corners, tuple(routes))
+    return GraphLayout(Size(width, bottoms[-1] if bottoms else 0.0), corners, tuple(routes))
 
 
 def _way(
@@ -185,7 +185,7 @@ def _way(
     joints: dict[tuple[int, int], Segment],
     spans: list[tuple[float, float]],
 ) -> list[Point]:
-    """The link's points from top to bottom: it swings between the ranks only."""
+    """Return the link's points from top to bottom; it bends between the ranks only."""
     upper, *ways, lower = plan.chains[number]
     begin = x[upper] + joints[number, 0].upper_port
     end = x[lower] + joints[number, len(ways)].lower_port
@@ -205,7 +205,7 @@ def _way(
 def _bands(
     plan: _Plan, x: list[float], joints: dict[tuple[int, int], Segment]
 ) -> tuple[list[float], list[float]]:
-    """Where each rank begins and where it ends."""
+    """Return where each rank begins and where it ends."""
     rank = {vertex: r for r, layer in enumerate(plan.layers) for vertex in layer}
     swing = [0.0] * len(plan.layers)
     for each in joints.values():
@@ -221,8 +221,8 @@ def _bands(
     return tops, bottoms
 
 
-def _loop(plan: _Plan, link: Link, x: float, y: float) -> Route:
+def _loop(plan: _Plan, link: LayoutLink, x: float, y: float) -> EdgeRoute:
     size = plan.boxes[link.source]
     side, half = x + size.width / 2, min(12.0, size.height / 4)
     label = (side + LOOP + LABEL_GAP, y - link.label.height / 2)
-    return Route(((side, y - half), (side + LOOP, y), (side, y + half)), label, loop=True)
+    return EdgeRoute(((side, y - half), (side + LOOP, y), (side, y + half)), label, loop=True)

@@ -9,7 +9,7 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """Is how much room something needs."""
+    """How much room something needs."""
 
     width: float
     height: float
@@ -19,7 +19,7 @@ NOTHING = Size(0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class LayoutLink:
     """Leads from one box to another.
 
     Attributes:
@@ -34,8 +34,8 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True)
-class Route:
-    """Is the way of a link.
+class EdgeRoute:
+    """The way of a link.
 
     Attributes:
         points: From border to border. Where two follow each other with different x, the link
@@ -50,8 +50,8 @@ class Route:
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
-    """Is where everything stands; nothing lies left of or above (0, 0).
+class GraphLayout:
+    """Where everything stands; nothing lies left of or above (0, 0).
 
     Attributes:
         corners: Left upper corner of each box.
@@ -60,4 +60,4 @@ class Layout:
 
     size: Size
     corners: tuple[Point, ...]
-    routes: tuple[Route, ...]
+    routes: tuple[EdgeRoute, ...]

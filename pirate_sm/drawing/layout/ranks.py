@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pirate_sm.drawing.layout.plan import Link
+from pirate_sm.drawing.layout.plan import LayoutLink
 
 
-def turned(count: int, links: Sequence[Link]) -> tuple[bool, ...]:
-    """For each link, whether it leads upwards.
+def turned(count: int, links: Sequence[LayoutLink]) -> tuple[bool, ...]:
+    """Return for each link whether it leads upwards.
 
     Those do that lead to an earlier box from which their source can be reached; without them
     nothing goes in a circle.
@@ -19,7 +19,7 @@ def turned(count: int, links: Sequence[Link]) -> tuple[bool, ...]:
     )
 
 
-def _reached(count: int, links: Sequence[Link]) -> list[set[int]]:
+def _reached(count: int, links: Sequence[LayoutLink]) -> list[set[int]]:
     following: list[list[int]] = [[] for _ in range(count)]
     for link in links:
         following[link.source].append(link.target)
@@ -37,7 +37,7 @@ def _reached(count: int, links: Sequence[Link]) -> list[set[int]]:
 
 
 def ranks(count: int, pairs: Sequence[tuple[int, int, int, int]]) -> list[int]:
-    """The rank of each box; the first is 0.
+    """Return the rank of each box; the first is 0.
 
     Args:
         count: How many boxes there are.
@@ -68,7 +68,7 @@ def ranks(count: int, pairs: Sequence[tuple[int, int, int, int]]) -> list[int]:
 
 
 def _sorted(count: int, pairs: Sequence[tuple[int, int, int, int]]) -> list[int]:
-    """The boxes, each after all above it, otherwise in their own order."""
+    """Return the boxes, each after all above it, otherwise in their own order."""
     missing = [0] * count
     below: list[list[int]] = [[] for _ in range(count)]
     for upper, lower, *_ in pairs:

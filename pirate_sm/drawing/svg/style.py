@@ -10,18 +10,23 @@ from collections.abc import Mapping
 
 FONT = 'ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, "Liberation Mono", monospace'
 
-DAY = {
-    "paper": "#ffffff", "ink": "#1f2328", "soft": "#59636e", "line": "#6e7781",
-    "box": "#f6f8fa", "good": "#1a7f37", "good_box": "#e6f7ea", "bad": "#c2202c",
-    "bad_box": "#fdeeed", "late": "#8a5a00", "fault": "#7a44d0", "path": "#0860ca",
-    "path_box": "#ddf0ff",
-}  # fmt: skip
-NIGHT = {
-    "paper": "#0d1117", "ink": "#e6edf3", "soft": "#9aa4af", "line": "#8b949e",
-    "box": "#1a2029", "good": "#3fb950", "good_box": "#12261a", "bad": "#ff6a61",
-    "bad_box": "#2f1618", "late": "#d9a334", "fault": "#bf97ff", "path": "#5caeff",
-    "path_box": "#10294a",
-}  # fmt: skip
+
+def _palette(text: str) -> dict[str, str]:
+    """Return the colours in a text of names, each with its colour behind it."""
+    words = text.split()
+    return dict(zip(words[::2], words[1::2], strict=True))
+
+
+DAY = _palette(
+    "paper #ffffff  ink #1f2328  soft #59636e  line #6e7781  box #f6f8fa  good #1a7f37"
+    "  good_box #e6f7ea  bad #c2202c  bad_box #fdeeed  late #8a5a00  fault #7a44d0"
+    "  path #0860ca  path_box #ddf0ff"
+)
+NIGHT = _palette(
+    "paper #0d1117  ink #e6edf3  soft #9aa4af  line #8b949e  box #1a2029  good #3fb950"
+    "  good_box #12261a  bad #ff6a61  bad_box #2f1618  late #d9a334  fault #bf97ff"
+    "  path #5caeff  path_box #10294a"
+)
 
 _SHAPES = f"""
 .drawing text {{ font-family: {FONT} }}
@@ -74,7 +79,7 @@ _COLOURS = """
 
 
 def stylesheet() -> str:
-    """The style of every drawing, in the colours that the reader's system asks for.
+    """Return the style of every drawing, in the colours that the reader's system asks for.
 
     Every rule is about things inside ``.drawing``, so that it may stand in a larger page.
     """
@@ -83,5 +88,5 @@ def stylesheet() -> str:
 
 
 def colours(palette: Mapping[str, str]) -> str:
-    """The rules that give the drawing the colours of the palette."""
+    """Return the rules that give the drawing the colours of the palette."""
     return _COLOURS.format(**palette)

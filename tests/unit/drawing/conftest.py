@@ -2,9 +2,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pirate_sm.drawing.chart_graph import chart_graph
-from pirate_sm.drawing.mission_graph import called_missions, mission_graph
-from pirate_sm.drawing.model import Graph
+from pirate_sm.drawing.graph.chart_graph import chart_graph
+from pirate_sm.drawing.graph.graph import Graph
+from pirate_sm.drawing.graph.mission_graph import called_missions, mission_graph
 from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.problems import Problems

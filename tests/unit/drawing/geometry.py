@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
-from pirate_sm.drawing.layout.plan import Point, Route, Size
+from pirate_sm.drawing.layout.plan import EdgeRoute, Point, Size
 
 Rectangle = tuple[float, float, float, float]
 SLACK = 0.01
@@ -28,7 +28,7 @@ def inside(point: Point, area: Rectangle) -> bool:
     return overlap((*point, *point), (area[0] + 0.1, area[1] + 0.1, area[2] - 0.1, area[3] - 0.1))
 
 
-def along(route: Route, pieces: int = 24) -> Iterator[Point]:
+def along(route: EdgeRoute, pieces: int = 24) -> Iterator[Point]:
     """Points of the route as it is drawn: its swings are cubics with vertical ends."""
     if route.loop:
         yield from route.points

@@ -11,9 +11,9 @@ from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.model.effects import Effect, Ended, Log, Setpoints, WakeAt
 from pirate_sm.model.events import Event, SensorFrame, Tick
-from pirate_sm.recording.file import RecordingFile
-from pirate_sm.recording.header import RunHeader, header_of
-from pirate_sm.recording.recorder import Recorder
+from pirate_sm.recording.format.header import RunHeader, header_of
+from pirate_sm.recording.write.recorder import Recorder
+from pirate_sm.recording.write.recording_file import RecordingFile
 
 
 @cache

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
+from math import inf
 from pathlib import Path
 
 from pirate_sm.backends.serial.assembly import read_plan
@@ -11,13 +12,14 @@ from pirate_sm.backends.serial.guardian.virtual_port import VirtualPort
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.cli.run_recording import Kept, RecordingOptions, recorded
 from pirate_sm.detectors.registry import Asked, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import load_mission
-from pirate_sm.recording.file import DiskFile, RecordingFile
-from pirate_sm.recording.header import header_of
-from pirate_sm.recording.reader import Recording, read_recording
-from pirate_sm.recording.recorder import Recorder
+from pirate_sm.recording.format.header import header_of
+from pirate_sm.recording.read.reader import Recording, read_recording
+from pirate_sm.recording.write.recorder import Recorder
+from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
@@ -47,6 +49,17 @@ def record(path: Path, order: Order) -> Recording:
     recorder.close()
     assert not recorder.failure
     return read_recording(path)
+
+
+def record_with_viewers(path: Path, order: Order) -> Kept:
+    """Run the mission with a recording as the command line makes it, messages for viewers too."""
+    prepared = prepare(order)
+    with recorded(prepared, RecordingOptions(record=str(path)), inf) as kept:
+        companions = [*prepared.companions, *kept.companions, FirstChoice()]
+        run = MissionRun(prepared.engine, prepared.backend, tap=kept.tap, companions=companions)
+        kept.follow(run)
+        run.execute()
+    return kept
 
 
 def record_serial(path: Path, mission: str, switches: Switches, seed: int = 0) -> Recording:

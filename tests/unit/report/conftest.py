@@ -7,9 +7,9 @@ import pytest
 from typer.testing import CliRunner
 
 from pirate_sm.cli.entry import only_run
-from pirate_sm.recording.reader import read_recording
-from pirate_sm.report.model import Report
-from pirate_sm.report.recorded import report_of
+from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.report.contents import Report
+from pirate_sm.report.recording_report import report_of
 
 ROOT = Path(__file__).resolve().parents[3]
 PATROL = ROOT / "tests" / "robots" / "newt" / "patrol.yaml"

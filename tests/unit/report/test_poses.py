@@ -6,12 +6,12 @@ from itertools import pairwise
 from math import hypot
 from pathlib import Path
 
-from pirate_sm.recording.reader import read_recording
-from pirate_sm.recording.reloading import recorded_mission
-from pirate_sm.recording.replay import rerun
-from pirate_sm.report.gathering import About, gather
-from pirate_sm.report.model import Report
+from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.replay.replay import rerun
+from pirate_sm.report.contents import Report
 from pirate_sm.report.poses import MOST_POSES, Poses
+from pirate_sm.report.report_builder import About, gather
 
 
 def test_of_many_poses_some_stay_evenly_and_the_last_one():

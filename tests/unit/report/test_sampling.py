@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.report import sampling
-from pirate_sm.report.model import Series
+from pirate_sm.report.contents import Series
 from pirate_sm.report.sampling import Curve, Samples, thinned, value_at
 
 NUMBERS = st.floats(-1e6, 1e6) | st.just(nan)

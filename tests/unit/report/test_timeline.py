@@ -6,7 +6,7 @@ import pytest
 
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
-from pirate_sm.report.model import Lane
+from pirate_sm.report.contents import Lane
 from pirate_sm.report.timeline import Timeline
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import jsonschema
 
 from pirate_sm.loading.yaml.document import read_document
-from pirate_sm.schemas.writing import KINDS
+from pirate_sm.schemas.schema_files import KINDS
 
 ROOT = Path(__file__).resolve().parents[3]
 TEMPLATES = ROOT / "pirate_sm" / "cli" / "templates"

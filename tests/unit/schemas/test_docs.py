@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.schemas.writing import KINDS
+from pirate_sm.schemas.schema_files import KINDS
 
 from .shipped import ROOT
 

@@ -10,7 +10,7 @@ import jsonschema
 import pytest
 
 from pirate_sm.loading.robot import load_robot
-from pirate_sm.schemas.writing import KINDS, MODELINE, mission_schema_text, schema_text
+from pirate_sm.schemas.schema_files import KINDS, MODELINE, mission_schema_text, schema_text
 
 from .shipped import (
     NEWT,

@@ -9,8 +9,8 @@ import pytest
 from pirate_sm.backends.serial.health import LinkHealth
 from pirate_sm.model.effects import Ended, Fault
 from pirate_sm.showing import panels
-from pirate_sm.showing.looking import Trends, scene_of, snapshot_of
-from pirate_sm.showing.memory import Memory
+from pirate_sm.showing.live_snapshots import Trends, scene_of, snapshot_of
+from pirate_sm.showing.run_history import Memory
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Order, prepare
 

@@ -12,8 +12,8 @@ from mcap.writer import MCAP0_MAGIC
 from typer.testing import CliRunner
 
 from pirate_sm.cli.entry import only_run
-from pirate_sm.recording import recorder
-from pirate_sm.recording.reader import read_recording
+from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.write import recorder
 
 ROOT = Path(__file__).resolve().parents[4]
 PIPE = "sequences/pipes/mitre_90.yaml"

@@ -1,0 +1,1 @@
+"""The neutral graph that is drawn, and how missions and charts become one."""

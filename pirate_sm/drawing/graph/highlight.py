@@ -1,0 +1,107 @@
+"""A path through a graph, marked in it: a run that took place, or a counterexample."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import TypeAlias
+
+from pirate_sm.drawing.graph.graph import EdgeKind, Graph, NodeKind
+from pirate_sm.errors import UsageError
+from pirate_sm.spelling import nearest, one_of
+
+Stop: TypeAlias = str | tuple[str, str] | tuple[str, str, EdgeKind]
+
+
+def highlight(graph: Graph, path: Sequence[Stop]) -> Graph:
+    """Return the graph with the path marked: nodes numbered in order, the edges between them taken.
+
+    What a mission's drawing does not show, a phase of a mission that it calls, counts as the phase
+    that calls. A stop follows the last one in its own cluster. Where the drawing has no edge for
+    that, the one from anywhere in the cluster is taken.
+
+    Args:
+        graph: Any graph.
+        path: What was reached, in order. ``(from, to)`` stands for both, unless the path is at
+            the first already; ``(from, to, kind)`` also says which edge between them it was.
+
+    Raises:
+        UsageError: The graph has no such node.
+    """
+    stops = _stops(graph, path)
+    if not stops:
+        return graph
+    home = {node.id: node.cluster for node in graph.nodes}
+    visits: dict[str, list[int]] = {}
+    taken: dict[int, list[int]] = {}
+    last: dict[str, str] = {}
+    for number, (stop, kind) in enumerate(stops, 1):
+        cluster = home[stop]
+        visits.setdefault(stop, []).append(number)
+        for place in _between(graph, cluster, last.get(cluster), stop, kind):
+            taken.setdefault(place, []).append(number)
+        last[cluster] = stop
+    nodes = tuple(
+        replace(node, visits=tuple(visits.get(node.id, ())), current=node.id == stops[-1][0])
+        for node in graph.nodes
+    )
+    edges = tuple(
+        replace(edge, taken=tuple(taken.get(place, ()))) for place, edge in enumerate(graph.edges)
+    )
+    return replace(graph, nodes=nodes, edges=edges)
+
+
+def _between(
+    graph: Graph, cluster: str, source: str | None, target: str, kind: EdgeKind | None
+) -> tuple[int, ...]:
+    """Return the places of the edges that may have been taken, the likeliest alone."""
+    hub = NodeKind.INITIAL if source is None else NodeKind.ANYWHERE
+    hubs = {node.id for node in graph.nodes if node.kind is hub and node.cluster == cluster}
+    direct = _edges(graph, {source or ""}, target)
+    indirect = _edges(graph, hubs, target)
+    for found in (direct, indirect):
+        of_kind = tuple(place for place in found if graph.edges[place].kind is kind)
+        if of_kind:
+            return of_kind
+    return direct or indirect
+
+
+def _edges(graph: Graph, sources: set[str], target: str) -> tuple[int, ...]:
+    return tuple(
+        place
+        for place, edge in enumerate(graph.edges)
+        if edge.source in sources and edge.target == target
+    )
+
+
+def _stops(graph: Graph, path: Iterable[Stop]) -> list[tuple[str, EdgeKind | None]]:
+    """Return each node reached, and by which kind of edge, where that is known."""
+    known = {node.id for node in graph.nodes}
+    stops: list[tuple[str, EdgeKind | None]] = []
+    for stop in path:
+        names = (stop,) if isinstance(stop, str) else stop[:2]
+        kind = stop[2] if len(stop) == 3 and not isinstance(stop, str) else None
+        for place, name in enumerate(names):
+            found = _shown(name, known)
+            if found is None:
+                raise UsageError(_unknown(graph, name))
+            leads = place + 1 == len(names)
+            there = bool(stops) and stops[-1][0] == found
+            if not (there and (found != name or not leads)):
+                stops.append((found, kind if leads else None))
+    return stops
+
+
+def _shown(name: str, known: set[str]) -> str | None:
+    """Return the node of this name, or the one of the phase that it is called from."""
+    while name not in known and "/" in name:
+        name = name.rpartition("/")[0]
+    return name if name in known else None
+
+
+def _unknown(graph: Graph, name: str) -> str:
+    hidden = {NodeKind.INITIAL, NodeKind.ANYWHERE}
+    names = [node.id for node in graph.nodes if node.kind not in hidden]
+    close = nearest(name, names)
+    hint = f"did you mean '{close}'?" if close else f"expected {one_of(names)}"
+    return f"{graph.title} has no '{name}' to mark: {hint}"

@@ -1,0 +1,221 @@
+"""Writes a graph as SVG."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from xml.sax.saxutils import escape, quoteattr
+
+from pirate_sm.drawing.graph.graph import EdgeKind, Graph, NodeKind
+from pirate_sm.drawing.layout.plan import EdgeRoute, Point
+from pirate_sm.drawing.svg.arrangement import (
+    ADVANCE,
+    LABEL_FONT,
+    LABEL_LINE,
+    MARGIN,
+    PADDING,
+    SIGN,
+    TEXT_FONT,
+    TEXT_LINE,
+    TITLE_LINE,
+    Arrangement,
+    Arrow,
+    Box,
+    ClusterFrame,
+    arranged,
+)
+from pirate_sm.drawing.svg.style import stylesheet
+from pirate_sm.drawing.text_wrapping import cells, printable
+
+HEAD = 8.0
+BASELINE = 0.75
+"""How far down a line of text its baseline is, over the line's height."""
+RING = 4.0
+BADGE = 16.0
+MOST_VISITS = 4
+
+
+def svg(graph: Graph) -> str:
+    """Return the graph as one SVG element, complete in itself: for a file, or for inside a page.
+
+    Nodes carry ``data-node``, edges ``data-from`` and ``data-to``, for scripts of such a page.
+    """
+    whole = arranged(graph)
+    width, height = _number(whole.size.width), _number(whole.size.height)
+    about = f"{graph.title}: {graph.description}" if graph.description else graph.title
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="drawing" role="img" width="{width}" '
+        f'height="{height}" viewBox="0 0 {width} {height}" aria-label={_quoted(about)}>',
+        f"<style>{escape(stylesheet())}</style>",
+        f'<rect class="paper" width="{width}" height="{height}"/>',
+        *_heading(whole),
+    ]
+    for frame in whole.frames:
+        lines += _frame(frame)
+    for arrow in sorted(whole.arrows, key=lambda each: any(edge.taken for edge in each.edges)):
+        lines += _arrow(arrow)
+    for box in whole.boxes:
+        lines += _box(box)
+    lines += _notes(whole)
+    return "\n".join([*lines, "</svg>", ""])
+
+
+def visits_text(visits: Sequence[int]) -> str:
+    """Return the numbers of the visits; of many only the first ones and the last."""
+    if len(visits) > MOST_VISITS:
+        return f"{', '.join(map(str, visits[: MOST_VISITS - 1]))} … {visits[-1]}"
+    return ", ".join(map(str, visits))
+
+
+def _heading(whole: Arrangement) -> Iterator[str]:
+    y = MARGIN
+    yield _text("title", MARGIN, y, TITLE_LINE, whole.heading[0])
+    for number, line in enumerate(whole.heading[1:]):
+        yield _text("text soft", MARGIN, y + TITLE_LINE + number * TEXT_LINE, TEXT_LINE, line)
+
+
+def _notes(whole: Arrangement) -> Iterator[str]:
+    for number, line in enumerate(whole.notes):
+        yield _text("text soft", MARGIN, whole.notes_at + number * TEXT_LINE, TEXT_LINE, line)
+
+
+def _frame(frame: ClusterFrame) -> Iterator[str]:
+    (x, y), size = frame.corner, frame.size
+    yield "<g>"
+    yield from _tooltip(frame.cluster.tooltip)
+    yield (
+        f'<rect class="frame" x="{_number(x)}" y="{_number(y)}" width="{_number(size.width)}" '
+        f'height="{_number(size.height)}" rx="8"/>'
+    )
+    yield _text("title soft", x + PADDING, y + PADDING / 2, TITLE_LINE, frame.cluster.title)
+    yield "</g>"
+
+
+def _box(box: Box) -> Iterator[str]:
+    node, (x, y), size = box.node, box.corner, box.size
+    names = [node.kind.value, *(["visited"] if node.visits else [])]
+    yield f'<g class="{" ".join(names)}" data-node={_quoted(node.id)}>'
+    yield from _tooltip(node.tooltip)
+    if node.kind is NodeKind.INITIAL:
+        radius = size.width / 2
+        yield (
+            f'<circle class="box" cx="{_number(x + radius)}" cy="{_number(y + radius)}" '
+            f'r="{_number(radius)}"/>'
+        )
+    else:
+        yield from _rectangle(box)
+    yield "</g>"
+
+
+def _rectangle(box: Box) -> Iterator[str]:
+    node, (x, y), size = box.node, box.corner, box.size
+    ends = node.kind in {NodeKind.SUCCEED, NodeKind.FAIL}
+    radius = 15 if ends or node.kind is NodeKind.STATE else 5
+    if node.current:
+        wide, high = size.width + 2 * RING, size.height + 2 * RING
+        yield _rounded("ring", x - RING, y - RING, wide, high, radius + RING)
+    yield _rounded("box", x, y, size.width, size.height, radius)
+    left, top = x + PADDING, y + PADDING / 2
+    if ends:
+        yield _sign(node.kind is NodeKind.SUCCEED, left, top + TITLE_LINE / 2)
+    yield _text("title", left + (SIGN if ends else 0.0), top, TITLE_LINE, node.title)
+    for number, line in enumerate(box.lines):
+        at = top + TITLE_LINE + PADDING / 4 + number * TEXT_LINE
+        indent = (len(line) - len(line.lstrip())) * TEXT_FONT * ADVANCE
+        yield _text("text", left + indent, at, TEXT_LINE, line.lstrip())
+    if node.visits:
+        text = visits_text(node.visits)
+        width = cells(text) * LABEL_FONT * ADVANCE + PADDING
+        badge_x, badge_y = x - BADGE / 2, y - BADGE / 2
+        yield _rounded("badge", badge_x, badge_y, max(width, BADGE), BADGE, BADGE / 2)
+        middle = badge_x + max(width, BADGE) / 2
+        yield (
+            f'<text class="number" text-anchor="middle" x="{_number(middle)}" '
+            f'y="{_number(badge_y + BADGE * BASELINE)}">{_escaped(text)}</text>'
+        )
+
+
+def _rounded(name: str, x: float, y: float, width: float, height: float, radius: float) -> str:
+    return (
+        f'<rect class="{name}" x="{_number(x)}" y="{_number(y)}" width="{_number(width)}" '
+        f'height="{_number(height)}" rx="{_number(radius)}"/>'
+    )
+
+
+def _sign(good: bool, x: float, y: float) -> str:
+    left, top, low = _number(x), _number(y - 4), _number(y + 4)
+    if good:
+        middle, right = _number(x + 3), _number(x + 9)
+        return f'<path class="sign" d="M{left} {_number(y)}L{middle} {low}L{right} {top}"/>'
+    right = _number(x + 8)
+    return f'<path class="sign" d="M{left} {top}L{right} {low}M{left} {low}L{right} {top}"/>'
+
+
+def _arrow(arrow: Arrow) -> Iterator[str]:
+    first = arrow.edges[0]
+    taken = any(edge.taken for edge in arrow.edges)
+    kind = "line" if first.kind is EdgeKind.START else first.kind.value
+    names = f"edge {kind}{' taken' if taken else ''}".replace("edge line", "edge start")
+    yield (f'<g class="{names}" data-from={_quoted(first.source)} data-to={_quoted(first.target)}>')
+    yield from _tooltip("\n".join(edge.tooltip or edge.label for edge in arrow.edges))
+    path, head = _loop(arrow.route) if arrow.route.loop else _way(arrow.route)
+    yield f'<path class="line" d="{path}"/>'
+    yield f'<polygon class="head" points="{head}"/>'
+    x, y = arrow.route.label
+    for number, (line, edge) in enumerate(arrow.lines):
+        chosen = "label chosen" if edge.taken else "label"
+        yield _text(chosen, x, y + number * LABEL_LINE, LABEL_LINE, line)
+    yield "</g>"
+
+
+def _way(route: EdgeRoute) -> tuple[str, str]:
+    """Return the path of the line, and the points of its head."""
+    points = list(route.points)
+    (tip_x, tip_y), (_, before) = points[-1], points[-2]
+    down = 1.0 if tip_y > before else -1.0
+    points[-1] = (tip_x, tip_y - down * HEAD)
+    path = [f"M{_point(points[0])}"]
+    for (x, y), (to_x, to_y) in pairwise(points):
+        if abs(x - to_x) < 0.05:
+            path.append(f"L{_point((to_x, to_y))}")
+            continue
+        half = (y + to_y) / 2
+        path.append(f"C{_point((x, half))} {_point((to_x, half))} {_point((to_x, to_y))}")
+    base = tip_y - down * HEAD
+    corners = [(tip_x, tip_y), (tip_x - HEAD / 2, base), (tip_x + HEAD / 2, base)]
+    return "".join(path), " ".join(map(_point, corners))
+
+
+def _loop(route: EdgeRoute) -> tuple[str, str]:
+    begin, apex, end = route.points
+    base = (end[0] + HEAD, end[1])
+    reach = begin[0] + (apex[0] - begin[0]) * 4 / 3  # a cubic gets three quarters of the way
+    path = f"M{_point(begin)}C{_point((reach, begin[1]))} {_point((reach, end[1]))} {_point(base)}"
+    corners = [end, (base[0], end[1] - HEAD / 2), (base[0], end[1] + HEAD / 2)]
+    return path, " ".join(map(_point, corners))
+
+
+def _text(name: str, x: float, top: float, height: float, text: str) -> str:
+    y = top + height * BASELINE
+    return f'<text class="{name}" x="{_number(x)}" y="{_number(y)}">{_escaped(text)}</text>'
+
+
+def _tooltip(text: str) -> Iterator[str]:
+    if text.strip():
+        yield f"<title>{_escaped(text)}</title>"
+
+
+def _escaped(text: str) -> str:
+    return escape(printable(text))
+
+
+def _quoted(text: str) -> str:
+    return quoteattr(printable(text))
+
+
+def _number(value: float) -> str:
+    return f"{value:.1f}".removesuffix(".0")
+
+
+def _point(point: Point) -> str:
+    return f"{_number(point[0])} {_number(point[1])}"

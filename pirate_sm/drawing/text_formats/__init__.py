@@ -1,0 +1,1 @@
+"""Graphs as text in other languages: Mermaid and DOT."""

@@ -1,0 +1,111 @@
+"""A graph in the language of Graphviz, for whoever wants its layouts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pirate_sm.drawing.graph.graph import Edge, EdgeKind, Graph, Node, NodeKind
+from pirate_sm.drawing.text_wrapping import INDENT, balanced, printable, wrapped
+
+NODE_COLUMNS, LABEL_COLUMNS, NOTE_COLUMNS = 46, 28, 120
+
+_SHAPES = {
+    NodeKind.INITIAL: 'shape=point, width=0.15, label=""',
+    NodeKind.ANYWHERE: 'style="rounded,dashed"',
+    NodeKind.PHASE: 'style="rounded"',
+    NodeKind.STATE: 'style="rounded"',
+    NodeKind.SUCCEED: 'style="rounded,filled", fillcolor="#e6f7ea", color="#1a7f37"',
+    NodeKind.FAIL: 'style="rounded,filled", fillcolor="#fdeeed", color="#c2202c"',
+}
+_SIGNS = {NodeKind.SUCCEED: "✓ ", NodeKind.FAIL: "✗ "}
+_STYLES = {
+    EdgeKind.WITHIN: ("dashed", "#8a5a00"),
+    EdgeKind.FAILURE: ("dotted", "#c2202c"),
+    EdgeKind.FAULT: ("dotted", "#7a44d0"),
+}
+_PATH = "#0860ca"
+LEFT = r"\l"
+"""What ends a line that stands to the left."""
+
+
+def dot(graph: Graph) -> str:
+    """Return the graph as a ``digraph``; visited nodes have their numbers in parentheses."""
+    title = _left([graph.title, *wrapped(graph.description, NOTE_COLUMNS)])
+    notes = [
+        line for note in graph.notes for line in wrapped(f"{note.mark}: {note.text}", NOTE_COLUMNS)
+    ]
+    lines = [
+        f"digraph {_quoted(graph.title)} {{",
+        f"    graph [label={title}, labelloc=t, labeljust=l, fontname=monospace]",
+        "    node [shape=box, fontname=monospace, fontsize=11]",
+        "    edge [fontname=monospace, fontsize=10]",
+    ]
+    for number, cluster in enumerate(graph.clusters):
+        nodes = [_node(node) for node in graph.nodes if node.cluster == cluster.id]
+        if cluster.title:
+            lines.append(f"    subgraph cluster_{number} {{")
+            lines.append(f"        label={_quoted(cluster.title)}")
+            lines += (f"        {node}" for node in nodes)
+            lines.append("    }")
+        else:
+            lines += (f"    {node}" for node in nodes)
+    lines += (f"    {_edge(edge)}" for edge in graph.edges)
+    if notes:
+        lines.append(f'    "(notes)" [shape=plaintext, label={_left(notes)}]')
+    return "\n".join([*lines, "}", ""])
+
+
+def _node(node: Node) -> str:
+    attributes = [_SHAPES[node.kind]]
+    if node.kind is not NodeKind.INITIAL:
+        visits = f"({', '.join(map(str, node.visits))}) " if node.visits else ""
+        title = f"{visits}{_SIGNS.get(node.kind, '')}{node.title}"
+        lines = [line for each in node.lines for line in wrapped(each, NODE_COLUMNS, INDENT)]
+        attributes.append(f"label={_left([title, *lines]) if lines else _quoted(title)}")
+    if node.visits:
+        attributes.append("penwidth=3")
+    if node.current:
+        attributes.append("peripheries=2")
+    if node.tooltip:
+        attributes.append(f"tooltip={_quoted(node.tooltip)}")
+    return f"{_quoted(node.id)} [{', '.join(attributes)}]"
+
+
+def _edge(edge: Edge) -> str:
+    return f"{_quoted(edge.source)} -> {_quoted(edge.target)}{_attributes(edge)}"
+
+
+def _attributes(edge: Edge) -> str:
+    found = list(_edge_attributes(edge))
+    return f" [{', '.join(found)}]" if found else ""
+
+
+def _edge_attributes(edge: Edge) -> Iterator[str]:
+    style, colour = _STYLES.get(edge.kind, ("", ""))
+    if edge.label:
+        yield f"label={_left(balanced(edge.label, LABEL_COLUMNS))}"
+    if edge.tooltip:
+        yield f"tooltip={_quoted(edge.tooltip)}, labeltooltip={_quoted(edge.tooltip)}"
+    if style:
+        yield f"style={style}"
+    if edge.taken:
+        yield f'color="{_PATH}", penwidth=3'
+    elif colour:
+        yield f'color="{colour}"'
+
+
+def _left(lines: list[str] | tuple[str, ...]) -> str:
+    """Return the lines as one quoted string, each to the left."""
+    text = "".join(_inside(line) + LEFT for line in lines)
+    return f'"{text}"'
+
+
+def _quoted(text: str) -> str:
+    return f'"{_inside(text)}"'
+
+
+def _inside(text: str) -> str:
+    """Return the text within quotes: a backslash would begin an escape, an ampersand an entity."""
+    blanks = len(text) - len(text.lstrip(" "))
+    flat = "\N{NO-BREAK SPACE}" * blanks + " ".join(printable(text).split())
+    return flat.replace("\\", "\\\\").replace('"', '\\"').replace("&", "&amp;")

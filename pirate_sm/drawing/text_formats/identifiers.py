@@ -1,0 +1,23 @@
+"""Names of nodes and clusters that every language of graphs can read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+
+def plain_names(ids: Iterable[str], prefix: str) -> dict[str, str]:
+    """Return a different name of ASCII letters, digits and underscores for each id.
+
+    The prefix keeps them apart from the words that a language reserves.
+    """
+    names: dict[str, str] = {}
+    used: set[str] = set()
+    for each in ids:
+        stem = f"{prefix}_{re.sub(r'[^A-Za-z0-9]+', '_', each).strip('_')}"
+        name, number = stem, 2
+        while name in used:
+            name, number = f"{stem}_{number}", number + 1
+        used.add(name)
+        names[each] = name
+    return names

@@ -1,0 +1,118 @@
+"""A graph as a Mermaid flowchart, for pages that draw Mermaid: GitHub, GitLab, many wikis.
+
+A flowchart and not a state diagram, because only there can every character stand in a label.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
+from pirate_sm.drawing.text_formats.identifiers import plain_names
+from pirate_sm.drawing.text_wrapping import balanced, printable, wrapped
+
+LABEL_COLUMNS, NOTE_COLUMNS = 28, 100
+BLANK = "#nbsp;"
+
+_SHAPES = {
+    NodeKind.INITIAL: ("((", "))"),
+    NodeKind.ANYWHERE: ("[", "]"),
+    NodeKind.PHASE: ("[", "]"),
+    NodeKind.STATE: ("(", ")"),
+    NodeKind.SUCCEED: ("([", "])"),
+    NodeKind.FAIL: ("([", "])"),
+}
+_SIGNS = {NodeKind.SUCCEED: "✓ ", NodeKind.FAIL: "✗ "}
+_DASHES = {EdgeKind.WITHIN: "7 4", EdgeKind.FAILURE: "1 4", EdgeKind.FAULT: "9 4 1 4"}
+_CLASSES = (
+    "classDef anywhere stroke-dasharray:4 3",
+    "classDef succeed stroke:#1a7f37,stroke-width:2px",
+    "classDef fail stroke:#c2202c,stroke-width:2px",
+    "classDef visited stroke:#0860ca,stroke-width:4px",
+)
+
+
+def mermaid(graph: Graph) -> str:
+    """Return the graph as a flowchart; visited nodes have their numbers in parentheses."""
+    names = plain_names((node.id for node in graph.nodes), "n")
+    clusters = plain_names((cluster.id for cluster in graph.clusters), "c")
+    lines = ["---", f"title: {_yaml(graph.title)}", "---", "flowchart TD"]
+    for cluster in graph.clusters:
+        lines += _cluster(graph, cluster, clusters[cluster.id], names)
+    lines += (f"    {_edge(edge, names)}" for edge in graph.edges)
+    for number, edge in enumerate(graph.edges):
+        style = _link_style(edge)
+        if style:
+            lines.append(f"    linkStyle {number} {style}")
+    lines += (f"    {each}" for each in _CLASSES)
+    lines += (
+        f"    class {names[node.id]} {name}" for node in graph.nodes for name in _class_names(node)
+    )
+    if graph.notes:
+        text = "<br/>".join(
+            _escaped(line)
+            for note in graph.notes
+            for line in wrapped(f"{note.mark}: {note.text}", NOTE_COLUMNS)
+        )
+        lines.append(f'    notes["{text}"]')
+        lines.append("    class notes anywhere")
+    return "\n".join([*lines, ""])
+
+
+def _cluster(graph: Graph, cluster: Cluster, name: str, names: Mapping[str, str]) -> Iterator[str]:
+    nodes = [_node(node, names[node.id]) for node in graph.nodes if node.cluster == cluster.id]
+    if not cluster.title:
+        yield from (f"    {node}" for node in nodes)
+        return
+    yield f'    subgraph {name}["{_escaped(cluster.title)}"]'
+    yield from (f"        {node}" for node in nodes)
+    yield "    end"
+
+
+def _node(node: Node, name: str) -> str:
+    opening, closing = _SHAPES[node.kind]
+    if node.kind is NodeKind.INITIAL:
+        return f'{name}{opening}" "{closing}'
+    visits = f"({', '.join(map(str, node.visits))}) " if node.visits else ""
+    title = f"{visits}{_SIGNS.get(node.kind, '')}{node.title}"
+    text = "<br/>".join(
+        [f"<b>{_escaped(title)}</b>", *(_escaped(line, indent=True) for line in node.lines)]
+    )
+    return f'{name}{opening}"{text}"{closing}'
+
+
+def _edge(edge: Edge, names: Mapping[str, str]) -> str:
+    arrow = "==>" if edge.taken else "-->"
+    label = "<br/>".join(_escaped(line) for line in balanced(edge.label, LABEL_COLUMNS))
+    middle = f'|"{label}"|' if label else ""
+    return f"{names[edge.source]} {arrow}{middle} {names[edge.target]}"
+
+
+def _link_style(edge: Edge) -> str:
+    dashes = _DASHES.get(edge.kind)
+    styles = [f"stroke-dasharray:{dashes}"] if dashes else []
+    if edge.taken:
+        styles.append("stroke:#0860ca,stroke-width:4px")
+    return ",".join(styles)
+
+
+def _class_names(node: Node) -> Iterator[str]:
+    if node.kind in {NodeKind.ANYWHERE, NodeKind.SUCCEED, NodeKind.FAIL}:
+        yield node.kind.value
+    if node.visits:
+        yield "visited"
+
+
+def _escaped(text: str, *, indent: bool = False) -> str:
+    """Return the text with every character that could mean something written by its number."""
+    bare = text.lstrip(" ")
+    blanks = BLANK * (len(text) - len(bare)) if indent else ""
+    return blanks + "".join(
+        character if character.isalnum() or character in " _,.:()=✓✗“”≤…" else f"#{ord(character)};"
+        for character in " ".join(printable(bare).split())
+    )
+
+
+def _yaml(text: str) -> str:
+    inside = " ".join(printable(text).split()).replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{inside}"'

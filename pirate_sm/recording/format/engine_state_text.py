@@ -1,0 +1,132 @@
+"""The engine's state as text, with which a reader can begin in the middle of a recording.
+
+Made from the types of the engine's own records, field by field: a new field needs nothing here
+unless it is of a type that none had before.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from functools import cache
+from types import NoneType, UnionType
+from typing import Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
+
+from pirate_sm.engine.state import EngineState
+from pirate_sm.recording.format.json_values import (
+    number_from_json,
+    number_to_json,
+    one_of,
+    text,
+    truth,
+    whole,
+)
+
+
+class _Form(NamedTuple):
+    """How values of one type are written in JSON and read again."""
+
+    encode: Callable[[Any], Any]
+    decode: Callable[[Any], Any]
+
+
+def state_to_text(state: EngineState) -> str:
+    """Return the state as JSON, without any loss."""
+    return json.dumps(_form(EngineState).encode(state), separators=(",", ":"), allow_nan=False)
+
+
+def state_from_text(written: str) -> EngineState:
+    """Return the state that :func:`state_to_text` was given.
+
+    Raises:
+        ValueError: It is something else, such as a state of another version of the engine.
+    """
+    try:
+        state: EngineState = _form(EngineState).decode(json.loads(written))
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"no state of this engine: {error!r}") from None
+    return state
+
+
+@cache
+def _form(hint: Any) -> _Form:
+    """Return how values of this type are written.
+
+    Raises:
+        KeyError: Values of such a type have never been written.
+    """
+    origin, args = get_origin(hint), get_args(hint)
+    if origin in (Union, UnionType):
+        return _optional(*args)
+    if origin is Literal:
+        return _Form(_as_it_is, one_of(args))
+    if origin is frozenset:
+        return _set(_form(args[0]))
+    if origin is tuple:
+        return _row(_form(args[0])) if args[-1] is Ellipsis else _fixed([*map(_form, args)])
+    return _PLAIN[hint] if hint in _PLAIN else _record(hint)
+
+
+def _as_it_is(value: Any) -> Any:
+    return value
+
+
+def _optional(hint: Any, none: Any) -> _Form:
+    if none is not NoneType or hint is float:  # null is a number that is not known
+        raise KeyError(hint)
+    form = _form(hint)
+    return _Form(
+        lambda value: None if value is None else form.encode(value),
+        lambda value: None if value is None else form.decode(value),
+    )
+
+
+def _row(form: _Form) -> _Form:
+    return _Form(
+        lambda values: [form.encode(value) for value in values],
+        lambda values: tuple([form.decode(value) for value in values]),
+    )
+
+
+def _set(form: _Form) -> _Form:
+    return _Form(
+        lambda values: [form.encode(value) for value in sorted(values)],
+        lambda values: frozenset([form.decode(value) for value in values]),
+    )
+
+
+def _fixed(forms: list[_Form]) -> _Form:
+    return _Form(
+        lambda values: [form.encode(value) for form, value in zip(forms, values, strict=True)],
+        lambda values: tuple(
+            [form.decode(value) for form, value in zip(forms, values, strict=True)]
+        ),
+    )
+
+
+def _record(kind: Any) -> _Form:
+    """Return how a named tuple is written: as an object with exactly its fields."""
+    if not issubclass(kind, tuple):
+        raise KeyError(kind)
+    hints = get_type_hints(kind)
+    forms = [(name, _form(hints[name])) for name in kind._fields]
+
+    def decode(values: dict[str, Any]) -> Any:
+        if values.keys() != hints.keys():
+            raise ValueError(f"no {kind.__name__} of this engine")
+        return kind(*[form.decode(values[name]) for name, form in forms])
+
+    return _Form(
+        lambda values: {
+            name: form.encode(value) for (name, form), value in zip(forms, values, strict=True)
+        },
+        decode,
+    )
+
+
+_PLAIN: dict[Any, _Form] = {
+    float: _Form(number_to_json, number_from_json),
+    int: _Form(_as_it_is, whole),
+    bool: _Form(_as_it_is, truth),
+    str: _Form(_as_it_is, text),
+}

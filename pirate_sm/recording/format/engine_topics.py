@@ -1,0 +1,252 @@
+"""Topics, JSON Schemas and batches for everything that the engine is given and gives back.
+
+Made from the closed alphabet itself, field by field: a new event or effect needs nothing here
+unless its fields are of a type that none had before.
+
+A message is a batch of rows, column by column. ``step`` counts what the engine was given, from 0
+without a gap; ``t_s`` is the time since the run began. An effect bears the step that brought it
+about, and that it was its ``nth`` effect, from 0.
+"""
+
+from __future__ import annotations
+
+import inspect
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Final, NamedTuple, TypeAlias, get_args, get_type_hints
+
+from pirate_sm.model import effects as fx
+from pirate_sm.model import events
+from pirate_sm.recording.format.json_values import NUMBER, WHOLE, JsonKind, JsonSchema, kind_of
+
+ENGINE = "/engine/"
+"""Topics of the engine begin with this; all others are for viewers."""
+
+IN, OUT = f"{ENGINE}in/", f"{ENGINE}out/"
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+_TIME = replace(NUMBER, schema={"type": "number"})
+_UNITS = {"duty": "duty", "angle": "rad"}
+
+
+class Started(NamedTuple):
+    """The engine has started; it was shown what the sensors had said before this.
+
+    Attributes:
+        paused: Whether the operator had the robot first.
+        body: What an earlier mission had commanded the robot to, as JSON; empty without one.
+    """
+
+    paused: bool = False
+    body: str = ""
+
+
+class Abandoned(NamedTuple):
+    """The engine is no longer asked; the effects are those of the program around it."""
+
+
+class Remembered(NamedTuple):
+    """What the engine remembered after a step: from there on it can be executed again.
+
+    Attributes:
+        state: Its state as JSON.
+    """
+
+    state: str
+
+
+Input: TypeAlias = events.Event | Started | Abandoned
+
+
+class WireLayout(NamedTuple):
+    """What a robot's wire looks like.
+
+    Attributes:
+        boards: Names of the channels of each board, by its id.
+        slots: Name and unit, ``duty`` or ``angle``, of each setpoint.
+    """
+
+    boards: dict[int, tuple[str, ...]]
+    slots: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Topic:
+    """One topic of the engine.
+
+    Attributes:
+        name: Name of the topic.
+        made: What its rows are.
+        fields: Name of each field and how its values are written.
+        spread: Number of the field whose numbers have a name each; -1 without.
+        names: Those names.
+        board: The board whose frames these are.
+    """
+
+    name: str
+    made: type[Any]
+    fields: tuple[tuple[str, JsonKind], ...]
+    spread: int = -1
+    names: tuple[str, ...] = ()
+    board: int | None = None
+
+    @cached_property
+    def is_input(self) -> bool:
+        """Whether the rows are what the engine was given."""
+        return self.name.startswith(IN)
+
+    @cached_property
+    def keys(self) -> tuple[str, ...]:
+        """Return the columns that every row has."""
+        return ("step", "t_s", "nth") if self.name.startswith(OUT) else ("step", "t_s")
+
+    @cached_property
+    def schema(self) -> JsonSchema:
+        """Return the JSON Schema of a batch.
+
+        Viewers know arrays of one plain type only: one topic with another column is dropped by
+        Lichtblick. Columns that may hold ``null`` (unknown), ``"inf"`` or arrays are therefore
+        described in words.
+        """
+        described = inspect.cleandoc(self.made.__doc__ or "")
+        kinds = {key: _TIME if key == "t_s" else WHOLE for key in self.keys} | dict(self.fields)
+        plain = {name: kind.schema for name, kind in kinds.items() if kind.schema is not None}
+        others = [
+            f"Column {name}: {kind.words}." for name, kind in kinds.items() if not kind.schema
+        ]
+        if self.spread >= 0:
+            others.append(f"It is an object of columns: {', '.join(self.names)}.")
+        return {
+            "$schema": DIALECT,
+            "title": self.schema_name,
+            "description": "\n".join([f"A batch of rows, column by column. {described}", *others]),
+            "type": "object",
+            "properties": {name: {"type": "array", "items": each} for name, each in plain.items()},
+            "required": list(kinds),
+        }
+
+    @cached_property
+    def schema_name(self) -> str:
+        """Return the name of the schema in the file."""
+        return "pirate_sm" + self.name.replace("/", ".")
+
+    def encode(self, rows: Sequence[tuple[Any, ...]]) -> bytes:
+        """Return the batch as JSON.
+
+        Args:
+            rows: For each the values of ``keys`` and then the event or effect.
+        """
+        *first, made = zip(*rows, strict=True)
+        columns: dict[str, Any] = dict(zip(self.keys, first, strict=True))
+        if self.fields:
+            for (name, _), column in zip(self.fields, zip(*made, strict=True), strict=True):
+                columns[name] = column
+        if self.spread >= 0:
+            name = self.fields[self.spread][0]
+            columns[name] = dict(zip(self.names, zip(*columns[name], strict=True), strict=True))
+        try:
+            return _json(columns)
+        except ValueError:  # JSON knows neither NaN nor infinities
+            return _json(self._spelled(columns))
+
+    def _spelled(self, columns: dict[str, Any]) -> dict[str, Any]:
+        spelled = dict(columns)
+        for number, (name, kind) in enumerate(self.fields):
+            if number == self.spread and NUMBER.encode is not None:
+                each = columns[name].items()
+                spelled[name] = {key: list(map(NUMBER.encode, column)) for key, column in each}
+            elif kind.encode is not None:
+                spelled[name] = list(map(kind.encode, columns[name]))
+        return spelled
+
+    def decode(self, data: bytes) -> Iterator[tuple[int, float, int, Any]]:
+        """Yield step, time, place and content of each row.
+
+        Raises:
+            ValueError: The batch is not what the schema says.
+        """
+        batch = json.loads(data)
+        try:
+            columns: list[Sequence[Any]] = [
+                self._decoded(batch[name], number, kind)
+                for number, (name, kind) in enumerate(self.fields)
+            ]
+            steps, times = batch["step"], [NUMBER.decode(at) for at in batch["t_s"]]
+            places = batch["nth"] if "nth" in self.keys else [0] * len(steps)
+            made = zip(*columns, strict=True) if columns else [()] * len(steps)
+            for step, at_s, place, values in zip(steps, times, places, made, strict=True):
+                yield WHOLE.decode(step), at_s, WHOLE.decode(place), self.made(*values)
+        except (KeyError, TypeError, AttributeError) as error:
+            raise ValueError(f"{self.name}: {error!r}") from None
+
+    def _decoded(self, column: Any, number: int, kind: JsonKind) -> Sequence[Any]:
+        if number != self.spread:
+            return list(map(kind.decode, column))
+        each = [map(NUMBER.decode, column[name]) for name in self.names]
+        return list(zip(*each, strict=True))
+
+
+class Topics:
+    """Every topic that a robot of this layout needs."""
+
+    def __init__(self, layout: WireLayout) -> None:
+        self._inputs = {made: _topic(IN, made) for made in get_args(Input)}
+        self._effects = {made: _topic(OUT, made) for made in get_args(fx.Effect)}
+        self._frames = {
+            board: _frames(board, names) for board, names in layout.boards.items() if names
+        }
+        self._setpoints = _setpoints(layout)
+        ours = (*self._inputs.values(), *self._frames.values(), *self._effects.values())
+        self.by_name = {topic.name: topic for topic in (*ours, self._setpoints)}
+
+    def of_input(self, event: Input) -> Topic:
+        """Return the topic of an event."""
+        if isinstance(event, events.SensorFrame):
+            named = self._frames.get(event.board)
+            if named is not None and len(named.names) == len(event.values):
+                return named
+        return self._inputs[type(event)]
+
+    def of_effect(self, effect: fx.Effect) -> Topic:
+        """Return the topic of an effect."""
+        if isinstance(effect, fx.Setpoints) and len(effect.values) == len(self._setpoints.names):
+            return self._setpoints
+        return self._effects[type(effect)]
+
+
+def _topic(where: str, made: type[Any]) -> Topic:
+    return Topic(where + made.__name__, made, _fields(made))
+
+
+def _fields(made: type[Any]) -> tuple[tuple[str, JsonKind], ...]:
+    return tuple((name, kind_of(hint)) for name, hint in get_type_hints(made).items())
+
+
+STATE: Final = Topic(f"{ENGINE}state", Remembered, _fields(Remembered))
+"""Checkpoints, see :mod:`pirate_sm.recording.format.engine_state_text`."""
+
+
+def _frames(board: int, channels: Sequence[str]) -> Topic:
+    names = _distinct([f"{name}_raw" for name in channels])
+    made = events.SensorFrame
+    return Topic(f"{IN}{made.__name__}/{board}", made, _fields(made), 1, names, board)
+
+
+def _setpoints(layout: WireLayout) -> Topic:
+    names = _distinct([f"{name}_{_UNITS[unit]}" for name, unit in layout.slots])
+    made = fx.Setpoints
+    return Topic(f"{OUT}{made.__name__}/slots", made, _fields(made), 1, names)
+
+
+def _distinct(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the names; one that comes again gets its number as an ending."""
+    return tuple(
+        name if name not in names[:number] else f"{name}_{number}"
+        for number, name in enumerate(names)
+    )
+
+
+def _json(columns: dict[str, Any]) -> bytes:
+    return json.dumps(columns, separators=(",", ":"), allow_nan=False).encode()

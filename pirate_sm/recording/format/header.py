@@ -1,0 +1,186 @@
+"""The header of a recording: what was run, with every text that it was made from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from datetime import datetime
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+from pydantic import TypeAdapter
+
+from pirate_sm import __version__
+from pirate_sm.loading import library
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.events import ALPHABET_VERSION
+from pirate_sm.recording.format.engine_topics import WireLayout
+
+FORMAT = 1
+"""Changes when a reader of recordings would have to."""
+
+PROFILE = "pirate_sm"
+"""By this name in its MCAP header a recording of ours is known."""
+
+RUN = "run.json"
+FILES = "files/"
+REPAIRED = "pirate_sm.repaired"
+"""Metadata of a recording whose writer was cut short and which was given its end later."""
+
+Role: TypeAlias = Literal["mission", "profile", "chart", "called", "pipe"]
+
+
+@dataclass(frozen=True)
+class RecordedFile:
+    """A text that the run was made from.
+
+    Attributes:
+        role: What it was for; ``pipe`` is absent where the mission wrote it out.
+        name: What messages call it.
+        path: Where it stood; what is shipped begins with ``shipped:``.
+        sha256: Hash of the text, hexadecimal.
+        attachment: Under which name its text is attached.
+        text: The text.
+    """
+
+    role: Role
+    name: str
+    path: str
+    sha256: str
+    attachment: str
+    text: str = field(default="", repr=False)
+
+
+@dataclass(frozen=True)
+class RunHeader:
+    """What a recording begins with.
+
+    Attributes:
+        format: Of the recording.
+        alphabet: Version of events and effects.
+        version: Of this package.
+        began: When the run began, ISO 8601 with the zone.
+        mission: Its name.
+        robot: Its name.
+        polarity: ``normal`` or ``mirrored``.
+        pipe: Its name; empty without one.
+        backend: What ran it.
+        nominal: Whether commands ended by their time on paper.
+        detector: Who said the detector's words.
+        options: What was asked for, option by option, with the seed and whether it was checked.
+        parameters: Values in force, as messages write them.
+        zeros: Joint zeros in force, rad by signal.
+        regions: The state machines, in the order of states in effects.
+        boards: Names of channels by the number of the board.
+        slots: Name and unit of each setpoint.
+        files: The texts.
+    """
+
+    began: str
+    mission: str
+    robot: str
+    polarity: str
+    pipe: str
+    backend: str
+    nominal: bool
+    detector: str
+    options: Mapping[str, Any]
+    parameters: Mapping[str, str]
+    zeros: Mapping[str, float]
+    regions: tuple[str, ...]
+    boards: dict[int, tuple[str, ...]]
+    slots: tuple[tuple[str, str], ...]
+    files: tuple[RecordedFile, ...]
+    format: int = FORMAT
+    alphabet: int = ALPHABET_VERSION
+    version: str = __version__
+
+    @property
+    def layout(self) -> WireLayout:
+        """Return the boards and setpoints of the robot."""
+        return WireLayout(self.boards, self.slots)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the header as JSON can hold it, without the texts."""
+        plain = asdict(self)
+        for file in plain["files"]:
+            del file["text"]
+        return plain
+
+
+def header_from_json(data: bytes, texts: Mapping[str, str]) -> RunHeader:
+    """Return the header that :meth:`RunHeader.to_json` was called on.
+
+    Args:
+        data: What :meth:`RunHeader.to_json` gave, as text.
+        texts: The texts by the name of their attachment.
+
+    Raises:
+        ValueError: It is not a header.
+        KeyError: A text is missing.
+    """
+    bare = TypeAdapter(RunHeader).validate_json(data)
+    files = tuple(
+        RecordedFile(f.role, f.name, f.path, f.sha256, f.attachment, texts[f.attachment])
+        for f in bare.files
+    )
+    return RunHeader(**{**{name: getattr(bare, name) for name in _FIELDS}, "files": files})
+
+
+_FIELDS = tuple(RunHeader.__dataclass_fields__)
+
+
+def header_of(
+    loaded: LoadedMission,
+    *,
+    backend: str,
+    nominal: bool,
+    detector: str,
+    options: Mapping[str, Any],
+    began: datetime,
+) -> RunHeader:
+    """Return the header of a recording of this mission; arguments as in :class:`RunHeader`."""
+    robot, names = loaded.robot, loaded.robot.vocabulary.numbers
+    zeros = {names[target]: zero for each in robot.boards.values() for target, zero in each.zeros}
+    return RunHeader(
+        began=began.isoformat(),
+        mission=loaded.mission.mission,
+        robot=robot.name,
+        polarity=robot.polarity,
+        pipe=loaded.pipe_name,
+        backend=backend,
+        nominal=nominal,
+        detector=detector,
+        options=options,
+        parameters=dict(loaded.parameters),
+        zeros=zeros,
+        regions=robot.regions,
+        boards={
+            board.id: tuple(channel.name for channel in board.channels)
+            for board in loaded.loaded_robot.profile.boards
+        },
+        slots=tuple((slot.name, slot.unit) for slot in robot.slots),
+        files=_files(loaded),
+    )
+
+
+def _files(loaded: LoadedMission) -> tuple[RecordedFile, ...]:
+    mission, profile, chart, *called, pipe = loaded.documents
+    roles: list[tuple[Role, Any]] = [("mission", mission), ("profile", profile), ("chart", chart)]
+    roles += [("called", document) for document in called]
+    if pipe is not mission:
+        roles.append(("pipe", pipe))
+    found = []
+    for number, (role, document) in enumerate(roles):
+        name, attachment = document.name, f"{FILES}{number}_{role}.yaml"
+        where, sha256 = _place(Path(name)), loaded.files[name]
+        found.append(RecordedFile(role, name, where, sha256, attachment, document.text))
+    return tuple(found)
+
+
+def _place(path: Path) -> str:
+    """Return the path of the file; that of a shipped file does not depend on the machine."""
+    whole, shipped = path.resolve(), library.shipped().resolve()
+    if whole.is_relative_to(shipped):
+        return f"shipped:{whole.relative_to(shipped).as_posix()}"
+    return whole.as_posix()

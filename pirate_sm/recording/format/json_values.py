@@ -1,0 +1,150 @@
+"""How values of the engine's alphabet are written in JSON and read again, without any loss.
+
+Python writes the shortest text that reads as the same float64. NaN is ``null`` and the infinities
+are ``"inf"`` and ``"-inf"``, because JSON has none of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf, nan
+from typing import Any, Literal, TypeAlias, get_args, get_origin
+
+JsonSchema: TypeAlias = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class JsonKind:
+    """How values of one type are written.
+
+    Attributes:
+        words: What the JSON is, for a reader of the file.
+        schema: Its JSON Schema where it is a number, text or truth value, always; else None.
+        decode: Makes the value of JSON, or raises ``ValueError``.
+        encode: Makes JSON of a value that holds a NaN or an infinity; None where none can.
+    """
+
+    words: str
+    decode: Callable[[Any], Any]
+    encode: Callable[[Any], Any] | None = None
+    schema: JsonSchema | None = None
+
+
+def number_to_json(value: float) -> float | str | None:
+    """Return the number as JSON can hold it."""
+    if value != value:  # noqa: PLR0124 - NaN, faster than a call
+        return None
+    return value if -inf < value < inf else str(value)
+
+
+def number_from_json(value: Any) -> float:
+    """Return the number that :func:`number_to_json` was given.
+
+    Raises:
+        ValueError: The value is not a number.
+    """
+    if isinstance(value, float):
+        return value
+    if value is None:
+        return nan
+    if value in {"inf", "-inf"}:
+        return float(value)
+    return whole(value)
+
+
+def whole(value: Any) -> int:
+    """Return the value, which is a whole number.
+
+    Raises:
+        ValueError: It is not.
+    """
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise ValueError(f"{value!r} is no number")
+    return value
+
+
+def truth(value: Any) -> bool:
+    """Return the value, which is true or false.
+
+    Raises:
+        ValueError: It is neither.
+    """
+    if not isinstance(value, bool):
+        raise ValueError(f"{value!r} is neither true nor false")
+    return value
+
+
+def text(value: Any) -> str:
+    """Return the value, which is text.
+
+    Raises:
+        ValueError: It is not.
+    """
+    if not isinstance(value, str):
+        raise ValueError(f"{value!r} is no text")
+    return value
+
+
+def _word(value: Any) -> str | None:
+    return None if value is None else text(value)
+
+
+def _pairs(words: str, decode: Callable[[Any], Any]) -> JsonKind:
+    return JsonKind(
+        f"array of pairs of a name and a {words}",
+        lambda pairs: tuple((text(name), decode(value)) for name, value in pairs),
+    )
+
+
+_NUMBER = 'number, null where unknown, "inf" or "-inf" where infinite'
+
+NUMBER = JsonKind(_NUMBER, number_from_json, number_to_json)
+WHOLE = JsonKind("whole number", whole, schema={"type": "integer"})
+TEXT = JsonKind("text", text, schema={"type": "string"})
+NUMBERS = JsonKind(
+    f"array of numbers, each a {_NUMBER}",
+    lambda values: tuple(number_from_json(value) for value in values),
+    lambda values: [number_to_json(value) for value in values],
+)
+_TEXTS = JsonKind("array of texts", lambda values: tuple(text(value) for value in values))
+_NUMBERS_BY_NAME = _pairs(_NUMBER, number_from_json)
+
+_KINDS: dict[Any, JsonKind] = {
+    float: NUMBER,
+    int: WHOLE,
+    bool: JsonKind("true or false", truth, schema={"type": "boolean"}),
+    str: TEXT,
+    tuple[float, ...]: NUMBERS,
+    tuple[str, ...]: _TEXTS,
+    tuple[tuple[str, float], ...]: JsonKind(
+        _NUMBERS_BY_NAME.words,
+        _NUMBERS_BY_NAME.decode,
+        lambda pairs: [[name, number_to_json(value)] for name, value in pairs],
+    ),
+    tuple[tuple[str, str | None], ...]: _pairs("text, null where unknown", _word),
+}
+
+
+def kind_of(hint: Any) -> JsonKind:
+    """Return how values of this type are written.
+
+    Raises:
+        KeyError: Values of such a type have never been written.
+    """
+    if get_origin(hint) is Literal:
+        words = get_args(hint)
+        schema = {"type": "string", "enum": list(words)}
+        return JsonKind(f"one of {', '.join(words)}", one_of(words), schema=schema)
+    return _KINDS[hint]
+
+
+def one_of(words: tuple[str, ...]) -> Callable[[Any], str]:
+    """Return a function that accepts one of these words and refuses any other."""
+
+    def decode(value: Any) -> str:
+        if value not in words:
+            raise ValueError(f"{value!r} is none of {', '.join(words)}")
+        return text(value)
+
+    return decode

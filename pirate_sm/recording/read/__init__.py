@@ -1,0 +1,1 @@
+"""Reads recordings, complete or cut short, and repairs them."""

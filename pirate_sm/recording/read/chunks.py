@@ -1,0 +1,79 @@
+"""The pieces of a recording's file, read one at a time and in any order."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from pirate_sm.recording.read.mcap_records import (
+    ChunkPlace,
+    DamagedError,
+    FileTopics,
+    RawMessage,
+    messages_in,
+    records_of,
+)
+
+
+class Message(NamedTuple):
+    """A message and its topic; ``time_ns`` is when it was, ns since 1970."""
+
+    topic: str
+    time_ns: int
+    data: bytes
+
+
+class Chunks:
+    """Reads pieces of a file.
+
+    Args:
+        path: The file.
+        pieces: Where they are.
+
+    Attributes:
+        topics: Those that have been met.
+    """
+
+    def __init__(self, path: Path, pieces: list[ChunkPlace]) -> None:
+        self.topics = FileTopics()
+        self._path = path
+        self._pieces = pieces
+        self._learned = 0
+
+    def read(self, place: int) -> list[Message]:
+        """Return the messages of a piece, in the order of writing.
+
+        Args:
+            place: Its number.
+
+        Raises:
+            DamagedError: It is not what was written.
+            OSError: The file cannot be read.
+        """
+        return [
+            Message(self.topics.names[number], time_ns, data)
+            for number, time_ns, data in self.entries(place)
+        ]
+
+    def entries(self, place: int) -> list[RawMessage]:
+        """Return the messages of a piece by the numbers of their topics, and learn these topics.
+
+        Raises:
+            DamagedError: It is not what was written.
+            OSError: The file cannot be read.
+        """
+        records = self._records(place)
+        self.topics.learn(records)
+        found = list(messages_in(records))
+        missing = {each.number for each in found} - self.topics.names.keys()
+        while missing and self._learned < place:  # reading began in the middle
+            self.topics.learn(self._records(self._learned))
+            self._learned += 1
+            missing -= self.topics.names.keys()
+        if missing:
+            raise DamagedError(f"channel {min(missing)} is unknown")
+        return found
+
+    def _records(self, place: int) -> bytes:
+        with self._path.open("rb") as file:
+            return records_of(file, self._pieces[place])

@@ -1,0 +1,80 @@
+"""Reads the header of a recording: what was run, and from which texts."""
+
+from __future__ import annotations
+
+import json
+from hashlib import sha256
+from pathlib import Path
+
+from mcap.records import Attachment
+
+from pirate_sm.errors import RecordingError
+from pirate_sm.loading.file_names import shown
+from pirate_sm.model.events import ALPHABET_VERSION
+from pirate_sm.recording.format.header import FORMAT, RUN, RunHeader, header_from_json
+from pirate_sm.recording.read.mcap_content import Content
+
+
+def read_header(path: Path, content: Content) -> RunHeader:
+    """Return the header of the recording in a file, with every text.
+
+    Raises:
+        RecordingError: It is damaged, was cut off before that, or is of another version.
+    """
+    attached = content.attachments
+    if RUN not in attached:
+        if content.complete:
+            raise damaged(path, f"{RUN} is missing")
+        raise RecordingError(f"{shown(path)} was cut off before anything was recorded")
+    data = attached[RUN].data
+    _check_versions(path, data)
+    try:
+        header = header_from_json(data, _texts(attached))
+    except KeyError:
+        if content.complete or content.pieces:
+            raise damaged(path, "a text that the run was made from is missing") from None
+        raise RecordingError(f"{shown(path)} was cut off before anything was recorded") from None
+    except ValueError:
+        raise damaged(path, f"{RUN} does not say what it should") from None
+    for file in header.files:
+        if sha256(file.text.encode()).hexdigest() != file.sha256:
+            raise damaged(path, f"{file.name} is not the text that was run")
+    return header
+
+
+def _texts(attached: dict[str, Attachment]) -> dict[str, str]:
+    return {name: each.data.decode(errors="replace") for name, each in attached.items()}
+
+
+def _check_versions(path: Path, data: bytes) -> None:
+    try:
+        plain = json.loads(data)
+        found = plain["format"], plain["alphabet"]
+        version = str(plain["version"])
+    except (ValueError, KeyError, TypeError):
+        raise damaged(path, f"{RUN} does not say what it should") from None
+    if found != (FORMAT, ALPHABET_VERSION):
+        raise RecordingError(
+            f"{shown(path)} was recorded by version {version} "
+            f"(format {found[0]}, alphabet {found[1]}), "
+            f"which this version cannot read (format {FORMAT}, alphabet {ALPHABET_VERSION})"
+        )
+
+
+def damaged(path: Path, how: str) -> RecordingError:
+    """Return the error that says that a recording is not what was written."""
+    return RecordingError(f"{shown(path)} is damaged: {how}")
+
+
+class DamagedInsideError(RecordingError):
+    """Is raised where the beginning of a recording can be used, but not all that follows.
+
+    Attributes:
+        how: What is wrong.
+    """
+
+    def __init__(self, path: Path, how: str) -> None:
+        super().__init__(
+            f"{shown(path)} is damaged: {how}; pirate repair saves what comes before that"
+        )
+        self.how = how

@@ -1,0 +1,186 @@
+"""What an MCAP file holds, as far as it goes: whole, torn at its end, or damaged.
+
+The official reader stops with one of many exceptions where a file ends early. Here the records are
+found by their lengths first, so that a record that is cut off is told from one that is wrong.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+import zlib
+from collections.abc import Callable, Iterator
+from typing import BinaryIO, Final, NamedTuple
+
+from mcap.opcode import Opcode
+from mcap.records import Attachment, Header, Metadata
+from mcap.writer import MCAP0_MAGIC
+
+from pirate_sm.recording.read.mcap_records import (
+    BROKEN,
+    FRAME,
+    ChunkPlace,
+    DamagedError,
+    Frame,
+    bytes_at,
+    records_of,
+    stream_of,
+)
+
+_TIME: Final = struct.Struct("<Q")
+_CRC: Final = struct.Struct("<I")
+_FOOTER: Final = struct.Struct("<BQQQI")
+
+
+class NotMcapError(Exception):
+    """Is raised for a file that is not MCAP."""
+
+
+class Content(NamedTuple):
+    """What the file holds.
+
+    Attributes:
+        profile: Who says what the rest means; None when not even that is there.
+        attachments: By name.
+        metadata: By name.
+        pieces: The chunks. One that was changed is noticed when it is read.
+        complete: Whether all of it is there: what comes after is only the index of it.
+        indexed: Whether that index is there, too, as it was written.
+        damage: Where bytes begin that are not what was written; empty where there are none.
+        whole: How many bytes are whole records; what follows is torn.
+        size: Of the file, bytes.
+    """
+
+    profile: str | None
+    attachments: dict[str, Attachment]
+    metadata: dict[str, dict[str, str]]
+    pieces: list[ChunkPlace]
+    complete: bool
+    whole: int
+    size: int
+    indexed: bool = False
+    damage: str = ""
+
+
+def read_content(file: BinaryIO) -> Content:
+    """Return what the file holds up to its end, to where writing was cut short, or to damage.
+
+    Raises:
+        NotMcapError: It is something else.
+        OSError: It cannot be read.
+    """
+    size = file.seek(0, os.SEEK_END)
+    file.seek(0)
+    if not MCAP0_MAGIC.startswith(file.read(len(MCAP0_MAGIC))):
+        raise NotMcapError
+    content, bad, good, end = Content(None, {}, {}, [], False, 0, size), [], 0, len(MCAP0_MAGIC)
+    for frame in _frames(file, size):
+        end = frame.end
+        try:
+            if frame.opcode == Opcode.CHUNK:
+                content.pieces.append(_piece(file, frame))
+            elif frame.opcode in _READ:
+                content = _READ[frame.opcode](content, _small(file, frame))
+                good = frame.start
+        except BROKEN:
+            bad.append(frame.start)
+        if frame.opcode == Opcode.DATA_END:
+            content = content._replace(complete=True)
+    broken = not content.complete and size > len(MCAP0_MAGIC) and _ends_whole(file, size)
+    if not content.complete:
+        bad += _torn(file, content.pieces)
+    good = max(good, content.pieces[-1].at if content.pieces else 0)
+    if broken or (bad and (content.complete or min(bad) < good)):
+        return _up_to(content, min([*bad, end]))
+    whole = size if content.complete else min([*(at - FRAME.size for at in bad), end])
+    return content._replace(whole=whole, indexed=content.complete and _has_index(file, size))
+
+
+def _up_to(content: Content, at: int) -> Content:
+    """Return the content before the damage at a byte."""
+    pieces = [piece for piece in content.pieces if piece.at + piece.size <= at]
+    whole = pieces[-1].at + pieces[-1].size if pieces else min(at, content.size)
+    return content._replace(pieces=pieces, complete=False, whole=whole, damage=f"at byte {at}")
+
+
+def _frames(file: BinaryIO, size: int) -> Iterator[Frame]:
+    """Yield the places of the records that are whole, by their lengths."""
+    at = len(MCAP0_MAGIC)
+    while at + FRAME.size <= size:
+        file.seek(at)
+        opcode, length = FRAME.unpack(file.read(FRAME.size))
+        start, end = at + FRAME.size, at + FRAME.size + length
+        if opcode == 0 or end > size:
+            return
+        yield Frame(opcode, start, end)
+        if opcode == Opcode.DATA_END:
+            return
+        at = end
+
+
+def _has_index(file: BinaryIO, size: int) -> bool:
+    """Whether the file ends with the index that other programs look for, as it was written."""
+    at = size - _FOOTER.size - len(MCAP0_MAGIC)
+    if at < 0 or not _ends_whole(file, size):
+        return False
+    footer = bytes_at(file, at, _FOOTER.size)
+    opcode, length, begins, _, crc = _FOOTER.unpack(footer)
+    if (opcode, length) != (Opcode.FOOTER, _FOOTER.size - FRAME.size) or not 0 < begins <= at:
+        return False
+    try:
+        index = bytes_at(file, begins, at - begins)
+    except ValueError:
+        return False
+    return bool(zlib.crc32(footer[: -_CRC.size], zlib.crc32(index)) == crc)
+
+
+def _ends_whole(file: BinaryIO, size: int) -> bool:
+    return bytes_at(file, size - len(MCAP0_MAGIC), len(MCAP0_MAGIC)) == MCAP0_MAGIC
+
+
+def _torn(file: BinaryIO, pieces: list[ChunkPlace]) -> Iterator[int]:
+    """Remove the chunks in which writing was cut short, and yield where each of them begins."""
+    while pieces:
+        try:
+            records_of(file, pieces[-1])
+        except DamagedError:
+            yield pieces.pop().at
+        else:
+            return
+
+
+def _piece(file: BinaryIO, frame: Frame) -> ChunkPlace:
+    (start_ns,) = _TIME.unpack(
+        bytes_at(file, frame.start, min(_TIME.size, frame.end - frame.start))
+    )
+    return ChunkPlace(frame.start, frame.end - frame.start, start_ns)
+
+
+def _small(file: BinaryIO, frame: Frame) -> bytes:
+    return bytes_at(file, frame.start, frame.end - frame.start)
+
+
+def _header(content: Content, data: bytes) -> Content:
+    return content._replace(profile=Header.read(stream_of(data)).profile)
+
+
+def _attachment(content: Content, data: bytes) -> Content:
+    (crc,) = _CRC.unpack(data[-_CRC.size :])
+    if crc and zlib.crc32(data[: -_CRC.size]) != crc:
+        raise ValueError("the checksum does not fit")
+    attachment: Attachment = Attachment.read(stream_of(data))
+    content.attachments[attachment.name] = attachment
+    return content
+
+
+def _metadata(content: Content, data: bytes) -> Content:
+    metadata: Metadata = Metadata.read(stream_of(data))
+    content.metadata[metadata.name] = metadata.metadata
+    return content
+
+
+_READ: Final[dict[int, Callable[[Content, bytes], Content]]] = {
+    Opcode.HEADER: _header,
+    Opcode.ATTACHMENT: _attachment,
+    Opcode.METADATA: _metadata,
+}

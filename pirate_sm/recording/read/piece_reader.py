@@ -1,0 +1,127 @@
+"""The pieces of a recording's file, decoded one at a time: its steps, effects and states."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+from pirate_sm import __version__
+from pirate_sm.engine.state import EngineState
+from pirate_sm.errors import RecordingError
+from pirate_sm.loading.file_names import shown
+from pirate_sm.model.effects import Effect
+from pirate_sm.recording.format.engine_state_text import state_from_text
+from pirate_sm.recording.format.engine_topics import STATE, Abandoned, Started, Topic, Topics
+from pirate_sm.recording.format.header import RunHeader
+from pirate_sm.recording.format.robot_state_text import body_from_text
+from pirate_sm.recording.read.chunks import Chunks, Message
+from pirate_sm.recording.read.header_reader import DamagedInsideError
+from pirate_sm.recording.read.mcap_records import ChunkPlace, DamagedError
+from pirate_sm.recording.read.steps import Step, StepEffects
+
+
+class PieceReader:
+    """Reads the pieces of one file and decodes their messages.
+
+    Every method raises a ``RecordingError`` where the file cannot be read or is damaged.
+
+    Args:
+        path: The file.
+        header: What the recording begins with.
+        pieces: Where the pieces are in the file.
+    """
+
+    def __init__(self, path: Path, header: RunHeader, pieces: list[ChunkPlace]) -> None:
+        self._path = path
+        self._chunks = Chunks(path, pieces)
+        self._topics = Topics(header.layout).by_name
+        self._same_version = header.version == __version__
+
+    def messages(self, place: int) -> list[Message]:
+        """Return the messages of the piece of this number, in the order of writing."""
+        try:
+            return self._chunks.read(place)
+        except DamagedError as error:
+            raise DamagedInsideError(self._path, str(error)) from None
+        except OSError as error:
+            raise unreadable(self._path, error) from None
+
+    def first_input_s(self, messages: Sequence[Message]) -> float | None:
+        """Return the time of the first input by the engine's clock; None where there is none."""
+        return min((at_s for _, at_s, _, _ in self._rows(messages, inputs=True)), default=None)
+
+    def effects(self, messages: Sequence[Message], origin_s: float) -> Iterator[StepEffects]:
+        """Yield the effects of each step in order; their times count from ``origin_s``."""
+        rows = sorted(self._rows(messages, inputs=False), key=lambda row: (row[0], row[2]))
+        for number, same_step in groupby(rows, key=lambda row: row[0]):
+            found = list(same_step)
+            yield StepEffects(number, found[0][1] - origin_s, tuple(row[3] for row in found))
+
+    def states(self, messages: Sequence[Message]) -> Iterator[tuple[int, float, EngineState]]:
+        """Yield number, time and state of each step after which the engine's state was recorded.
+
+        A state can be used only by the version that recorded it: another one may number its
+        states otherwise.
+        """
+        if not self._same_version:
+            return
+        for name, _, data in messages:
+            if name == STATE.name:
+                for number, at_s, _, made in self._decoded(STATE, data):
+                    with suppress(ValueError):
+                        yield number, at_s, state_from_text(made.state)
+
+    def steps(self, messages: Sequence[Message], first: int | None) -> list[Step]:
+        """Return the steps of a piece.
+
+        Args:
+            messages: Of the piece.
+            first: The number that its first step must have; None: any.
+        """
+        inputs = {number: (at_s, made) for number, at_s, _, made in self._rows(messages, True)}
+        effects: dict[int, list[tuple[int, Effect]]] = defaultdict(list)
+        for number, _, nth, made in self._rows(messages, inputs=False):
+            effects[number].append((nth, made))
+        if first is None:
+            first = min(inputs, default=0)
+        if inputs.keys() != set(range(first, first + len(inputs))) or effects.keys() - inputs:
+            raise DamagedInsideError(self._path, f"steps are missing after the first {first}")
+        states = {number: state for number, _, state in self.states(messages)}
+        try:
+            steps = [_step(number, *inputs[number], effects[number]) for number in sorted(inputs)]
+        except ValueError as error:
+            raise DamagedInsideError(self._path, str(error)) from None
+        return [step._replace(state=states.get(step.number)) for step in steps] if states else steps
+
+    def _rows(
+        self, messages: Sequence[Message], inputs: bool
+    ) -> Iterator[tuple[int, float, int, Any]]:
+        """Yield step, time, place and content of each row of the inputs, or of the effects."""
+        for name, _, data in messages:
+            topic = self._topics.get(name)
+            if topic is not None and topic.is_input == inputs:
+                yield from self._decoded(topic, data)
+
+    def _decoded(self, topic: Topic, data: bytes) -> Iterator[tuple[int, float, int, Any]]:
+        try:
+            yield from topic.decode(data)
+        except ValueError as error:
+            raise DamagedInsideError(self._path, str(error)) from None
+
+
+def _step(number: int, at_s: float, made: Any, effects: list[tuple[int, Effect]]) -> Step:
+    given = tuple(effect for _, effect in sorted(effects, key=lambda each: each[0]))
+    if isinstance(made, Started):
+        return Step(number, at_s, None, given, "start", body_from_text(made.body), made.paused)
+    if isinstance(made, Abandoned):
+        return Step(number, at_s, None, given, "runtime")
+    return Step(number, at_s, made, given, "engine")
+
+
+def unreadable(path: Path, error: OSError) -> RecordingError:
+    """Return the error that says that a file cannot be read."""
+    return RecordingError(f"{shown(path)} cannot be read: {error.strerror}")

@@ -1,0 +1,246 @@
+"""Reads recordings, also those of runs that were cut short.
+
+``read_recording(path).steps()`` yields every input of the engine in order, with its effects. Only
+one piece of the file is in memory at a time, so a recording may be of any length. Where it holds
+checkpoints, :meth:`Recording.checkpoint`, reading can begin in the middle.
+"""
+
+from __future__ import annotations
+
+import json
+from bisect import bisect_right
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from datetime import datetime
+from functools import cached_property
+from hashlib import file_digest
+from math import inf
+from pathlib import Path
+
+from pirate_sm.errors import RecordingError
+from pirate_sm.loading.file_names import shown
+from pirate_sm.model.effects import Ended
+from pirate_sm.recording.format.engine_topics import ENGINE
+from pirate_sm.recording.format.header import PROFILE, REPAIRED, RunHeader
+from pirate_sm.recording.read.chunks import Message
+from pirate_sm.recording.read.header_reader import DamagedInsideError, read_header
+from pirate_sm.recording.read.mcap_content import Content, NotMcapError, read_content
+from pirate_sm.recording.read.piece_reader import PieceReader, unreadable
+from pirate_sm.recording.read.steps import Checkpoint, Shown, Step, StepEffects, with_own_times
+
+NS_PER_S = 1_000_000_000
+
+_NO_INDEX = (
+    "all that was recorded is there, but the index at the end of the file, which other programs "
+    "look for, is missing or damaged: pirate repair makes it anew"
+)
+
+
+def _no_progress(share: float) -> None:
+    """Do nothing with the progress."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A recording whose beginning has been read.
+
+    Whatever reads more of the file raises a ``RecordingError`` where it cannot be read or is
+    damaged.
+
+    Attributes:
+        path: Of its file.
+        header: What was run, with every text that it was made from.
+        content: Where everything is in the file.
+        watch: Receives how much of the recording has been read, from 0 to 1.
+    """
+
+    path: Path
+    header: RunHeader
+    content: Content = field(repr=False)
+    watch: Callable[[float], None] = field(default=_no_progress, repr=False)
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run wrote the recording to its end."""
+        return self.content.complete and REPAIRED not in self.content.metadata
+
+    @cached_property
+    def notices(self) -> tuple[str, ...]:
+        """Return what a person should know of a recording that is incomplete or lacks its index."""
+        if self.complete:
+            return () if self.content.indexed else (_NO_INDEX,)
+        if not self.until_s:
+            return ("the recording ends early, as the run began",)
+        if self._ended:
+            return (f"the end of the file is lost, but the run had ended, at {self.until_s:.3f} s",)
+        return (f"the recording ends early, at {self.until_s:.3f} s: nothing after that is in it",)
+
+    @cached_property
+    def origin_s(self) -> float:
+        """Return when the run began on the clock that the engine was given, 0 where nothing is.
+
+        All other times of a recording count from then, those of its steps apart.
+        """
+        for _, messages in self._pieces(0):
+            first_s = self._reader.first_input_s(messages)
+            if first_s is not None:
+                return first_s
+        return 0.0
+
+    @cached_property
+    def until_s(self) -> float:
+        """Return the time of the last step in it, s; 0 where there is none."""
+        return self._last_steps[-1].at_s - self.origin_s if self._last_steps else 0.0
+
+    @cached_property
+    def _ended(self) -> bool:
+        """Whether the recording holds the end of the run."""
+        last = (effect for step in self._last_steps for effect in step.effects)
+        return any(isinstance(effect, Ended) for effect in last)
+
+    @cached_property
+    def _last_steps(self) -> list[Step]:
+        """Return the steps of the last piece that has any."""
+        pieces = reversed(range(len(self.content.pieces)))
+        found = (self._reader.steps(self._reader.messages(place), None) for place in pieces)
+        return next(filter(None, found), [])
+
+    @cached_property
+    def sha256(self) -> str:
+        """Return the hash of the file, hexadecimal."""
+        try:
+            with self.path.open("rb") as file:
+                return file_digest(file, "sha256").hexdigest()
+        except OSError as error:
+            raise unreadable(self.path, error) from None
+
+    @cached_property
+    def starts_s(self) -> list[float]:
+        """Return when each piece of the file begins, s since the run began."""
+        return [self._time_s(piece.start_ns) for piece in self.content.pieces]
+
+    def checkpoint(self, at_s: float) -> Checkpoint | None:
+        """Return the last checkpoint up to this time; None where there is none that can be used.
+
+        Only the version that recorded can use one: another one may number its states otherwise.
+        """
+        for place in reversed(range(bisect_right(self.starts_s, at_s))):
+            found = [each for each in self._checkpoints(place) if each.at_s <= at_s]
+            if found:
+                return found[-1]
+        return None
+
+    def checkpoints(self, after: Checkpoint | None = None) -> Iterator[Checkpoint]:
+        """Yield every checkpoint that can be used, in order.
+
+        Args:
+            after: Only those that come after this one; None: all.
+        """
+        for place in range(after.place if after else 0, len(self.content.pieces)):
+            for each in self._checkpoints(place):
+                if after is None or each.step > after.step:
+                    yield each
+
+    def steps(self, after: Checkpoint | None = None) -> Iterator[Step]:
+        """Yield everything that the engine was given, in order, with its effects.
+
+        Args:
+            after: Where to begin; None: at the beginning.
+        """
+        started = after is not None
+        for rows in self.commits(after):
+            for step in rows:
+                started = started or step.by == "start"
+                yield step if started or step.by != "engine" else step._replace(by="seen")
+
+    def commits(self, after: Checkpoint | None = None) -> Iterator[list[Step]]:
+        """Yield the steps of each piece; inputs before the start are marked as steps of the engine.
+
+        Args:
+            after: Where to begin; None: at the beginning.
+        """
+        first, number = (after.place, after.step + 1) if after is not None else (0, 0)
+        for place, messages in self._pieces(first):
+            expected = number if place > first or after is None else None
+            rows = self._reader.steps(messages, expected)
+            steps = [step for step in rows if step.number >= number]
+            number += len(steps)
+            yield steps
+
+    def effects(self) -> Iterator[StepEffects]:
+        """Yield the effects of all steps, in order; this is faster than reading the steps."""
+        for _, messages in self._pieces(0):
+            for each in self._reader.effects(messages, self.origin_s):
+                yield each._replace(effects=with_own_times(each.effects, self.origin_s))
+
+    def shown(self, *topics: str, since_s: float = -inf) -> Iterator[Shown]:
+        """Yield the messages that were made for viewers, in order: of these topics, or of all.
+
+        Args:
+            topics: Their names.
+            since_s: Messages from before this time may be left out.
+        """
+        for _, messages in self._pieces(max(bisect_right(self.starts_s, since_s) - 2, 0)):
+            for topic, time_ns, data in messages:
+                if topic in topics if topics else not topic.startswith(ENGINE):
+                    yield Shown(topic, self._time_s(time_ns), json.loads(data))
+
+    @cached_property
+    def _reader(self) -> PieceReader:
+        return PieceReader(self.path, self.header, self.content.pieces)
+
+    @cached_property
+    def _zero_ns(self) -> int:
+        """Return the time at which the run began, ns since 1970.
+
+        Messages of later runs of a session once counted from the session's first run, so the
+        header's time is used only where the file holds no piece.
+        """
+        if self.content.pieces:
+            return self.content.pieces[0].start_ns
+        return round(datetime.fromisoformat(self.header.began).timestamp() * NS_PER_S)
+
+    def _time_s(self, time_ns: int) -> float:
+        return (time_ns - self._zero_ns) / NS_PER_S
+
+    def _checkpoints(self, place: int) -> Iterator[Checkpoint]:
+        """Yield the checkpoints in a piece that this version of the engine can use."""
+        for step, at_s, state in self._reader.states(self._reader.messages(place)):
+            yield Checkpoint(step, at_s - self.origin_s, state, place)
+
+    def _pieces(self, first: int) -> Iterator[tuple[int, list[Message]]]:
+        """Yield number and messages of each piece, which holds whole steps."""
+        for place in range(first, len(self.content.pieces)):
+            self.watch(self.content.pieces[place].at / self.content.size)
+            yield place, self._reader.messages(place)
+        self.watch(1.0)
+
+
+def read_recording(
+    path: Path, watch: Callable[[float], None] = _no_progress, *, damaged: bool = False
+) -> Recording:
+    """Return the recording in this file, as far as it goes.
+
+    Args:
+        path: The file.
+        watch: Receives how much of it has been read, whenever it is read.
+        damaged: Whether to accept a damaged recording, which ends where the damage begins.
+
+    Raises:
+        RecordingError: There is none, it is something else, or its beginning is damaged.
+    """
+    try:
+        with path.open("rb") as file:
+            content = read_content(file)
+    except NotMcapError:
+        raise RecordingError(f"{shown(path)} is not a recording: it is not an MCAP file") from None
+    except OSError as error:
+        raise unreadable(path, error) from None
+    except ValueError:
+        raise RecordingError(f"there is no file '{shown(path)}'") from None
+    if content.profile not in (PROFILE, None):
+        raise RecordingError(f"{shown(path)} is an MCAP file, but not a recording of a mission")
+    recording = Recording(path, read_header(path, content), content, watch)
+    if content.damage and not damaged:
+        raise DamagedInsideError(path, content.damage)
+    return recording

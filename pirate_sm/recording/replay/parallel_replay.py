@@ -1,0 +1,107 @@
+"""Replays a long recording in several processes.
+
+Each executes the stretch between two checkpoints and compares what the engine remembers at its end
+with the checkpoint there, with which the next stretch begins. So if every stretch comes out the
+same, the whole does.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+from collections.abc import Iterator
+from functools import cache, partial
+from math import inf
+from pathlib import Path
+from typing import NamedTuple
+
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.recording.read.reader import Recording, read_recording
+from pirate_sm.recording.read.steps import Checkpoint
+from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.replay.replay import Replayed, replay
+
+_EACH = 16
+"""Stretches for each process: one sees how far it has come, and none waits long at last."""
+
+
+class _Stretch(NamedTuple):
+    """Between two checkpoints; None stands for the start and for the end."""
+
+    after: Checkpoint | None
+    until: Checkpoint | None
+
+
+def replay_shared(
+    recording: Recording,
+    processes: int,
+    *,
+    after: Checkpoint | None = None,
+    until_s: float = inf,
+) -> Replayed:
+    """Execute the recording again as :func:`replay` does, in several processes.
+
+    Args:
+        recording: What was recorded.
+        processes: Among how many it is shared out.
+        after: The checkpoint to begin with; None: the start.
+        until_s: Nothing after this time is executed.
+
+    Raises:
+        RecordingError: The recording is damaged.
+    """
+    stretches = list(_stretches(recording, processes * _EACH, after, until_s))
+    found: list[Replayed] = []
+    with multiprocessing.get_context("spawn").Pool(processes, _heed_no_keys) as pool:
+        for result in pool.imap(partial(_replay, recording.path, until_s), stretches):
+            found.append(result)
+            recording.watch(len(found) / len(stretches))
+            if result.difference is not None:
+                break
+    return _together(found)
+
+
+def _stretches(
+    recording: Recording, most: int, after: Checkpoint | None, until_s: float
+) -> Iterator[_Stretch]:
+    """Yield about ``most`` stretches of about equal length, one after the other."""
+    from_s = after.at_s if after is not None else 0.0
+    each_s = (min(until_s, recording.until_s) - from_s) / most
+    for checkpoint in recording.checkpoints(after):
+        if checkpoint.at_s >= until_s:
+            break
+        if checkpoint.at_s >= from_s + each_s:
+            yield _Stretch(after, checkpoint)
+            after, from_s = checkpoint, checkpoint.at_s
+    yield _Stretch(after, None)
+
+
+def _together(found: list[Replayed]) -> Replayed:
+    """Return the results of the stretches as one, up to the first difference."""
+    return Replayed(
+        steps=sum(each.steps for each in found),
+        effects=sum(each.effects for each in found),
+        until_s=found[-1].until_s,
+        difference=found[-1].difference,
+        executed=any(each.executed for each in found),
+        from_s=found[0].from_s,
+    )
+
+
+def _replay(path: Path, until_s: float, stretch: _Stretch) -> Replayed:
+    """Replay one stretch, in a process of its own."""
+    recording, loaded = _loaded(path)
+    return replay(recording, loaded, after=stretch.after, until=stretch.until, until_s=until_s)
+
+
+@cache
+def _loaded(path: Path) -> tuple[Recording, LoadedMission]:
+    """Return the recording and its mission, loaded once in each process."""
+    recording = read_recording(path)
+    with recorded_mission(recording.header) as loaded:
+        return recording, loaded
+
+
+def _heed_no_keys() -> None:
+    """Ignore Ctrl-C: it ends the main process, which ends this one."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

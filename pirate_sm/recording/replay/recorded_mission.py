@@ -1,0 +1,120 @@
+"""Loads the mission of a recording from the texts that the recording holds."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from pathlib import Path, PurePosixPath
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from pirate_sm.engine.mission.program import Wait
+from pirate_sm.errors import RecordingError, UsageError
+from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.loading.problems import LoadError
+from pirate_sm.loading.robot.calibration_files import with_zeros
+from pirate_sm.recording.format.header import RecordedFile, RunHeader
+
+_PROFILE = "profile.yaml"
+
+
+@contextmanager
+def recorded_mission(header: RunHeader) -> Iterator[LoadedMission]:
+    """Yield the mission as it was run; its files stand in a temporary folder until the block ends.
+
+    Raises:
+        RecordingError: This version of the program cannot use its texts any more, or they cannot
+            be written.
+    """
+    with ExitStack() as stack:
+        try:
+            folder = Path(stack.enter_context(TemporaryDirectory(prefix="recorded-")))
+            mission = _write(header, folder)
+        except OSError as error:
+            raise RecordingError(
+                "the files of the recording cannot be written into a temporary folder: "
+                f"{error.strerror}; TMPDIR names another place"
+            ) from None
+        has_pipe = any(file.role == "pipe" for file in header.files)
+        try:
+            loaded = load_mission(
+                mission,
+                robot=str(folder / "robot"),
+                pipe=str(folder / "pipe.yaml") if has_pipe else None,
+                settings=header.parameters,
+                start_phase=header.options.get("start_phase"),
+                states=header.options.get("states"),
+            )
+        except (LoadError, UsageError) as error:
+            raise RecordingError(
+                f"the mission in the recording, made with version {header.version}, cannot be "
+                f"loaded any more: {error}"
+            ) from None
+        yield as_recorded(loaded, header)
+
+
+def as_recorded(loaded: LoadedMission, header: RunHeader) -> LoadedMission:
+    """Return the mission with file names and joint zeros as the run had them."""
+    names = {
+        document.name: file.name
+        for document, file in zip(loaded.documents, header.files, strict=False)
+    }
+    instructions = tuple(_placed(each, names) for each in loaded.program.instructions)
+    named = replace(loaded, program=replace(loaded.program, instructions=instructions))
+    if not header.zeros:
+        return named
+    return replace(named, robot=with_zeros(loaded.robot, dict(header.zeros)))
+
+
+def _placed(instruction: Any, names: Mapping[str, str]) -> Any:
+    """Return the instruction with the file in each of its ``place`` values renamed."""
+    changed: dict[str, Any] = {}
+    if getattr(instruction, "place", ""):
+        file, line, column = instruction.place.rsplit(":", 2)
+        changed["place"] = f"{names.get(file, file)}:{line}:{column}"
+    if isinstance(instruction, Wait):
+        changed["triggers"] = tuple(_placed(each, names) for each in instruction.triggers)
+    return instruction._replace(**changed) if changed else instruction
+
+
+def _write(header: RunHeader, folder: Path) -> Path:
+    """Write every text to where the others refer to it, and return the mission's file."""
+    mission = next(file for file in header.files if file.role == "mission")
+    (folder / "robot").mkdir()
+    chart = _chart_name(header)
+    for file in header.files:
+        match file.role:
+            case "profile":
+                place = folder / "robot" / _PROFILE
+            case "chart":
+                place = folder / "robot" / chart
+            case "pipe":
+                place = folder / "pipe.yaml"
+            case "mission":
+                place = folder / "missions" / Path(file.path).name
+            case "called":
+                place = folder / "missions" / _beside(file, mission)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text(file.text, encoding="utf-8")
+    return folder / "missions" / Path(mission.path).name
+
+
+def _chart_name(header: RunHeader) -> str:
+    """Return the path by which the profile refers to its chart."""
+    profile = next(file for file in header.files if file.role == "profile")
+    chart = next(file for file in header.files if file.role == "chart")
+    relative = os.path.relpath(_plain(chart.path), _plain(profile.path).parent)
+    return Path(chart.path).name if relative.startswith("..") else relative
+
+
+def _beside(file: RecordedFile, mission: RecordedFile) -> str:
+    """Return the path of a called mission relative to its caller, never outside of that folder."""
+    same = file.path.startswith("shipped:") == mission.path.startswith("shipped:")
+    relative = os.path.relpath(_plain(file.path), _plain(mission.path).parent)
+    return relative if same and not relative.startswith("..") else Path(file.path).name
+
+
+def _plain(path: str) -> PurePosixPath:
+    return PurePosixPath("/", path.removeprefix("shipped:"))

@@ -1,0 +1,70 @@
+"""In which files, options and parameters two runs differ."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pirate_sm.recording.format.header import RunHeader
+
+_NAMED_ALREADY = {"mission", "robot", "pipe", "backend", "detector", "settings"}
+"""Options that say what was asked for where the header says what that came to."""
+
+
+class Unlike(NamedTuple):
+    """Something in which two runs were not alike.
+
+    Attributes:
+        name: What it is, ``seed``, ``parameter give_up``.
+        first: What it was in the first run, in words; ``second`` in the second.
+    """
+
+    name: str
+    first: str
+    second: str
+
+
+def unlike(first: RunHeader, second: RunHeader) -> tuple[Unlike, ...]:
+    """Return all differences in the set-up of two runs, except when they began."""
+    one, other = dict(_circumstances(first)), dict(_circumstances(second))
+    names = dict.fromkeys((*one, *other))
+    return tuple(
+        Unlike(name, _said(one.get(name)), _said(other.get(name)))
+        for name in names
+        if one.get(name) != other.get(name)
+    )
+
+
+def _circumstances(it: RunHeader) -> Iterator[tuple[str, Any]]:
+    """Yield name and value of everything that a run was set up with."""
+    yield "mission", it.mission
+    yield "robot", it.robot
+    yield "polarity", it.polarity
+    yield "pipe", it.pipe
+    yield "backend", it.backend
+    yield "detector", it.detector
+    for name, value in it.options.items():
+        if name not in _NAMED_ALREADY:
+            yield name.replace("_", " "), value
+    for name, text in it.parameters.items():
+        yield f"parameter {name}", text
+    for name, zero_rad in it.zeros.items():
+        yield f"zero of {name}", f"{zero_rad:.6g} rad"
+    for file in it.files:
+        name = file.role if file.role != "called" else f"called {Path(file.name).stem}"
+        yield f"text of the {name}", f"{Path(file.name).name}, SHA-256 {file.sha256[:8]}…"
+    yield "version", it.version
+
+
+def _said(value: Any) -> str:
+    """Return the value in words."""
+    if value in (None, [], {}, ""):
+        return "none"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, list) and all(isinstance(each, str) for each in value):
+        return ", ".join(value)
+    return f"{len(value)} given" if isinstance(value, list | dict) else str(value)

@@ -1,0 +1,108 @@
+"""A recording as tables, one for each topic, with SI units in the headers."""
+
+from __future__ import annotations
+
+import csv
+from contextlib import ExitStack, suppress
+from math import nan
+from pathlib import Path
+from typing import Any, TextIO
+
+from pirate_sm.errors import RecordingError
+from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.recording.read.reader import Recording
+from pirate_sm.recording.read.steps import Shown
+from pirate_sm.recording.replay.replay import engine_of, rerun
+from pirate_sm.recording.tables.table_rows import TIME, TableRow, rows_of
+from pirate_sm.recording.viewers.viewer_messages import PLACES
+
+
+def write_tables(recording: Recording, loaded: LoadedMission, folder: Path) -> tuple[Path, ...]:
+    """Write each topic of the recording to a CSV file in the folder, and return the files.
+
+    Signals are those that the engine made of the boards' raw values, one line for each frame.
+    Places of wheels are those that viewers were shown: the simulator's, where it knew.
+
+    Raises:
+        RecordingError: The recording is damaged or holds nothing, or the folder cannot be written.
+            Then there are no tables.
+    """
+    tables: _Tables | None = None
+    try:
+        with ExitStack() as stack:
+            tables = _Tables(loaded, folder, stack)
+            _fill(tables, recording, loaded)
+    except (OSError, RecordingError) as error:
+        if tables is not None:
+            tables.discard()
+        if isinstance(error, RecordingError):
+            raise
+        raise RecordingError(f"{folder} cannot be written: {error.strerror}") from None
+    if not tables.files:
+        raise RecordingError(f"{shown(recording.path)} holds nothing that a table could hold")
+    return tables.files
+
+
+def _fill(tables: _Tables, recording: Recording, loaded: LoadedMission) -> None:
+    engine = engine_of(recording, loaded)
+    for row in rows_of(engine, rerun(recording, loaded), recording.origin_s):
+        tables.add(row)
+    for place in recording.shown(PLACES):
+        tables.places(place)
+
+
+class _Tables:
+    """The files being written; one begins with its first line."""
+
+    def __init__(self, loaded: LoadedMission, folder: Path, stack: ExitStack) -> None:
+        self._wheels = loaded.loaded_robot.profile.body.wheels
+        self._folder = folder
+        self._stack = stack
+        self._writers: dict[str, Any] = {}
+        self._paths: list[Path] = []
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        return tuple(self._paths)
+
+    def discard(self) -> None:
+        """Remove the files, and their folder where nothing else is in it."""
+        with suppress(OSError):
+            for path in self._paths:
+                path.unlink()
+            self._folder.rmdir()
+
+    def places(self, it: Shown) -> None:
+        """Add the place of each wheel; ``known`` is 1 where a simulator knew the true one."""
+        names = [wheel.name for wheel in self._wheels]
+        columns = [f"{name}_{axis}_m" for name in names for axis in "xy"]
+        row = (it.at_s, int(it.content["known"]), *(it.content.get(name, nan) for name in columns))
+        self.add(TableRow("places", (TIME, "known", *columns), row))
+
+    def add(self, row: TableRow) -> None:
+        """Write the row to the file of its table, which begins with its header."""
+        writer = self._writers.get(row.table)
+        if writer is None:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            path = self._folder / f"{row.table}.csv"
+            file: TextIO = self._stack.enter_context(path.open("w", encoding="utf-8", newline=""))
+            writer = self._writers[row.table] = csv.writer(file)
+            self._paths.append(path)
+            writer.writerow(row.header)
+        writer.writerow([_cell(value) for value in row.values])
+
+
+def _cell(value: Any) -> Any:
+    """Return the value as a cell; unknown is an empty one, which pandas and Matlab read as NaN.
+
+    Text from a mission must not begin a formula in a spreadsheet: an apostrophe before it makes
+    it text there.
+    """
+    if isinstance(value, str) and value.startswith(_FORMULAS):
+        return f"'{value}"
+    return "" if isinstance(value, float) and value != value else value  # noqa: PLR0124
+
+
+_FORMULAS = ("=", "+", "-", "@", "\t", "\r")
+"""What a spreadsheet takes for the beginning of a formula (OWASP, CSV injection)."""

@@ -1,0 +1,1 @@
+"""What other people's viewers need: messages, a scene, a robot description, layouts."""

@@ -1,0 +1,244 @@
+"""Messages for viewers: Foxglove's own message types, and flat topics that plot as they are.
+
+Times of day, frames, scene, joint states and log are as Foxglove has published them, so that
+Foxglove, Lichtblick and PlotJuggler need no set-up. The rest are plain numbers and words by name.
+All of it can be made again from what the engine was given; nothing reads it but viewers.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from math import isfinite
+from typing import Any, NamedTuple
+
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.state import EngineState
+from pirate_sm.expressions import EnumType
+from pirate_sm.geometry.kinematics import link_poses
+from pirate_sm.geometry.space import Place
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model import effects as fx
+from pirate_sm.recording.column_names import signal_names, slot_names
+from pirate_sm.recording.format.engine_topics import DIALECT
+from pirate_sm.recording.viewers.foxglove_scene import scene_message
+from pirate_sm.recording.viewers.log_lines import LEVELS, log_line
+from pirate_sm.recording.viewers.transforms import Transforms
+from pirate_sm.recording.viewers.wheel_places import Placing
+
+PLACES = "/places"
+"""The topic with the place of each wheel."""
+
+NS_PER_S = 1_000_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class ViewerChannel:
+    """A topic for viewers."""
+
+    topic: str
+    schema_name: str
+    schema: Mapping[str, Any]
+
+
+class ViewerSnapshot(NamedTuple):
+    """Where a run stands.
+
+    Attributes:
+        state: The engine's.
+        wheels: Where the wheels are in the plane of the pipe, m, where anybody knows or reckons.
+        known: Whether it is known.
+    """
+
+    state: EngineState
+    wheels: tuple[Place, ...] | None
+    known: bool
+
+
+Message = tuple[ViewerChannel, bytes]
+
+
+class ViewerMessages:
+    """Makes messages for viewers of one run.
+
+    Args:
+        loaded: What is run.
+        first_wheel_m: Where the first wheel began along the pipe; None: as the pipe says.
+    """
+
+    def __init__(self, loaded: LoadedMission, first_wheel_m: float | None) -> None:
+        robot, profile = loaded.robot, loaded.loaded_robot.profile
+        self._loaded, self._body = loaded, profile.body
+        self._numbers = robot.vocabulary.numbers
+        signals = signal_names(robot)
+        self._signals = _gaps(signals)
+        self._slots = slot_names(robot)
+        self._placing = Placing(profile, robot, loaded.pipe, first_wheel_m)
+        self._transforms = Transforms(self._body)
+        self._joints = _joints(loaded)
+        self._state: dict[str, Any] = {"phase": "", "detected": ""}
+        wheels = [wheel.name for wheel in self._body.wheels]
+        coordinates = [f"{name}_{axis}_m" for name in wheels for axis in "xy"]
+        self._coordinates = _gaps(coordinates)
+        self._codes = _state_codes(robot)
+        self._tf = _foxglove("/tf", "FrameTransforms")
+        self._scene = _foxglove("/scene", "SceneUpdate")
+        self._joint_states = _foxglove("/joint_states", "JointStates")
+        self._log = _foxglove("/log", "Log")
+        self._signal_channel = _flat("/signals", dict.fromkeys(signals, _NUMBER))
+        self._setpoints = _flat("/setpoints", dict.fromkeys(self._slots, _NUMBER))
+        places = {"known": {"type": "boolean"}, **dict.fromkeys(coordinates, _NUMBER)}
+        self._places = _flat(PLACES, places)
+        words = ("phase", "detected", *robot.regions, "unconfirmed")
+        codes = {
+            _code_name(region): {"type": "integer", "description": _listed(names)}
+            for region, names in self._codes.items()
+        }
+        self._states = _flat("/state", {**dict.fromkeys(words, _WORD), **codes})
+
+    def scene(self, time_ns: int) -> Message:
+        """Return the message that draws the robot and its pipe."""
+        return self._scene, scene_message(stamp(time_ns), self._body, self._loaded.pipe)
+
+    def sample(self, at_s: float, time_ns: int, it: ViewerSnapshot) -> Iterator[Message]:
+        """Yield the messages that say where everything is at a moment."""
+        now = stamp(time_ns)
+        shown = it.state.sensing.shown
+        numbers = dict(zip(self._numbers, shown, strict=True))
+        points = it.wheels or self._placing.look(it.state, at_s)
+        if points is not None:
+            yield self._tf, self._transforms.message(now, link_poses(points), numbers)
+            known = '"known":true' if it.known else '"known":false'
+            flat = tuple(value for point in points for value in point)
+            yield self._places, _object(known, *_filled(self._coordinates, flat))
+        yield self._joint_states, self._joint_message(now, shown)
+        yield self._signal_channel, _object(*_filled(self._signals, shown))
+
+    def tell(self, time_ns: int, effects: Sequence[fx.Effect]) -> Iterator[Message]:
+        """Yield the messages that effects lead to."""
+        changed = False
+        for effect in effects:
+            line = log_line(effect)
+            if line is not None:
+                entry = {"timestamp": json.loads(stamp(time_ns)), "level": LEVELS[line.level]}
+                names = {"message": line.text, "name": self._loaded.mission.mission}
+                yield self._log, _json({**entry, **names, "file": line.file, "line": line.line})
+            if isinstance(effect, fx.Setpoints):
+                yield self._setpoints, self._setpoints_message(effect)
+            changed = self._note(effect) or changed
+        if changed:
+            yield self._states, _json(self._state)
+
+    def _note(self, effect: fx.Effect) -> bool:
+        """Whether the effect has changed what the robot and the mission are in."""
+        match effect:
+            case fx.StateChange(states, unconfirmed):
+                self._state |= zip(self._codes, states, strict=True)
+                for (region, names), state in zip(self._codes.items(), states, strict=True):
+                    self._state[_code_name(region)] = names.index(state)
+                self._state["unconfirmed"] = " ".join(unconfirmed)
+            case fx.PhaseChange(phase):
+                self._state["phase"] = phase
+            case fx.Detected(word):
+                self._state["detected"] = word
+            case _:
+                return False
+        return True
+
+    def _setpoints_message(self, it: fx.Setpoints) -> bytes:
+        named = zip(self._slots, it.values, strict=False)
+        return _json({name: value for name, value in named if isfinite(value)})
+
+    def _joint_message(self, now: str, shown: Sequence[float]) -> bytes:
+        joints = []
+        for opening, values in self._joints:
+            for key, at in values:
+                if isfinite(shown[at]):  # what is unknown is left out
+                    opening += key % shown[at]  # noqa: PLW2901 - it grows
+            joints.append(opening)
+        return f'{{"timestamp":{now},"joints":[{"},".join(joints)}}}]}}'.encode()
+
+
+def stamp(time_ns: int) -> str:
+    """Return the moment as Foxglove writes it in JSON."""
+    seconds, rest = divmod(time_ns, NS_PER_S)
+    return f'{{"sec":{seconds},"nsec":{rest}}}'
+
+
+def _joints(loaded: LoadedMission) -> list[tuple[str, list[tuple[str, int]]]]:
+    """Return the text that each joint of the URDF begins with, and its numbers with indexes."""
+    body, numbers = loaded.loaded_robot.profile.body, loaded.robot.vocabulary.numbers
+    told_by = [
+        *((joint.name, joint.name, None, joint.torque) for joint in body.joints),
+        *((link.roll, link.roll, None, None) for link in body.links if link.roll),
+        *((wheel.angle, wheel.angle, wheel.speed, None) for wheel in body.wheels),
+    ]
+    keys = ("position", "velocity", "effort")
+    return [
+        (
+            f'{{"name":"{name}"',
+            [
+                (f',"{key}":%.9g', numbers.index(signal))
+                for key, signal in zip(keys, signals, strict=True)
+                if signal in numbers
+            ],
+        )
+        for name, *signals in told_by
+    ]
+
+
+def _gaps(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the members of a JSON object of numbers, each with a gap: they are written often."""
+    return tuple(f'"{name}":%.9g' for name in names)
+
+
+def _filled(members: Sequence[str], values: Sequence[float]) -> Iterator[str]:
+    """Yield the members with their values; unknown and infinite ones are left out."""
+    for member, value in zip(members, values, strict=True):
+        if isfinite(value):
+            yield member % value
+
+
+def _object(*members: str) -> bytes:
+    return ("{" + ",".join(members) + "}").encode()
+
+
+def _state_codes(robot: RobotSpec) -> dict[str, tuple[str, ...]]:
+    """Return the states of each region in the order of the chart: a state's place is its code."""
+    types = robot.vocabulary.types
+    return {
+        region: kind.values
+        for region in robot.regions
+        if isinstance(kind := types[region], EnumType)
+    }
+
+
+def _code_name(region: str) -> str:
+    return f"{region}_code"
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(f"{code} {name}" for code, name in enumerate(names))
+
+
+_NUMBER = {"type": "number"}
+_WORD = {"type": "string"}
+
+
+def _flat(topic: str, columns: Mapping[str, Any]) -> ViewerChannel:
+    name = f"pirate_sm{topic.replace('/', '.')}"
+    schema = {"$schema": DIALECT, "title": name, "type": "object", "properties": dict(columns)}
+    return ViewerChannel(topic, name, schema)
+
+
+def _foxglove(topic: str, name: str) -> ViewerChannel:
+    """Return a topic of one of Foxglove's types; their schemas stand beside this module."""
+    title = f"foxglove.{name}"
+    file = files("pirate_sm.recording.viewers") / "foxglove_schemas" / f"{title}.json"
+    return ViewerChannel(topic, title, json.loads(file.read_text("utf-8")))
+
+
+def _json(content: Mapping[str, Any]) -> bytes:
+    return json.dumps(content, separators=(",", ":")).encode()

@@ -1,0 +1,66 @@
+"""Where a robot's wheels are in the plane of its pipe, reckoned from its signals."""
+
+from __future__ import annotations
+
+from math import isnan
+
+from pirate_sm.detectors.dead_reckoning import Reckoned, Reckoner
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import confirmed_parts
+from pirate_sm.engine.state import EngineState
+from pirate_sm.geometry.space import Place
+from pirate_sm.model.body import Body
+from pirate_sm.model.pipe import Pipe, Straight
+from pirate_sm.model.profile import Profile
+
+_PATIENCE_S = 1.0
+"""A joint without a value for this long is taken to be straight, s."""
+
+_LONGEST_M = 100.0
+
+
+class Placing:
+    """Follows a robot by its joints and its odometer, where its true place is not known.
+
+    Args:
+        profile: The robot.
+        robot: The same, as the engine knows it.
+        pipe: Where it is; None: somewhere straight.
+        first_wheel_m: Where its first wheel began along the pipe; None: as the pipe says.
+    """
+
+    def __init__(
+        self, profile: Profile, robot: RobotSpec, pipe: Pipe | None, first_wheel_m: float | None
+    ) -> None:
+        pipe = pipe or _somewhere(profile.body)
+        self._robot = robot
+        self._joints = [joint for joint in robot.body.joints if joint >= 0]
+        self._reckoner = Reckoner(robot.body, pipe.route(), robot.odometry)
+        length_m = sum(robot.body.lengths_m)
+        self._first_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
+        self._reckoned: Reckoned | None = None
+        self._angles = dict.fromkeys(self._joints, 0.0)
+
+    def look(self, state: EngineState, now_s: float) -> tuple[Place, ...] | None:
+        """Return the place of each wheel now; None before its joints have values.
+
+        A picture needs an angle: an unknown one is drawn as it was last.
+        """
+        numbers, held = list(state.sensing.numbers), confirmed_parts(self._robot, state.robot)
+        unknown = [joint for joint in self._joints if isnan(numbers[joint])]
+        if unknown and self._reckoned is None and now_s < _PATIENCE_S:
+            return None
+        for joint in unknown:
+            numbers[joint] = self._angles[joint]
+        self._angles = {joint: numbers[joint] for joint in self._joints}
+        if self._reckoned is None:
+            self._reckoned = self._reckoner.begin(self._first_m, numbers, held)
+        else:
+            self._reckoned = self._reckoner.look(self._reckoned, numbers, held)
+        return self._reckoned.points
+
+
+def _somewhere(body: Body) -> Pipe:
+    """Return a straight just wide enough for the robot, for a run of which no pipe is known."""
+    straight = Straight(straight=_LONGEST_M)
+    return Pipe(diameter=2.5 * body.wheel_radius, segments=(straight,))

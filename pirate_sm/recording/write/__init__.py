@@ -1,0 +1,1 @@
+"""Writes a recording while the mission runs, and shows the run to viewers that are connected."""

@@ -1,0 +1,222 @@
+"""Writes the file of a recording: MCAP, so that a crash costs only what came last.
+
+What was added since the last cut goes to the file as one chunk with a checksum, written at once
+and asked to be on the disk. So a reader finds whole chunks, and at most one torn one, which is the
+last. The official library makes the bytes; it never sees the file itself, so that a disk
+that is full cannot leave it in an unknown state.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Mapping
+from contextlib import suppress
+from datetime import datetime
+from io import BytesIO
+from pathlib import Path
+from typing import Any, Protocol
+
+import mcap
+from mcap.writer import CompressionType, Writer
+
+from pirate_sm import __version__
+from pirate_sm.recording.format.header import PROFILE, RUN, RunHeader
+
+NS_PER_S = 1_000_000_000
+
+
+class Sink(Protocol):
+    """Takes the bytes of a recording."""
+
+    def write(self, data: bytes, /) -> object:
+        """Write all of the bytes."""
+        ...
+
+    def close(self) -> None:
+        """Close the sink: no more bytes come."""
+        ...
+
+
+class DiskFile:
+    """A new file whose bytes are on the disk when ``write`` returns.
+
+    Args:
+        path: Of the file, whose folder is made where it is missing.
+
+    Raises:
+        FileExistsError: There is one of this name, which stays as it is.
+        OSError: It cannot be made.
+    """
+
+    def __init__(self, path: Path) -> None:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except FileExistsError as error:  # it is the folder's name that is taken
+            raise NotADirectoryError(error.errno, "its folder is a file") from None
+        self._file = path.open("xb", buffering=0)
+        self._sync_folder(path.parent)
+
+    def write(self, data: bytes, /) -> None:
+        """Write the bytes to the disk."""
+        left = memoryview(data)
+        while left:
+            left = left[self._file.write(left) :]
+        with suppress(OSError):  # some file systems and devices cannot
+            os.fsync(self._file.fileno())
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def _sync_folder(self, folder: Path) -> None:
+        """Sync the folder, so that the file's name outlives a power cut too."""
+        with suppress(OSError):
+            handle = os.open(folder, os.O_RDONLY)
+            try:
+                os.fsync(handle)
+            finally:
+                os.close(handle)
+
+
+class Nowhere:
+    """Keeps nothing, for a run that is only looked at."""
+
+    def write(self, data: bytes, /) -> None:
+        """Discard the bytes."""
+
+    def close(self) -> None:
+        """Do nothing."""
+
+
+class _Gathered(BytesIO):
+    """Memory that the library writes to, until :meth:`take`."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._taken = 0
+
+    def tell(self) -> int:
+        """Return the place in the file."""
+        return self._taken + super().tell()
+
+    def take(self) -> bytes:
+        """Return what has been written since the last call."""
+        data = self.getvalue()
+        self._taken += len(data)
+        self.seek(0)
+        self.truncate()
+        return data
+
+
+class Pieces:
+    """An MCAP file being written, one piece at a time.
+
+    Args:
+        sink: Where the bytes go.
+    """
+
+    def __init__(self, sink: Sink) -> None:
+        self._sink = sink
+        self._gathered = _Gathered()
+        # Only a cut ends a chunk.
+        self._writer = Writer(
+            self._gathered,
+            chunk_size=sys.maxsize,
+            compression=CompressionType.ZSTD,
+        )
+        self._writer.start(PROFILE, f"pirate_sm {__version__} mcap {mcap.__version__}")
+
+    def attach(self, name: str, media_type: str, data: bytes, time_ns: int) -> None:
+        """Attach a text."""
+        self._writer.add_attachment(time_ns, time_ns, name, media_type, data)
+
+    def note(self, name: str, content: Mapping[str, str]) -> None:
+        """Write metadata after what was cut last."""
+        self._writer.add_metadata(name, dict(content))
+
+    def topic(self, name: str, schema_name: str, schema: bytes) -> int:
+        """Return the number of a new topic of JSON messages."""
+        number = self._writer.register_schema(schema_name, "jsonschema", schema)
+        return self._writer.register_channel(name, "json", number)
+
+    def message(self, topic: int, time_ns: int, data: bytes) -> None:
+        """Add the message to the next cut."""
+        self._writer.add_message(topic, time_ns, data, time_ns)
+
+    def cut(self) -> bytes:
+        """Return what was added since the last cut, as one complete piece of the file."""
+        self._writer.flush()  # type: ignore[no-untyped-call]
+        return self._gathered.take()
+
+    def write(self, data: bytes) -> None:
+        """Write pieces to the file, in the order of their cuts.
+
+        Raises:
+            OSError: They are not; a part may be.
+        """
+        if data:
+            self._sink.write(data)
+
+    def finish(self) -> None:
+        """Complete the file with the index that readers look for at the end.
+
+        Raises:
+            OSError: It is not.
+        """
+        self._writer.finish()  # type: ignore[no-untyped-call]
+        self.write(self._gathered.take())
+
+    def close(self) -> None:
+        """Close the sink: nothing more is written."""
+        self._sink.close()
+
+
+class RecordingFile(Pieces):
+    """A recording being written; its header is on the disk.
+
+    Args:
+        sink: Where the bytes go.
+        header: What it begins with.
+
+    Raises:
+        OSError: The header cannot be written.
+    """
+
+    def __init__(self, sink: Sink, header: RunHeader) -> None:
+        super().__init__(sink)
+        self._topics: dict[str, int] = {}
+        self._start_s: float | None = None
+        self._zero_ns = round(datetime.fromisoformat(header.began).timestamp() * NS_PER_S)
+        self.attach(RUN, "application/json", _json(header.to_json()), self._zero_ns)
+        for file in header.files:
+            self.attach(file.attachment, "application/yaml", file.text.encode(), self._zero_ns)
+        self.write(self._gathered.take())
+
+    def time_ns(self, at_s: float) -> int:
+        """Return the moment of a mission time, ns since 1970; the first one is the beginning."""
+        if self._start_s is None:
+            self._start_s = at_s
+        return self._zero_ns + round((at_s - self._start_s) * NS_PER_S)
+
+    def add(
+        self, topic: str, at_s: float, data: bytes, schema: Mapping[str, Any], schema_name: str
+    ) -> None:
+        """Add the message to the next cut.
+
+        Args:
+            topic: Its topic.
+            at_s: Mission time.
+            data: The message, JSON.
+            schema: JSON Schema of the topic; counts when the topic comes for the first time.
+            schema_name: Name of the schema.
+        """
+        number = self._topics.get(topic)
+        if number is None:
+            number = self._topics[topic] = self.topic(topic, schema_name, _json(schema))
+        self.message(number, self.time_ns(at_s), data)
+
+
+def _json(data: Mapping[str, Any]) -> bytes:
+    return json.dumps(data, allow_nan=False).encode()

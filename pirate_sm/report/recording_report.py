@@ -1,0 +1,118 @@
+"""Makes the report of a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.recording.format.header import RunHeader
+from pirate_sm.recording.read.reader import Recording
+from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.replay.replay import rerun
+from pirate_sm.recording.viewers.viewer_messages import PLACES
+from pirate_sm.report.contents import Fact, Report
+from pirate_sm.report.poses import Poses
+from pirate_sm.report.report_builder import About, gather
+
+_BACKENDS = {"sim": "in the simulator", "serial": "over the serial link", "trace": "as a trace"}
+_CHANCE = {
+    "start_jitter_m": "start",
+    "friction_jitter": "friction",
+    "diameter_jitter_m": "diameter",
+}
+
+
+def report_of(recording: Recording) -> Report:
+    """Return the report of a recorded run.
+
+    Raises:
+        RecordingError: The recording is damaged, or of a version that cannot be read any more.
+    """
+    with recorded_mission(recording.header) as loaded:
+        about = about_run(recording.header, loaded, recording.notices)
+        told = gather(loaded, about, rerun(recording, loaded), known_poses(recording, loaded))
+    return replace(told, recording=recording.sha256)
+
+
+def about_run(header: RunHeader, loaded: LoadedMission, notices: Iterable[str] = ()) -> About:
+    """Return what the header of a run says for its report.
+
+    Args:
+        header: What was run.
+        loaded: The mission.
+        notices: What a reader must know before they believe the report.
+    """
+    return About(
+        where=_where(header),
+        nominal=header.nominal,
+        first_wheel_m=header.options.get("start_at_m"),
+        warnings=tuple(_warnings(header, notices)),
+        facts=tuple(_facts(header, loaded)),
+        files={file.name: file.sha256 for file in header.files},
+    )
+
+
+def known_poses(recording: Recording, loaded: LoadedMission) -> Poses | None:
+    """Return where the robot really was, from a simulator; None where that is not known."""
+    names = [wheel.name for wheel in loaded.loaded_robot.profile.body.wheels]
+    poses = Poses(true=True)
+    for shown in recording.shown(PLACES):
+        if shown.content.get("known"):
+            x, y = ([shown.content[f"{name}_{axis}_m"] for name in names] for axis in "xy")
+            poses.add(shown.at_s, list(zip(x, y, strict=True)))
+    return poses if poses.times_s else None
+
+
+def _warnings(header: RunHeader, notices: Iterable[str]) -> Iterator[str]:
+    for notice in notices:
+        yield f"{notice[:1].upper()}{notice[1:]}."
+    jitter_m = header.options.get("diameter_jitter_m")
+    if jitter_m:
+        yield f"The pipe was up to {jitter_m * 1e3:g} mm wider or narrower than it is drawn."
+
+
+def _where(header: RunHeader) -> str:
+    """Return where it ran: ``in the simulator (seed 3, with two defects), in pipe x``."""
+    options = header.options
+    more = []
+    if header.backend == "sim":
+        more.append(f"seed {options.get('seed', 0)}")
+        more += [f"defect {name}" for name in options.get("defects", ())]
+    within = f" ({', '.join(more)})" if more else ""
+    pipe = f", in pipe {header.pipe}" if header.pipe else ""
+    return f"{_BACKENDS.get(header.backend, f'on {header.backend}')}{within}{pipe}"
+
+
+def _facts(header: RunHeader, loaded: LoadedMission) -> Iterator[Fact]:
+    options = header.options
+    yield Fact("mission", _described(header.mission, loaded.mission.description))
+    yield Fact("robot", _described(header.robot, loaded.loaded_robot.profile.description))
+    if header.polarity != "normal":
+        yield Fact("polarity", header.polarity)
+    if loaded.pipe is not None:
+        yield Fact("pipe", _described(header.pipe, loaded.pipe.description))
+        yield Fact("inner diameter", f"{loaded.pipe.diameter * 1e3:g} mm")
+    yield Fact("began", header.began)
+    yield Fact("backend", header.backend)
+    if options.get("port"):
+        yield Fact("port", str(options["port"]))
+    if header.detector != "none":
+        yield Fact("detector", header.detector)
+    chance = [f"{name} ± {options[key]:g}" for key, name in _CHANCE.items() if options.get(key)]
+    if header.backend == "sim":
+        yield Fact("seed", ", ".join([str(options.get("seed", 0)), *chance]))
+    for name in options.get("defects", ()):
+        yield Fact("defect", name)
+    for name, value in header.parameters.items():
+        yield Fact("parameter", f"{name} = {value}")
+    if header.zeros:
+        yield Fact("calibrated zeros", ", ".join(header.zeros))
+    if options.get("start_phase"):
+        yield Fact("from phase", str(options["start_phase"]))
+    yield Fact("checked before", "yes" if options.get("check") else "no")
+    yield Fact("recorded by", f"pirate-sm {header.version}")
+
+
+def _described(name: str, description: str) -> str:
+    return f"{name}: {description}" if description else name

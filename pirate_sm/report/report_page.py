@@ -1,0 +1,162 @@
+"""A report as one HTML page that loads no other file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from html import escape
+from importlib.resources import files
+from importlib.util import find_spec
+from pathlib import Path
+from string import Template
+
+from pirate_sm import __version__
+from pirate_sm.errors import UsageError
+from pirate_sm.report.contents import Report, RobotScene, Sentence
+from pirate_sm.report.film_strip import strip
+from pirate_sm.report.report_json import Json, report_json
+
+SIGNS = {
+    "succeeded": ("✓", "Succeeded"),
+    "failed": ("✗", "Failed"),
+    "interrupted": ("■", "Interrupted"),
+    "fault": ("!", "Ended by a fault"),
+    "unfinished": ("…", "Unfinished"),
+}
+"""How a run ended, as a sign and in words."""
+
+_STORY_SIGNS = {"phase": "", "trouble": "!", "person": "☺", "end": "■"}
+_SPEEDS = (0.25, 0.5, 1, 2, 4, 8, 16)
+_SCRIPTS = ("base.js", "scene.js", "timeline.js", "plots.js", "player.js")
+_LIBRARY = "uplot"
+
+
+def html(report: Report) -> str:
+    """Return the page as HTML.
+
+    Raises:
+        UsageError: The library that plots is not installed.
+    """
+    library = _library()
+    folder = files("pirate_sm.report") / "page"
+    sign, outcome = SIGNS[report.outcome]
+    script = "\n".join((folder / name).read_text("utf-8") for name in _SCRIPTS)
+    style = (library / "uPlot.min.css").read_text("utf-8")
+    return Template((folder / "page.html").read_text("utf-8")).substitute(
+        generator=f"pirate-sm {escape(__version__)}",
+        recording=escape(report.recording),
+        title=escape(report.title),
+        outcome=outcome,
+        kind=report.outcome,
+        sign=sign,
+        short=escape(report.summary[0] if report.summary else ""),
+        style=f"{style}\n{(folder / 'page.css').read_text('utf-8')}",
+        summary="\n".join(_summary(report)),
+        warnings="\n".join(_warning(line) for line in report.warnings),
+        story="\n".join(_told(report)),
+        robot=_robot(report.scene),
+        strip=strip(report),
+        diagram=report.diagram,
+        facts="\n".join(_facts(report)),
+        duration=f"{report.duration_s:.3f}",
+        step=f"{_step(report.duration_s):g}",
+        speeds="".join(_speed(each) for each in _SPEEDS),
+        data=_inside_script(report_json(report)),
+        library=(library / "uPlot.iife.js").read_text("utf-8"),
+        script=f"(() => {{\n'use strict';\n{script}\n}})();",
+    )
+
+
+def _library() -> Path:
+    """Return the folder with the script and the style of the library that plots.
+
+    Its Python part is for notebooks and is never imported.
+    """
+    spec = find_spec(_LIBRARY)
+    places = spec.submodule_search_locations if spec else None
+    folder = Path(next(iter(places))) / "static" if places else None
+    if folder is None or not (folder / "uPlot.iife.js").is_file():
+        raise UsageError(
+            "the report needs uplot-python, which is not installed: pip install 'pirate-sm[report]'"
+        )
+    return folder
+
+
+def _warning(line: str) -> str:
+    return f'<p class="warning"><span aria-hidden="true">!</span> {escape(line)}</p>'
+
+
+def _summary(report: Report) -> Iterable[str]:
+    """Return the summary without its first sentence, which the header has, and with the causes."""
+    lines = [f"<p>{escape(line)}</p>" for line in report.summary[1:]]
+    return [*lines[:1], *map(_failure, report.failures), *lines[1:]]
+
+
+def _failure(failure: Sentence) -> str:
+    where = f"in <b>{escape(failure.topic)}</b>: " if failure.topic else ""
+    return (
+        f'<p class="cause"><button type="button" data-at="{failure.before_s:.3f}">'
+        f'{failure.at_s:.2f} s</button> <span><span class="sign" aria-hidden="true">✗</span> '
+        f"{where}{escape(failure.text)}</span></p>"
+    )
+
+
+def _told(report: Report) -> Iterable[str]:
+    for sentence in report.story:
+        sign = _STORY_SIGNS[sentence.kind]
+        mark = f'<span class="sign" aria-hidden="true">{sign}</span> ' if sign else ""
+        topic = f"<b>{escape(sentence.topic)}</b> " if sentence.topic else ""
+        yield (
+            f'<li class="{sentence.kind}"><button type="button" data-at="{sentence.at_s:.3f}">'
+            f"{sentence.at_s:.2f} s</button> <span>{mark}{topic}{escape(sentence.text)}</span></li>"
+        )
+
+
+def _robot(scene: RobotScene | None) -> str:
+    if scene is None:
+        return '<p class="empty">Nothing is known of where the robot was.</p>'
+    about = "The robot in its pipe, to scale" if scene.walls else "The robot, to scale"
+    if scene.source == "reckoned":
+        about += ", where its joints and its odometer take it to be"
+    return (
+        f'<canvas id="scene" role="img" aria-label="{about}"></canvas>'
+        '<div class="below"><p id="pose"></p>'
+        '<button id="follow" type="button" aria-pressed="false">Follow closely</button></div>'
+        f'<p class="hint">{_robot_key(scene)}</p>'
+    )
+
+
+def _robot_key(scene: RobotScene) -> str:
+    """Return what the signs in the picture mean."""
+    signs = ["Links with a line in them are held (dashed: not yet confirmed)"]
+    if scene.source == "truth" and scene.walls:
+        signs.append("a bar marks a wheel at a wall")
+    return f"{', '.join([*signs, 'an arrow a driven wheel'])}. 1 is the front."
+
+
+def _facts(report: Report) -> Iterable[str]:
+    yield "<dl>"
+    for fact in report.facts:
+        yield f"<dt>{escape(fact.name)}</dt><dd>{escape(fact.text)}</dd>"
+    yield "</dl>"
+    if report.files:
+        yield "<details><summary>Files and their SHA-256</summary><table>"
+        for name, digest in report.files.items():
+            yield f"<tr><td>{escape(name)}</td><td><code>{escape(digest)}</code></td></tr>"
+        yield "</table></details>"
+
+
+def _step(duration_s: float) -> float:
+    """Return what an arrow key moves the slider by: a tenth of a second, more in a long run."""
+    return 0.1 if duration_s < 120 else 0.5 if duration_s < 600 else 1.0
+
+
+def _speed(factor: float) -> str:
+    selected = " selected" if factor == 1 else ""
+    return f'<option value="{factor:g}"{selected}>{factor:g} ×</option>'
+
+
+def _inside_script(data: Json) -> str:
+    """Return JSON that cannot end the element that it stands in."""
+    text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")

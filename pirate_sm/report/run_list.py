@@ -1,0 +1,93 @@
+"""Recorded runs as lines of a list: what was run, how it ended, what went wrong."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+from pirate_sm.model import effects as fx
+from pirate_sm.recording.format.header import RunHeader
+from pirate_sm.recording.read.reader import Recording
+
+Outcome: TypeAlias = Literal[
+    "succeeded", "failed", "interrupted", "fault", "unfinished", "unreadable"
+]
+
+
+@dataclass(frozen=True)
+class ListedRun:
+    """A run as a list has it.
+
+    Attributes:
+        name: Of its file.
+        outcome: How it ended; ``unfinished`` where the recording does not say, ``unreadable``
+            where there is no recording to be read.
+        message: Why, in a sentence; of an unreadable one, why it cannot be read.
+        link: Where its report is, seen from the list; empty without one.
+        began: ISO 8601 with the zone.
+        seed: Of the simulator; None where nothing was left to chance.
+        conditions: Defects and parameters that somebody asked for, in words.
+        faults: How often each fault was reported, by its code.
+    """
+
+    name: str
+    outcome: Outcome
+    message: str = ""
+    link: str = ""
+    mission: str = ""
+    robot: str = ""
+    backend: str = ""
+    began: str = ""
+    seed: int | None = None
+    conditions: tuple[str, ...] = ()
+    duration_s: float = 0.0
+    faults: Mapping[str, int] = field(default_factory=dict)
+
+
+def listed(recording: Recording, link: str) -> ListedRun:
+    """Return the run as a line of a list.
+
+    Args:
+        recording: The run; it is read through, but not executed again.
+        link: Where its report is.
+
+    Raises:
+        RecordingError: The recording is damaged.
+    """
+    faults: Counter[str] = Counter()
+    ended: fx.Ended | None = None
+    for step in recording.steps():
+        for effect in step.effects:
+            if isinstance(effect, fx.Fault):
+                faults[effect.code] += 1
+            elif isinstance(effect, fx.Ended):
+                ended = effect
+    header = recording.header
+    return ListedRun(
+        name=recording.path.name,
+        outcome=ended.outcome if ended else "unfinished",
+        message=ended.message if ended else "The recording breaks off.",
+        link=link,
+        mission=header.mission,
+        robot=header.robot,
+        backend=header.backend,
+        began=header.began,
+        seed=header.options.get("seed", 0) if header.backend == "sim" else None,
+        conditions=_conditions(header),
+        duration_s=recording.until_s,
+        faults=dict(faults),
+    )
+
+
+def unreadable(path: Path, why: str) -> ListedRun:
+    """Return the line of a recording that cannot be read."""
+    return ListedRun(name=path.name, outcome="unreadable", message=why)
+
+
+def _conditions(header: RunHeader) -> tuple[str, ...]:
+    settings = header.options.get("settings") or {}
+    parameters = (f"{name} = {value}" for name, value in settings.items())
+    return (*header.options.get("defects", ()), *parameters)

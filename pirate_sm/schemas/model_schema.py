@@ -1,0 +1,192 @@
+"""The JSON Schema of a model, with descriptions of its keys."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from pydantic import BaseModel
+from pydantic.json_schema import GenerateJsonSchema
+from pydantic_core import core_schema
+
+from pirate_sm.model.base import DEFINED
+from pirate_sm.model.quantity_patterns import QUANTITY
+from pirate_sm.schemas.model_docstrings import explanations, summary
+from pirate_sm.schemas.shapes import SHAPES
+
+Schema = dict[str, Any]
+
+DRAFT: Final = "http://json-schema.org/draft-07/schema#"
+
+_TEXTS: Final[dict[str, Schema]] = {
+    "Condition": {
+        "type": "string",
+        "description": (
+            "A condition such as `speed < 5 mm/s and segment == Joint`: signals, states and "
+            "quantities with comparisons, arithmetic, `and`, `or`, `not`."
+        ),
+    },
+    "CommandName": {
+        "type": "string",
+        "description": "A command of the robot; short for `{command: …}`.",
+    },
+}
+"""Kinds of text that a robot's own schema narrows down."""
+
+_MAPS: Final = ("properties", "patternProperties", "definitions")
+_LISTS: Final = ("anyOf", "oneOf", "allOf")
+_SINGLE: Final = ("items", "additionalProperties", "contains", "not", "if", "then", "else")
+_NULL: Final = {"type": "null"}
+
+
+def schema_of(model: type[BaseModel], title: str) -> Schema:
+    """Return the JSON Schema of a file that holds one such model."""
+    raw = model.model_json_schema(
+        ref_template="#/definitions/{model}", schema_generator=_Explaining
+    )
+    tidy = _Tidy()
+    definitions = tidy.within("definitions", raw.pop("$defs", {}) | _TEXTS)
+    schema = tidy.schema(raw)
+    found = definitions | tidy.quantities
+    return {
+        "$schema": DRAFT,
+        "title": title,
+        **schema,
+        "definitions": {name: found[name] for name in sorted(_used(schema, found))},
+    }
+
+
+class _Explaining(GenerateJsonSchema):
+    """Takes what docstrings say, and what validators demand, into each model's schema."""
+
+    def model_schema(self, schema: core_schema.ModelSchema) -> Schema:
+        """Return the model's schema with a description of it and of each of its keys."""
+        result = super().model_schema(schema)
+        model = schema["cls"]
+        said = explanations(model)
+        for name, field in model.model_fields.items():
+            node = result["properties"][field.alias or name]
+            sentences = (said.get(name, ""), _taken_description(node))
+            node["description"] = " ".join(sentence for sentence in sentences if sentence)
+        return result | {"description": summary(model)} | SHAPES.get(model, {})
+
+    def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> Schema:
+        """Return any of the choices: each is known by a key of its own, so that no two can fit."""
+        result = super().tagged_union_schema(schema)
+        result.pop("discriminator", None)
+        return {"anyOf": result.pop("oneOf"), **result}
+
+    def default_schema(self, schema: core_schema.WithDefaultSchema) -> Schema:
+        """Return the schema with its default, where that is more than nothing in particular."""
+        result = super().default_schema(schema)
+        if "$ref" in result or result.get("default") in (None, "", [], {}):
+            result.pop("default", None)
+        return result
+
+
+def _taken_description(node: Schema) -> str:
+    """Return what the kind of value says of itself, taken from where it stands in a choice."""
+    holders = [node, *node.get("anyOf", [])]
+    said = [str(each.pop("description")) for each in holders if "description" in each]
+    return said[0] if said else ""
+
+
+class _Tidy:
+    """Makes of pydantic's schema one of draft 7 that is shorter and reads well in an editor.
+
+    Attributes:
+        quantities: How quantities are written, each once, by name.
+    """
+
+    def __init__(self) -> None:
+        self.quantities: dict[str, Schema] = {}
+
+    def schema(self, node: Any) -> Any:
+        """Return the schema, and all that are in it, tidy."""
+        if not isinstance(node, dict):
+            return node
+        inner = {key: self.within(key, value) for key, value in node.items() if key != "title"}
+        if "default" in inner:
+            inner["default"] = _written_default(node)
+        if DEFINED in inner:
+            inner["$ref"] = _reference(inner.pop(DEFINED))
+        if QUANTITY in inner:
+            inner = self._quantity(inner)
+        if "patternProperties" in inner:
+            inner.setdefault("additionalProperties", False)
+        inner = _merged(inner)
+        if "$ref" in inner and len(inner) > 1:
+            # In draft 7 nothing beside a reference counts.
+            inner = {"allOf": [{"$ref": inner.pop("$ref")}], **inner}
+        return inner
+
+    def within(self, key: str, value: Any) -> Any:
+        """Return the value of a schema's key with all schemas in it tidy."""
+        if key in _MAPS:
+            return {name: self.schema(each) for name, each in value.items()}
+        if key in _LISTS:
+            return [self.schema(each) for each in value]
+        return self.schema(value) if key in _SINGLE else value
+
+    def _quantity(self, node: Schema) -> Schema:
+        """Return the node with a reference in place of the long pattern, which is kept once."""
+        name = node[QUANTITY]["name"]
+        body = {key: node[key] for key in ("type", "pattern", "patternErrorMessage")}
+        known = self.quantities.setdefault(name, body)
+        assert known == body, f"two patterns are named {name}"
+        rest = {key: value for key, value in node.items() if key not in body and key != QUANTITY}
+        return {"$ref": _reference(name), **rest}
+
+
+def _written_default(node: Schema) -> Any:
+    """Return the default as a file would have it: a quantity with its unit."""
+    default = node["default"]
+    for each in [node, *node.get("anyOf", [])]:
+        unit = each.get(QUANTITY, {}).get("unit", "")
+        if unit and isinstance(default, float):
+            return f"{default:g} {unit}"
+    return default
+
+
+def _merged(node: Schema) -> Schema:
+    """Return the node with nested choices made one list, and bare types made one type."""
+    if "anyOf" not in node:
+        return node
+    choices: list[Schema] = []
+    examples: list[Any] = []
+    for choice in node["anyOf"]:
+        inside = choice.get("anyOf", []) if choice.keys() <= {"anyOf", "examples"} else []
+        choices += inside or [choice]
+        examples = choice.get("examples", []) if inside else examples
+    rest = {key: value for key, value in node.items() if key != "anyOf"}
+    if examples:
+        rest.setdefault("examples", examples)
+    if all(choice.keys() == {"type"} for choice in choices):
+        types = [choice["type"] for choice in choices]
+        kept = [each for each in types if each != "integer" or "number" not in types]
+        return {"type": kept, **rest}
+    first, *others = choices
+    if others == [_NULL] and isinstance(first.get("type"), str) and "enum" not in first:
+        return {**first, "type": [first["type"], "null"], **rest}
+    return {"anyOf": choices, **rest}
+
+
+def _reference(name: str) -> str:
+    return f"#/definitions/{name}"
+
+
+def _used(schema: Any, definitions: dict[str, Schema]) -> set[str]:
+    """Return the names of the definitions that the schema refers to, directly or through others."""
+    used: set[str] = set()
+    left = [schema]
+    while left:
+        node = left.pop()
+        if isinstance(node, dict):
+            reference = node.get("$ref")
+            name = reference.rpartition("/")[2] if isinstance(reference, str) else None
+            if name is not None and name not in used:
+                used.add(name)
+                left.append(definitions[name])
+            left += node.values()
+        elif isinstance(node, list):
+            left += node
+    return used

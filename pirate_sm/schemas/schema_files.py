@@ -1,0 +1,40 @@
+"""The schemas by name, and as text."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+from pirate_sm.loading.robot import LoadedRobot
+from pirate_sm.model.mission import Mission
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.profile import Profile
+from pirate_sm.schemas.chart_schema import chart_schema
+from pirate_sm.schemas.model_schema import schema_of
+from pirate_sm.schemas.robot_mission_schema import narrowed
+
+KINDS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
+    "mission": lambda: schema_of(Mission, "Mission"),
+    "pipe": lambda: schema_of(Pipe, "Pipe"),
+    "profile": lambda: schema_of(Profile, "Profile of a robot"),
+    "chart": chart_schema,
+}
+"""What there are schemas of."""
+
+MODELINE: Final = "# yaml-language-server: $schema="
+"""What the first line of a file begins with that tells editors where its schema stands."""
+
+
+def schema_text(kind: str) -> str:
+    """Return the JSON Schema of this kind of file, as a file holds it."""
+    return _text(KINDS[kind]())
+
+
+def mission_schema_text(robot: LoadedRobot) -> str:
+    """Return the JSON Schema of missions for this robot, as a file holds it."""
+    return _text(narrowed(KINDS["mission"](), robot))
+
+
+def _text(schema: dict[str, Any]) -> str:
+    return f"{json.dumps(schema, indent=2, ensure_ascii=False)}\n"

@@ -1,0 +1,162 @@
+"""Effects as lines for a person."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import takewhile
+from math import degrees, isinf
+from typing import TYPE_CHECKING, NamedTuple
+
+from pirate_sm.engine.robot.command_spec import SlotSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.model import effects as fx
+from pirate_sm.model.effect_words import (
+    command_words,
+    condition_words,
+    fault_words,
+    handling_words,
+    question_words,
+    trigger_reason,
+)
+
+if TYPE_CHECKING:
+    from pirate_sm.backends.serial.health import LinkHealth
+
+
+class Line(NamedTuple):
+    """One line: what it is about in a word, and what there is to say."""
+
+    topic: str
+    text: str
+
+
+class Teller:
+    """Turns effects into lines; remembers what it has said so that it tells changes only."""
+
+    def __init__(
+        self, robot: RobotSpec, *, with_setpoints: bool, short: bool = False, nominal: bool = False
+    ) -> None:
+        """Begin with nothing said.
+
+        Args:
+            robot: Whose slots and regions are told about.
+            with_setpoints: Whether setpoints are told.
+            short: Whether regions are named without the ending that they share.
+            nominal: Whether it is a trace, where no operator takes a trigger but its script.
+        """
+        self._robot = robot
+        self._labels = shortened(robot.regions) if short else list(robot.regions)
+        self._with_setpoints = with_setpoints
+        self._nominal = nominal
+        self._values: tuple[float, ...] = (0.0,) * len(robot.slots)
+        self._states: tuple[str, ...] = ()
+        self._unconfirmed: tuple[str, ...] = ()
+
+    def lines(self, effect: fx.Effect) -> list[Line]:
+        """Return the lines about one effect; none where nothing has changed for a person."""
+        if isinstance(effect, fx.StateChange):
+            return self._state(effect)
+        if isinstance(effect, fx.Setpoints):
+            return self._setpoints(effect)
+        line = _line(effect, nominal=self._nominal)
+        return [line] if line else []
+
+    def _state(self, it: fx.StateChange) -> list[Line]:
+        before = self._states or it.states
+        first = not self._states
+        changes = []
+        for index, (old, new) in enumerate(zip(before, it.states, strict=True)):
+            region, label = self._robot.regions[index], self._labels[index]
+            doubtful = region in it.unconfirmed
+            mark = " (unconfirmed)" if doubtful else ""
+            if old != new:
+                changes.append(f"{label} {old} → {new}{mark}")
+            elif first:
+                changes.append(f"{label} {new}{mark}")
+            elif doubtful != (region in self._unconfirmed):
+                changes.append(f"{label} {new} {'unconfirmed' if doubtful else 'confirmed'}")
+        self._states, self._unconfirmed = it.states, it.unconfirmed
+        return [Line("state", ", ".join(changes))] if changes else []
+
+    def _setpoints(self, it: fx.Setpoints) -> list[Line]:
+        if not self._with_setpoints:
+            return []
+        changes = changed_setpoints(self._robot.slots, self._values, it.values)
+        self._values = it.values
+        return [Line("setpoints", f"#{it.setpoint_id} {', '.join(changes) or 'unchanged'}")]
+
+
+def _line(effect: fx.Effect, *, nominal: bool) -> Line | None:  # noqa: C901 - one case each
+    """Return the line about an effect that says all there is to say, whatever came before."""
+    match effect:
+        case fx.CommandStatus(status=status, place=place):
+            where = f" ({place})" if place and status in ("refused", "failed") else ""
+            return Line("command", f"{command_words(effect)}{where}")
+        case fx.PhaseChange(phase):
+            return Line("phase", phase)
+        case fx.WaitArmed(deadline_s=deadline_s):
+            limit = "" if isinf(deadline_s) else f", at most until {deadline_s:.1f} s"
+            return Line("waits", f"for {condition_words(effect)}{limit}")
+        case fx.TriggerFired(go=go):
+            return Line("trigger", f"{trigger_reason(effect, nominal=nominal)} → {go}")
+        case fx.Detected(word):
+            return Line("detected", word)
+        case fx.Environment(segment=segment, measures=measures):
+            return Line("pipe", ", ".join(filter(None, (segment or "unknown", measures))))
+        case fx.Fault(handling=handling):
+            logged = "logged, " if handling == "continue" else ""
+            return Line("fault", f"{fault_words(effect)} ({logged}{handling_words(effect)})")
+        case fx.Log(level, message):
+            return Line("log" if level == "info" else level, message)
+        case fx.Ask(question=""):
+            return None
+        case fx.Ask():
+            return Line("asks", question_words(effect))
+        case fx.StateChange() | fx.Setpoints() | fx.WakeAt() | fx.Ended():
+            return None
+
+
+def changed_setpoints(
+    slots: tuple[SlotSpec, ...], before: tuple[float, ...], values: tuple[float, ...]
+) -> list[str]:
+    """Return the slots whose setpoint is new, by name and with its unit."""
+    return [
+        f"{slot.name} {setpoint(slot, new)}"
+        for slot, old, new in zip(slots, before, values, strict=True)
+        if old != new
+    ]
+
+
+def setpoint(slot: SlotSpec, value: float) -> str:
+    """Return a setpoint as people read it: duty cycle in per cent, angle in degrees."""
+    return f"{degrees(value):.1f}°" if slot.unit == "angle" else f"{value * 100:.3g} %"
+
+
+def summary(
+    ended: fx.Ended, now_s: float, distance_m: float | None, odometry_m: float | None
+) -> str:
+    """Return how a run ended, in one line."""
+    ways = []
+    if distance_m is not None:
+        ways.append(f"moved {distance_m:z.2f} m")
+    if odometry_m is not None:
+        ways.append(f"odometer {odometry_m:z.2f} m")
+    way = f" ({', '.join(ways)})" if ways else ""
+    return f"{ended.outcome} after {now_s:.1f} s{way}: {ended.message}"
+
+
+UNCONFIRMED = "the robot has not confirmed that it stopped"
+
+
+def away(link: LinkHealth, *, stopping: bool = False) -> str:
+    """Return what is wrong with the link, and whether a stop waits for it; empty: nothing."""
+    if stopping and link.trouble:
+        return f"stopping waits for the link, given up in {link.patience_s:.0f} s: {link.trouble}"
+    return f"link: {link.trouble}, for {link.silent_s:.1f} s" if link.trouble else ""
+
+
+def shortened(names: Sequence[str]) -> list[str]:
+    """Return the names without the ending that all of them share."""
+    endings = zip(*map(reversed, names), strict=False)
+    shared = sum(1 for _ in takewhile(lambda letters: len(set(letters)) == 1, endings))
+    return [name[: len(name) - shared] or name for name in names]

@@ -1,0 +1,69 @@
+"""Snapshots of a run that goes on, and trends of the signals that are followed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import inf, isnan
+
+from pirate_sm.engine.state import EngineState
+from pirate_sm.showing.robot_anatomy import anatomy_of
+from pirate_sm.showing.run_history import Story
+from pirate_sm.showing.snapshot import Scene, Snapshot
+from pirate_sm.wiring import Prepared
+
+TREND_EVERY_S = 0.5
+TREND_LENGTH = 120
+
+
+class Trends:
+    """The last values of the signals that a robot's anatomy follows.
+
+    Attributes:
+        latest: They, oldest first; replaced, never changed.
+    """
+
+    def __init__(self) -> None:
+        self._due_s = -inf
+        self.latest: Mapping[str, tuple[float, ...]] = {}
+
+    def look(self, scene: Scene, state: EngineState, now_s: float) -> None:
+        """Note another value of each, when it is time."""
+        if now_s < self._due_s:
+            return
+        self._due_s = now_s + TREND_EVERY_S
+        signals = scene.engine.signals(state)
+        self.latest = {
+            name: (*self.latest.get(name, ()), 0.0 if isnan(value) else value)[-TREND_LENGTH:]
+            for name in scene.anatomy.followed
+            if (value := signals.get(name)) is not None
+        }
+
+
+def scene_of(prepared: Prepared) -> Scene:
+    """Return what stays the same in a run."""
+    loaded = prepared.loaded
+    anatomy = anatomy_of(loaded.loaded_robot.profile, loaded.robot)
+    return Scene(loaded, prepared.engine, anatomy, prepared.order.backend)
+
+
+def snapshot_of(
+    scene: Scene,
+    prepared: Prepared,
+    state: EngineState | None,
+    now_s: float,
+    story: Story,
+    trends: Trends,
+    *,
+    over: bool = False,
+    before_m: float = 0.0,
+) -> Snapshot:
+    """Return this moment of a run, with what its backend knows of place and link."""
+    truth, reckoned = None, False
+    if prepared.truth is not None:
+        truth = prepared.truth()
+    elif prepared.reckoned is not None:
+        truth, reckoned = prepared.reckoned(), True
+    link = prepared.link() if prepared.link and state is not None else None
+    return Snapshot(
+        scene, now_s, state, story, truth, reckoned, link, trends.latest, over, before_m
+    )

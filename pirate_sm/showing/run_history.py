@@ -1,0 +1,170 @@
+"""What has happened in a run so far, as far as the engine's state does not hold it."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Container, Mapping, Sequence
+from copy import copy
+from typing import NamedTuple
+
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.loading.mission.wait_writer import TIME_LIMIT
+from pirate_sm.model import effects as fx
+from pirate_sm.showing.effect_lines import Line, Teller
+
+_KEPT = 300
+_ALARMING = {"fault", "warning", "error"}
+
+ENDED = "ended"
+"""Topic of the line that says how a mission ended."""
+
+
+class Visit(NamedTuple):
+    """A phase and when it was entered."""
+
+    phase: str
+    since_s: float
+
+
+class NumberedLine(NamedTuple):
+    """A line, when it was told, and the how many-th it is."""
+
+    number: int
+    now_s: float
+    line: Line
+
+
+class Story(NamedTuple):
+    """What had happened by some moment; attributes as of :class:`Memory`."""
+
+    phase: Visit
+    spent_s: Mapping[str, float]
+    wait: tuple[fx.WaitArmed, float] | None
+    question: fx.Ask | None
+    setpoints: tuple[float, ...]
+    recent: tuple[NumberedLine, ...]
+    alarm: NumberedLine | None
+    ended: fx.Ended | None
+    banner: NumberedLine | None = None
+    passed: frozenset[str] = frozenset()
+
+
+class Memory:
+    """What has happened so far.
+
+    Attributes:
+        phase: Where the mission is.
+        spent_s: How long it has been in each phase that it has left.
+        wait: What it waits for, and since when; None while it does not.
+        question: What the operator is asked; None while nothing is.
+        setpoints: The newest array.
+        changed: Slots that the newest array changed.
+        recent: The last lines.
+        alarm: The last of them that tells of something wrong.
+        banner: The last of them that says how a mission ended.
+        ended: How it ended.
+        passed: Places of the waits that one of their triggers has ended, not their time limit.
+    """
+
+    def __init__(
+        self, robot: RobotSpec, *, nominal: bool = False, quiet: Container[str] = ()
+    ) -> None:
+        """Begin before anything has happened.
+
+        Args:
+            robot: Whose run it is.
+            nominal: Whether it is a trace.
+            quiet: Messages of ends that need no banner.
+        """
+        self._nominal = nominal
+        self._quiet = quiet
+        self._teller = Teller(robot, with_setpoints=False, short=True, nominal=nominal)
+        self.phase = Visit("", 0.0)
+        self.spent_s: dict[str, float] = {}
+        self.wait: tuple[fx.WaitArmed, float] | None = None
+        self.states: fx.StateChange | None = None
+        self.setpoints: tuple[float, ...] = (0.0,) * len(robot.slots)
+        self.changed: frozenset[int] = frozenset()
+        self.recent: deque[NumberedLine] = deque(maxlen=_KEPT)
+        self.alarm: NumberedLine | None = None
+        self.banner: NumberedLine | None = None
+        self.question: fx.Ask | None = None
+        self.ended: fx.Ended | None = None
+        self.passed: frozenset[str] = frozenset()
+        self._told = 0
+
+    def begin(self, robot: RobotSpec) -> None:
+        """Begin another mission; the lines so far stay, and how the last one ended."""
+        fresh = Memory(robot, nominal=self._nominal, quiet=self._quiet)
+        fresh.recent, fresh._told, fresh.banner = self.recent, self._told, self.banner
+        self.__dict__.update(fresh.__dict__)
+
+    def see(self, effects: Sequence[fx.Effect], now_s: float) -> None:
+        """Take in the effects."""
+        for effect in effects:
+            self._note(effect, now_s)
+            for line in self._teller.lines(effect):
+                self.tell(line, now_s)
+            if isinstance(effect, fx.Ended):
+                quiet = effect.outcome == "interrupted" and effect.message in self._quiet
+                topic = "console" if quiet else ENDED
+                self.tell(Line(topic, f"{effect.outcome}: {effect.message}"), now_s)
+
+    def tell(self, line: Line, now_s: float) -> None:
+        """Add a line to those that were shown."""
+        self._told += 1
+        told = NumberedLine(self._told, now_s, line)
+        self.recent.append(told)
+        if line.topic in _ALARMING:
+            self.alarm = told
+        elif line.topic == ENDED:
+            self.banner = told
+
+    def story(self) -> Story:
+        """Return all of it as it is now, in a form that does not change."""
+        now = {name: getattr(self, name) for name in Story._fields}
+        return Story(**{**now, "spent_s": {**self.spent_s}, "recent": tuple(self.recent)})
+
+    def twin(self) -> Memory:
+        """Return a copy that goes on independently."""
+        twin = copy(self)
+        twin._teller, twin.recent, twin.spent_s = (
+            copy(self._teller),
+            self.recent.copy(),
+            {**self.spent_s},
+        )
+        return twin
+
+    def _note(self, effect: fx.Effect, now_s: float) -> None:
+        match effect:
+            case fx.PhaseChange():
+                self._leave(now_s)
+                self.phase, self.wait = Visit(effect.phase, now_s), None
+                self.question = None
+            case fx.Ask():
+                self.question = effect if effect.question else None
+            case fx.WaitArmed():
+                if effect.phase != self.phase.phase:  # back from a mission that it called
+                    self._leave(now_s)
+                    self.phase = Visit(effect.phase, now_s)
+                self.wait = effect, now_s
+            case fx.TriggerFired():
+                self.wait = None
+                if effect.trigger != TIME_LIMIT:
+                    self.passed |= {effect.place}
+            case fx.StateChange():
+                self.states = effect
+            case fx.Setpoints():
+                pairs = zip(self.setpoints, effect.values, strict=True)
+                self.changed = frozenset(i for i, (old, new) in enumerate(pairs) if old != new)
+                self.setpoints = effect.values
+            case fx.Ended():
+                self._leave(now_s)
+                self.ended, self.wait, self.question = effect, None, None
+            case _:
+                pass
+
+    def _leave(self, now_s: float) -> None:
+        name, since_s = self.phase
+        if name:
+            self.spent_s[name] = self.spent_s.get(name, 0.0) + now_s - since_s

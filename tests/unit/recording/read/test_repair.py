@@ -1,0 +1,155 @@
+"""A repaired recording holds what the torn one held, and other programs find its index."""
+
+from __future__ import annotations
+
+import errno
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from random import Random
+
+import pytest
+from keeping import Memory, course, header, tell
+from mcap.reader import make_reader
+from mcap.writer import MCAP0_MAGIC
+
+from pirate_sm.recording.read import repair as module
+from pirate_sm.recording.read.reader import Recording, read_recording
+from pirate_sm.recording.read.repair import is_whole, repair
+from pirate_sm.recording.write.recorder import Recorder
+from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
+
+
+@pytest.fixture(scope="module")
+def whole() -> bytes:
+    """A recording in many pieces."""
+    memory, begun = Memory(), header()
+    one = Recorder(RecordingFile(memory, begun), begun, real_time=False, commit_s=3600.0)
+    told = course(1_500)
+    tell(one, [])
+    for number, (event, at_s, effects) in enumerate(told):
+        one.take(event, at_s, effects)
+        if number % 100 == 0:
+            one._commit()
+    one.close()
+    return memory.data
+
+
+def cut(whole: bytes, folder: Path, length: int) -> Recording:
+    path = folder / "cut.mcap"
+    path.write_bytes(whole[:length])
+    return read_recording(path)
+
+
+def test_wherever_it_was_cut_off_everything_that_can_be_read_is_kept(
+    whole: bytes, tmp_path: Path
+) -> None:
+    beginning = read_content_begins(whole, tmp_path)
+    for number, length in enumerate(Random(5).sample(range(beginning, len(whole) - 1), 25)):
+        torn = cut(whole, tmp_path, length)
+        path = tmp_path / f"{number}.mcap"
+        done = repair(torn, path)
+        again = read_recording(path)
+
+        assert list(again.steps()) == list(torn.steps())
+        assert again.header == torn.header
+        assert (done.steps, done.until_s) == (len(list(torn.steps())), torn.until_s)
+        assert done.torn_bytes == torn.content.size - torn.content.whole
+        assert done.damage == ""
+        assert again.content.complete
+        assert again.complete == torn.complete
+        assert again.notices == (() if torn.complete else torn.notices)
+        assert is_whole(again)
+        assert not is_whole(torn)
+
+
+def read_content_begins(whole: bytes, folder: Path) -> int:
+    """Where the first piece begins, with its frame."""
+    return cut(whole, folder, len(whole)).content.pieces[0].at - 9
+
+
+def opens(path: Path) -> int:
+    """How many messages the official reader finds by the index of a file."""
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        summary = reader.get_summary()
+        found = sum(1 for _ in reader.iter_messages())
+        assert summary is not None
+        assert summary.statistics is not None
+        assert summary.statistics.message_count == found
+        assert len(list(reader.iter_attachments())) == 1 + len(header().files)
+    return found
+
+
+def spoiled(whole: bytes) -> Iterator[bytes]:
+    """The recording with an end that is none any more, in many ways."""
+    yield whole[:-1]
+    yield whole + b"\xff" * 400
+    yield whole + whole
+    begins = whole.rindex(MCAP0_MAGIC) - 20
+    (index,) = struct.unpack_from("<Q", whole, begins)
+    for at in Random(6).sample(range(index, len(whole)), 40):
+        data = bytearray(whole)
+        data[at] ^= 1 << at % 8
+        yield bytes(data)
+
+
+def test_whatever_became_of_the_end_the_official_reader_opens_what_there_is_then(
+    whole: bytes, tmp_path: Path
+) -> None:
+    (tmp_path / "whole.mcap").write_bytes(whole)
+    expected = opens(tmp_path / "whole.mcap")
+    for number, data in enumerate(spoiled(whole)):
+        spoilt, path = tmp_path / "spoilt.mcap", tmp_path / f"{number}.mcap"
+        spoilt.write_bytes(data)
+        recording = read_recording(spoilt)
+        assert not is_whole(recording)
+        assert "the index at the end of the file" in recording.notices[0]
+        done = repair(recording, path)
+
+        assert opens(path) == expected
+        assert done.complete
+        assert read_recording(path).notices == ()
+
+
+def test_the_official_reader_finds_its_index(whole: bytes, tmp_path: Path) -> None:
+    torn = cut(whole, tmp_path, len(whole) * 2 // 3)
+    repair(torn, tmp_path / "good.mcap")
+    with (tmp_path / "good.mcap").open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        summary = reader.get_summary()
+        found = [(channel.topic, message.data) for _, channel, message in reader.iter_messages()]
+
+    assert summary is not None
+    assert summary.statistics is not None
+    assert len(summary.chunk_indexes) == summary.statistics.chunk_count
+    assert summary.statistics.message_count == len(found)
+    assert summary.statistics.attachment_count == 1 + len(header().files)
+    assert {schema.encoding for schema in summary.schemas.values()} == {"jsonschema"}
+
+
+def test_small_pieces_become_large_ones(
+    whole: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    torn = cut(whole, tmp_path, len(whole) - 1)
+    repair(torn, tmp_path / "one.mcap")
+    monkeypatch.setattr(module, "_LEAST_BYTES", 20_000)
+    repair(torn, tmp_path / "many.mcap")
+
+    assert len(torn.content.pieces) > 10
+    assert len(read_recording(tmp_path / "one.mcap").content.pieces) == 1
+    assert 1 < len(read_recording(tmp_path / "many.mcap").content.pieces) < 10
+
+
+def test_where_the_disk_is_full_there_is_no_new_file(
+    whole: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(self: DiskFile, data: bytes, /) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    torn = cut(whole, tmp_path, len(whole) - 1)
+    monkeypatch.setattr(DiskFile, "write", full)
+
+    with pytest.raises(OSError, match="No space left"):
+        repair(torn, tmp_path / "new.mcap")
+    assert not (tmp_path / "new.mcap").exists()

@@ -1,0 +1,70 @@
+"""A replay that is shared out among processes says the same as one that is not."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+from recording_runs import record
+
+from pirate_sm.recording.replay.parallel_replay import _stretches, replay_shared
+from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.replay.replay import replay
+from pirate_sm.recording.write import recorder
+from pirate_sm.wiring import Order
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(recorder, "CHECKPOINT_S", 2.0)
+        return record(tmp_path_factory.mktemp("runs") / "run.mcap", Order("mitre_bend", seed=2))
+
+
+@pytest.fixture(scope="module")
+def wrong(tmp_path_factory):
+    """A run of which one checkpoint says something else."""
+    right, calls = recorder.state_to_text, 0
+
+    def changed(state):
+        nonlocal calls
+        calls += 1
+        return right(state._replace(wake_at_s=1e6) if calls == 4 else state)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(recorder, "CHECKPOINT_S", 2.0)
+        patch.setattr(recorder, "state_to_text", changed)
+        return record(tmp_path_factory.mktemp("runs") / "run.mcap", Order("mitre_bend", seed=2))
+
+
+def alone(recording, **options):
+    with recorded_mission(recording.header) as loaded:
+        return replay(recording, loaded, **options)
+
+
+def test_shared_out_the_same_is_found(run):
+    assert replay_shared(run, 2) == alone(run)
+
+
+def test_so_is_a_stretch(run):
+    after = run.checkpoint(7.0)
+
+    assert replay_shared(run, 2, after=after, until_s=20.0) == alone(run, after=after, until_s=20.0)
+
+
+def test_so_is_the_first_difference(wrong):
+    found = replay_shared(wrong, 2)
+
+    assert found == alone(wrong)
+    assert found.difference is not None
+    assert found.difference.remembers == ("wake_at_s",)
+
+
+@pytest.mark.parametrize("most", [1, 3, 8, 1000])
+def test_the_stretches_are_the_whole_run_without_a_gap(run, most):
+    stretches = list(_stretches(run, most, None, 1e9))
+
+    assert stretches[0].after is None
+    assert stretches[-1].until is None
+    assert all(a.until == b.after for a, b in pairwise(stretches))
+    assert len(stretches) <= min(most, len(list(run.checkpoints()))) + 1
