@@ -78,11 +78,13 @@ class RobotView:
         """The largest duty cycle that a slot can have in a configuration."""
         found = [0.0]
         for each in self.writes(configuration, slot):
-            loop = self.loaded.normal.slots[slot].loop
+            spec = self.loaded.normal.slots[slot]
             if each.write.how == "set":
                 found.append(abs(each.write.value))
-            elif each.write.how == "seek" and loop is not None:
-                found.append(loop.limit)
+            elif each.write.how == "seek" and spec.position is not None:
+                found.append(spec.position.limit)
+            elif each.write.how == "turn" and spec.velocity is not None:
+                found.append(spec.velocity.limit)
             else:
                 found.append(1.0)  # it keeps what another state has written
         return max(found)

@@ -1,4 +1,4 @@
-"""What each state writes to the wire, resolved to slots, signs and position loops."""
+"""What each state writes to the wire, resolved to slots, signs and loops."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pirate_sm.engine.robot.robot_spec import SlotSpec, StageSpec, Write
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_signals import Signals
 from pirate_sm.loading.robot_slots import Slots
-from pirate_sm.model.actuation import KEEP, Duty, Setpoint, Share, Target
+from pirate_sm.model.actuation import KEEP, Duty, Setpoint, Share, Speed, Target
 from pirate_sm.model.profile import Profile
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE
@@ -108,6 +108,12 @@ def _write(
         if slot.unit != "duty":
             problems.add("robot.setpoint", path, f"'{slot.name}' takes an angle, not a duty cycle")
         return Write(index, "set", sign * setpoint.value + 0.0)
+    if isinstance(setpoint, Speed):
+        if slot.velocity is None:
+            message = f"'{slot.name}' has no wheel whose motor has a velocity loop to keep a speed"
+            problems.add("robot.setpoint", path, message)
+            return Write(index, "turn", 0.0)
+        return Write(index, "turn", sign * setpoint.value / slot.velocity.radius_m + 0.0)
     assert isinstance(setpoint, Target)
     if slot.unit == "angle":
         if abs(setpoint.angle_rad) > slot.high:
@@ -115,7 +121,7 @@ def _write(
             message = f"{angle:.4g} deg is beyond the limit of '{slot.name}', {most:.4g} deg"
             problems.add("robot.setpoint", path, message)
         return Write(index, "set", sign * setpoint.angle_rad + 0.0)
-    if slot.loop is None:
+    if slot.position is None:
         problems.add(
             "robot.setpoint", path,
             f"'{slot.name}' takes a duty cycle: its motor has no position loop to hold an angle",

@@ -171,7 +171,7 @@ class Course:
     def _move(self, elapsed: float) -> None:
         names = self.robot.vocabulary.numbers
         body = self.state.robot
-        for loop in body.loops:
+        for loop in body.seekers:
             self.signals[names[loop.angle]] = loop.target_rad
         for slot, value in zip(self.robot.slots, body.values, strict=True):
             if slot.torque >= 0:
