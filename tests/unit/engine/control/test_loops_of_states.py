@@ -6,40 +6,12 @@ from dataclasses import replace
 
 import pytest
 from driving import Driver, command
+from rolling_newt import DRIVE, HELD
 
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 from pirate_sm.recording.states import state_from_text, state_to_text
 
-DRIVE = """\
-start: drive
-phases:
-  drive:
-    do: [GoAhead]
-    wait: [{operator: on, go: rest}, {operator: light, go: light}]
-    within: {time: 10 h, go: failed}
-  light:
-    do: [SwitchLamp]
-    wait: [{operator: on, go: rest}]
-    within: {time: 10 h, go: failed}
-  rest:
-    do: [Rest]
-    wait: [{operator: on, go: done}]
-    within: {time: 10 h, go: failed}
-  handle:
-    wait: [{operator: on, go: again}]
-    within: {time: 10 h, go: failed}
-  again:
-    do: [GoAhead]
-    wait: [{operator: on, go: rest}]
-    within: {time: 10 h, go: failed}
-on_fault:
-  - {fault: motor.hot, go: handle}
-  - {fault: sensor.silent, then: continue}
-ends:
-  done: {succeed: Done}
-  failed: {fail: Not done}
-"""
 WHEELS = ("drive_a", "drive_b", "drive_c", "drive_d")
 SLOW = {"roll_a": 2.0, "roll_b": -2.0, "roll_c": 2.0, "roll_d": -2.0}
 """The tracks turn with 2 rad/s, and shall with 3."""
@@ -326,10 +298,19 @@ def test_in_the_safe_state_a_worm_gets_zero_and_another_motor_its_last_duty(newt
     assert duties(driver) == (0, 0, 0, held)
 
 
+SEEKING = (
+    ("BothHeld: {fold_neck: -50 %", "BothHeld: {fold_neck: -0.5 rad"),
+    (
+        "stalled, joints: [neck], loaded: [neck], torque: 0.25 Nm, still: 6 deg/s, for: 0.2 s}",
+        "reached}",
+    ),
+)
+"""The nose is clamped by a position loop."""
+
+
 def test_a_position_loop_and_a_velocity_loop_share_their_arrays(newt):
-    driver = driving(newt(DRIVE, LIT_TURNS))
-    driver.signals |= {"neck": 0.0}
-    driver.give(ev.Answer("light"))
+    driver = driving(newt(DRIVE, *SEEKING, states=HELD | {"Grip": "TailHeld"}))
+    driver.give(ev.Answer("clamp"))
     driver.accept()
     kinds = [type(each).__name__ for each in driver.state.robot.loops]
 
@@ -338,14 +319,14 @@ def test_a_position_loop_and_a_velocity_loop_share_their_arrays(newt):
     driver.run(driver.now + 0.1, **SLOW)
 
     assert kinds == ["VelocityLoop"] * 4 + ["PositionLoop"]
-    assert driver.array["fold_hip"] == pytest.approx(0.5)
+    assert driver.array["fold_neck"] == pytest.approx(-0.5)
     assert driver.setpoints == shared, "an array of a position loop is awaited"
     driver.accept()
     assert duties(driver)[0] > shared.values[0]
-    driver.signals |= {"hip": 1.0}
+    driver.signals |= {"neck": -0.5}
     driver.run(driver.now + 0.1, **SLOW)
     accept_all(driver)
-    assert driver.array["fold_hip"] == 0, "it has ended with its command"
+    assert driver.array["fold_neck"] == 0, "it has ended with its command"
     assert [type(each).__name__ for each in driver.state.robot.loops] == ["VelocityLoop"] * 4
     assert sent_during(driver, 0.3, **SLOW)
 

@@ -58,9 +58,7 @@ def test_a_wheel_that_was_blocked_for_long_slows_down_with_the_next_frames():
     assert after(blocked, 5.0).duty(()) == pytest.approx(1.0 - 0.3 * 2.0 / 5.0)
 
 
-@given(
-    st.floats(-10, 10), st.floats(0.01, 1), st.floats(0.05, 1), st.lists(SPEEDS | st.just(nan))
-)
+@given(st.floats(-10, 10), st.floats(0.01, 1), st.floats(0.05, 1), st.lists(SPEEDS | st.just(nan)))
 def test_whatever_it_hears_the_duty_stays_within_its_limit(target, gain, limit, speeds):
     loop = after(VelocityLoop(2, SPEC._replace(gain=gain, limit=limit), target), *speeds)
 
