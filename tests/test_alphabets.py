@@ -110,6 +110,18 @@ ALPHABETS = {
         "NewOf(Frozen)",
         ("loading/robot_signals.py", "showing/anatomy.py"),
     ),
+    "setpoint": Alphabet(
+        "model/actuation.py",
+        '| Literal["keep"]',
+        "NewSetpoint(NamedTuple)",
+        ("loading/robot_actuation.py", "model/actuation.py"),
+    ),
+    "loop": Alphabet(
+        "engine/control/loops.py",
+        "| VelocityLoop",
+        "NewLoop(NamedTuple)",
+        ("engine/control/loops.py",),
+    ),
     "origin of a fault": Alphabet(
         "model/fault_codes.py",
         'Literal["sensors", "link", "surroundings", "program"]',

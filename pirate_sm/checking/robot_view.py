@@ -79,14 +79,15 @@ class RobotView:
         found = [0.0]
         for each in self.writes(configuration, slot):
             spec = self.loaded.normal.slots[slot]
-            if each.write.how == "set":
-                found.append(abs(each.write.value))
-            elif each.write.how == "seek" and spec.position is not None:
-                found.append(spec.position.limit)
-            elif each.write.how == "turn" and spec.velocity is not None:
-                found.append(spec.velocity.limit)
-            else:
-                found.append(1.0)  # it keeps what another state has written
+            match each.write.how:
+                case "set":
+                    found.append(abs(each.write.value))
+                case "seek":
+                    found.append(spec.position.limit if spec.position else 1.0)
+                case "turn":
+                    found.append(spec.velocity.limit if spec.velocity else 1.0)
+                case "keep":
+                    found.append(1.0)  # what another state has written
         return max(found)
 
     @cached_property

@@ -11,7 +11,7 @@ from pirate_sm.engine.robot.robot_spec import SlotSpec, StageSpec, Write
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot_signals import Signals
 from pirate_sm.loading.robot_slots import Slots
-from pirate_sm.model.actuation import KEEP, Duty, Setpoint, Share, Speed, Target
+from pirate_sm.model.actuation import Duty, Setpoint, Share, Speed, Target
 from pirate_sm.model.profile import Profile
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE
@@ -71,13 +71,11 @@ def resolve_stage(
         index = slots.index(name, (*at, name))
         sign = -1.0 if polarity == "mirrored" and slots.mirrors[index] else 1.0
         path: Path = (*at, name)
+        write = _write(index, slots.specs[index], setpoint, sign, path, problems)
         if isinstance(setpoint, Share):
             source = _source(profile, setpoint, signals, at, path, problems)
-            factor = Target(setpoint.factor)
-            write = _write(index, slots.specs[index], factor, 1.0, path, problems)
-            writes.append(write._replace(share_of=source))
-        else:
-            writes.append(_write(index, slots.specs[index], setpoint, sign, path, problems))
+            write = write._replace(share_of=source)
+        writes.append(write)
     return tuple(writes)
 
 
@@ -102,31 +100,40 @@ def _source(
 def _write(
     index: int, slot: SlotSpec, setpoint: Setpoint, sign: float, path: Path, problems: Problems
 ) -> Write:
-    if setpoint == KEEP:
-        return Write(index, "keep", 0.0)
-    if isinstance(setpoint, Duty):
-        if slot.unit != "duty":
-            problems.add("robot.setpoint", path, f"'{slot.name}' takes an angle, not a duty cycle")
-        return Write(index, "set", sign * setpoint.value + 0.0)
-    if isinstance(setpoint, Speed):
-        if slot.velocity is None:
+    match setpoint:
+        case Duty(value):
+            if slot.unit != "duty":
+                message = f"'{slot.name}' takes an angle, not a duty cycle"
+                problems.add("robot.setpoint", path, message)
+            return Write(index, "set", sign * value + 0.0)
+        case Speed(value):
+            if slot.velocity is not None:
+                return Write(index, "turn", sign * value / slot.velocity.radius_m + 0.0)
             message = f"'{slot.name}' has no wheel whose motor has a velocity loop to keep a speed"
             problems.add("robot.setpoint", path, message)
-            return Write(index, "turn", 0.0)
-        return Write(index, "turn", sign * setpoint.value / slot.velocity.radius_m + 0.0)
-    assert isinstance(setpoint, Target)
+            return Write(index, "keep", 0.0)
+        case Target(angle_rad):
+            return _target(index, slot, sign * angle_rad + 0.0, path, problems)
+        case Share(factor):
+            return _target(index, slot, factor + 0.0, path, problems)
+        case "keep":
+            return Write(index, "keep", 0.0)
+
+
+def _target(index: int, slot: SlotSpec, angle_rad: float, path: Path, problems: Problems) -> Write:
+    """Return what brings the slot to an angle: its board's own controller, or our loop."""
     if slot.unit == "angle":
-        if abs(setpoint.angle_rad) > slot.high:
-            angle, most = degrees(setpoint.angle_rad), degrees(slot.high)
+        if abs(angle_rad) > slot.high:
+            angle, most = degrees(angle_rad), degrees(slot.high)
             message = f"{angle:.4g} deg is beyond the limit of '{slot.name}', {most:.4g} deg"
             problems.add("robot.setpoint", path, message)
-        return Write(index, "set", sign * setpoint.angle_rad + 0.0)
+        return Write(index, "set", angle_rad)
     if slot.position is None:
-        problems.add(
-            "robot.setpoint", path,
-            f"'{slot.name}' takes a duty cycle: its motor has no position loop to hold an angle",
-        )  # fmt: skip
-    return Write(index, "seek", sign * setpoint.angle_rad + 0.0)
+        message = (
+            f"'{slot.name}' takes a duty cycle: its motor has no position loop to hold an angle"
+        )
+        problems.add("robot.setpoint", path, message)
+    return Write(index, "seek", angle_rad)
 
 
 def _check_slots(

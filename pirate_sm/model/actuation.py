@@ -71,13 +71,17 @@ def _read(value: Any) -> Any:
 
 
 def _write(value: Setpoint) -> str:
-    if isinstance(value, Duty):
-        return f"{value.value * 100:g} %"
-    if isinstance(value, Share):
-        return f"{value.factor:g} * {value.joint}"
-    if isinstance(value, Speed):
-        return f"{value.value} m/s"
-    return f"{value.angle_rad} rad" if isinstance(value, Target) else value
+    match value:
+        case Duty(duty):
+            return f"{duty * 100:g} %"
+        case Target(angle_rad):
+            return f"{angle_rad} rad"
+        case Share(factor, joint):
+            return f"{factor:g} * {joint}"
+        case Speed(speed):
+            return f"{speed} m/s"
+        case "keep":
+            return value
 
 
 SlotSetpoint = Annotated[

@@ -29,17 +29,21 @@ def begun(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) 
             what it remembers.
     """
     match write.how:
-        case "seek" if slot.position is not None:
+        case "seek":
+            if slot.position is None:
+                return None
             share = 1.0 if write.share_of < 0 else numbers[write.share_of]
             target_rad = write.value * share
             return PositionLoop(
                 write.slot, slot.angle, slot.rate, slot.torque, slot.position, target_rad
             )
-        case "turn" if slot.velocity is not None:
+        case "turn":
+            if slot.velocity is None:
+                return None
             new = VelocityLoop(write.slot, slot.velocity, write.value)
             same = isinstance(running, VelocityLoop) and running._replace(integral=0.0) == new
             return running if same else new
-        case _:
+        case "set" | "keep":
             return None
 
 

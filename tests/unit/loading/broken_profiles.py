@@ -268,14 +268,14 @@ FAULTS = [
     (
         "    no_load_speed: 5 rad/s\n",
         "    velocity_loop: {gain: 0.3}\n",
-        "kind: geared",
+        "track:",
         "a `velocity_loop` needs the `no_load_speed` of the motor",
     ),
     (
         "    no_load_speed: 5 rad/s\n",
         "    no_load_speed: 5 rad/s\n    velocity_loop: {gain: 1.5}\n",
         "1.5",
-        "Input should be less than or equal to 1",
+        "expected at most 1, got '1.5'",
     ),
     ("Lit: {lamp: 60 %}", "Lit: {}", "{}", "other states of Lamp write lamp"),
     (
