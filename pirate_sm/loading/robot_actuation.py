@@ -107,17 +107,29 @@ def _write(
                 problems.add("robot.setpoint", path, message)
             return Write(index, "set", sign * value + 0.0)
         case Speed(value):
-            if slot.velocity is not None:
-                return Write(index, "turn", sign * value / slot.velocity.radius_m + 0.0)
-            message = f"'{slot.name}' has no wheel whose motor has a velocity loop to keep a speed"
-            problems.add("robot.setpoint", path, message)
-            return Write(index, "keep", 0.0)
+            return _speed(index, slot, sign * value, path, problems)
         case Target(angle_rad):
             return _target(index, slot, sign * angle_rad + 0.0, path, problems)
         case Share(factor):
             return _target(index, slot, factor + 0.0, path, problems)
         case "keep":
             return Write(index, "keep", 0.0)
+
+
+def _speed(index: int, slot: SlotSpec, value: float, path: Path, problems: Problems) -> Write:
+    """Return what keeps the slot's wheel at a speed in m/s."""
+    spec = slot.velocity
+    if spec is None:
+        message = f"'{slot.name}' has no wheel whose motor has a velocity loop to keep a speed"
+        problems.add("robot.setpoint", path, message)
+        return Write(index, "keep", 0.0)
+    most = spec.no_load_rad_s * spec.limit * spec.radius_m
+    if abs(value) > most:
+        message = (
+            f"{value * 1000:.4g} mm/s is more than '{slot.name}' reaches, {most * 1000:.4g} mm/s"
+        )
+        problems.add("robot.setpoint", path, message)
+    return Write(index, "turn", value / spec.radius_m + 0.0)
 
 
 def _target(index: int, slot: SlotSpec, angle_rad: float, path: Path, problems: Problems) -> Write:

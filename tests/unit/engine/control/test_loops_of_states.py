@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from driving import Driver, command
+from driving import IDLE, Driver, command
 from rolling_newt import DRIVE, HELD
 
+from pirate_sm.loading.problems import LoadError
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 from pirate_sm.recording.states import state_from_text, state_to_text
@@ -357,3 +358,8 @@ def test_a_state_of_the_engine_with_loops_is_written_without_loss(newt):
     driver.run(driver.now + 0.2, **SLOW)
 
     assert state_from_text(state_to_text(driver.state)) == driver.state
+
+
+def test_a_speed_that_the_motor_never_reaches_is_a_fault_of_the_profile(newt):
+    with pytest.raises(LoadError, match="120 mm/s is more than 'drive_b' reaches, 100 mm/s"):
+        newt(IDLE, ("drive_a: 60 mm/s, drive_b: -60 mm/s", "drive_a: 60 mm/s, drive_b: 120 mm/s"))
