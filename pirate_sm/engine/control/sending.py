@@ -7,7 +7,7 @@ array overtakes it at any time, and nobody waits for it.
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, nan
 
 from pirate_sm.engine.control.loops import Loops, after_frame
 from pirate_sm.engine.control.stages import looped_values
@@ -45,14 +45,13 @@ def send(
     ]
     older, overtaken, since_s = state.flight, state.overtaken, moment.now_s
     if older is not None and older.purpose == "stream":
-        overtaken = (*overtaken, older)
-        since_s = older.since_s
+        overtaken, since_s = (*overtaken, older), older.since_s
     flight = Flight(
         state.next_id,
         values,
         purpose,
         seeking=frozenset(seeking),
-        since_s=since_s,
+        since_s=since_s if purpose == "stream" else nan,
         before=state.loops if purpose == "gate" else (),
     )
     return state._replace(

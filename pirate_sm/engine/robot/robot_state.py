@@ -59,7 +59,7 @@ class Flight(NamedTuple):
             command, such as the duties of its position loops.
         resend_at_s: When the same array is sent again, infinite while a result is awaited.
         seeking: Slots whose values a loop has set that leaves zero behind when it stops.
-        since_s: Since when no array of the stream has been confirmed.
+        since_s: Since when no array of the stream has been confirmed; NaN for another array.
         before: The loops that go on if a command's first array is refused.
     """
 
