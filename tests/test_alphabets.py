@@ -113,6 +113,18 @@ ALPHABETS = {
         "NewOf(Frozen)",
         ("loading/robot/boards.py", "loading/robot/derived_signals.py", "showing/robot_anatomy.py"),
     ),
+    "setpoint": Alphabet(
+        "model/actuation.py",
+        '| Literal["keep"]',
+        "NewSetpoint(NamedTuple)",
+        ("loading/robot_actuation.py", "model/actuation.py"),
+    ),
+    "loop": Alphabet(
+        "engine/control/loops.py",
+        "| VelocityLoop",
+        "NewLoop(NamedTuple)",
+        ("engine/control/loops.py",),
+    ),
     "origin of a fault": Alphabet(
         "model/fault_codes.py",
         'Literal["sensors", "link", "surroundings", "program"]',

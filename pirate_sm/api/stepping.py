@@ -188,7 +188,7 @@ class Session:
         if condition is not None:
             return condition.evaluate(state.sensing.numbers, state.words) is True
         busy = state.robot.motion is not None and not state.mission.suspended
-        return not busy and state.robot.flight is None and state.look is None
+        return not busy and state.robot.awaited is None and state.look is None
 
     def _give(self, event: Event) -> None:
         with AbandonOnError(self._opened, self._ready.backend.name):

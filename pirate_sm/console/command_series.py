@@ -110,7 +110,7 @@ class Giver:
         """See whether a command would be taken now."""
         robot = state.robot
         under_way = robot.motion is not None and not state.mission.suspended
-        self._busy = under_way or robot.flight is not None
+        self._busy = under_way or robot.awaited is not None
         self._due_s = now_s + LOOK_EVERY_S
         return ()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import inf, isnan
 
+from pirate_sm.engine.control import sending
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.mission import pausing
 from pirate_sm.engine.mission.diverting import divert, meet
@@ -77,6 +78,8 @@ def _go_on(moment: Moment, state: EngineState) -> EngineState:
         state = end(moment, state, "failed", message)
     if state.mission.pause_wanted:
         state = pausing.begin_if_wanted(moment, state)
+    if state.robot.loops and not moment.nominal:  # what is commanded now comes first
+        state = state._replace(robot=sending.stream(moment, state.robot, state.sensing))
     return state
 
 
@@ -94,7 +97,7 @@ def _housekeep(moment: Moment, state: EngineState) -> EngineState:
     if has_come(moment.now_s, state.word_until_s):
         words = (*state.words[:-2], None, state.words[-1])
         state = state._replace(words=words, word_until_s=inf)
-    robot = commands.resend(moment, state.robot)
+    robot = sending.resend(moment, state.robot, state.sensing)
     if robot is not state.robot:
         state = state._replace(robot=robot)
     if moment.nominal or not has_come(

@@ -122,7 +122,7 @@ class Engine:
         return robot_state.safe_values(self.robot, state.robot, state.sensing.numbers)
 
     def seeking(self, state: EngineState) -> frozenset[int]:
-        """Return the slots that a position loop drives in the newest array."""
+        """Return the slots of the newest array that a loop drives and that go to zero with it."""
         flight = state.robot.flight
         return state.robot.seeking if flight is None else flight.seeking
 

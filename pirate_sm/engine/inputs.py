@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pirate_sm.engine.control import sending
 from pirate_sm.engine.mission.diverting import meet
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands
@@ -22,6 +23,8 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
     sensing, reports = observe(
         robot, state.sensing, event, body.values, body.latest, now_s, sent=body.sent
     )
+    if body.loops:
+        body = sending.hear(board, body, sensing)
     words = state.obeyed_words(robot)
     faults, found = look(robot, state.faults, board, sensing, words, now_s)
     # Quicker than to replace two fields by name, and this is done for every frame.
@@ -54,17 +57,15 @@ def word(moment: Moment, state: EngineState, event: DetectorWord) -> EngineState
 def submitted(moment: Moment, state: EngineState, event: SubmitResult) -> EngineState:
     """Take in what has become of an array; a stop or loop that was not sent is a fault."""
     flight = state.robot.flight
+    unconfirmed = sending.why_unconfirmed(moment.robot.link, state.robot, event, moment.now_s)
     robot, finished = commands.resolve(moment, state.robot, event)
     state = state.moved(moment.robot, robot)
     state = state.finished(finished)
+    if unconfirmed:
+        state = meet(moment, state, Found.built_in(BuiltInFault.LINK_NO_ECHO, unconfirmed))
     if flight is None or event.setpoint_id != flight.setpoint_id:
         return state
-    limit = moment.robot.link.resend_limit
-    if event.status == "unknown" and flight.tries > limit:
-        message = f"setpoints were not confirmed after {limit} repeats"
-        found = Found.built_in(BuiltInFault.LINK_NO_ECHO, message)
-        state = meet(moment, state, found)
-    elif event.status in {"rejected", "superseded"} and flight.purpose != "gate":
+    if event.status in {"rejected", "superseded"} and flight.purpose != "gate":
         # Only a command can be refused; without the array the robot is not what it seems.
         message = f"the backend has {event.status} setpoints: {event.reason or 'no reason'}"
         state = _refused(moment, state, message)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf, isnan, nan
 from typing import NamedTuple
 
-from pirate_sm.engine.control.position_loop import Loop
+from pirate_sm.engine.control.loops import Loops
 from pirate_sm.engine.mission.program import HandlerSpec
 from pirate_sm.engine.records import often_replaced
 from pirate_sm.engine.robot.confirmation import Look
@@ -48,7 +48,7 @@ class BeforePause(NamedTuple):
     """
 
     values: tuple[float, ...]
-    loops: tuple[Loop, ...]
+    loops: Loops
     configuration: int
     suspended: bool
     doubts: frozenset[Mark] = frozenset()
@@ -72,7 +72,7 @@ class MissionState(NamedTuple):
         diverting: Where a fault leads once the wheels are stopped; ``stopped`` when they are.
         offset_s: How long the mission has been paused in all.
         paused_s: When the present pause began, NaN while running.
-        pause_wanted: Whether it shall pause as soon as no array is in flight.
+        pause_wanted: Whether it shall pause as soon as no array is awaited.
         one_step: Whether it shall pause again after this instruction.
         second_s: Mission time from which on ``entered`` counts phases, for one second.
     """

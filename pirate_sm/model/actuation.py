@@ -1,4 +1,4 @@
-"""What a state or a posture writes to the slots: duty cycles, angles, or nothing new."""
+"""What a state or a posture writes to the slots: duty cycles, angles, speeds, or nothing new."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pirate_sm.model.base import Condition, Frozen, Name
 from pirate_sm.model.criteria import Criterion
 from pirate_sm.model.quantities import Angle
 from pirate_sm.model.quantity_patterns import written, written_ratio
-from pirate_sm.units import ANGLE, DIMENSIONLESS, QuantityError, parse_quantity
+from pirate_sm.units import ANGLE, DIMENSIONLESS, SPEED, QuantityError, parse_quantity
 
 
 class Duty(NamedTuple):
@@ -33,15 +33,21 @@ class Share(NamedTuple):
     joint: str
 
 
+class Speed(NamedTuple):
+    """A speed in m/s at which a wheel rolls until another state writes its slot."""
+
+    value: float
+
+
 KEEP: Literal["keep"] = "keep"
 
-Setpoint: TypeAlias = Duty | Target | Share | Literal["keep"]
+Setpoint: TypeAlias = Duty | Target | Share | Speed | Literal["keep"]
 
 _SHARE = r"^\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*\*\s*([A-Za-z][A-Za-z0-9_]*)\s*$"
 
 
 def _read(value: Any) -> Any:
-    if isinstance(value, (Duty, Target, Share)) or value == KEEP:
+    if isinstance(value, (Duty, Target, Share, Speed)) or value == KEEP:
         return value
     if isinstance(value, str):
         if share := re.match(_SHARE, value):
@@ -52,22 +58,30 @@ def _read(value: Any) -> Any:
             raise ValueError(str(error)) from None
         if quantity.dimension == ANGLE:
             return Target(quantity.value)
+        if quantity.dimension == SPEED:
+            return Speed(quantity.value)
         if quantity.dimension == DIMENSIONLESS and value.rstrip().endswith("%"):
             if abs(quantity.value) > 1:
                 raise ValueError(f"a duty cycle lies between -100 % and 100 %, got '{value}'")
             return Duty(quantity.value)
     raise ValueError(
         "expected a duty cycle such as '60 %', an angle such as '-45 deg', a share of a joint's"
-        f" angle such as '-0.5 * elbow', or keep, got '{value}'"
+        f" angle such as '-0.5 * elbow', a speed such as '90 mm/s', or keep, got '{value}'"
     )
 
 
 def _write(value: Setpoint) -> str:
-    if isinstance(value, Duty):
-        return f"{value.value * 100:g} %"
-    if isinstance(value, Share):
-        return f"{value.factor:g} * {value.joint}"
-    return f"{value.angle_rad} rad" if isinstance(value, Target) else value
+    match value:
+        case Duty(duty):
+            return f"{duty * 100:g} %"
+        case Target(angle_rad):
+            return f"{angle_rad} rad"
+        case Share(factor, joint):
+            return f"{factor:g} * {joint}"
+        case Speed(speed):
+            return f"{speed} m/s"
+        case "keep":
+            return value
 
 
 SlotSetpoint = Annotated[
@@ -91,12 +105,16 @@ SlotSetpoint = Annotated[
                     "pattern": _SHARE,
                     "description": "An angle to come to, as a share of a joint's measured angle.",
                 },
+                {
+                    **written(SPEED, {}),
+                    "description": "A speed such as '90 mm/s' at which a wheel rolls.",
+                },
             ],
             "description": (
                 "A duty cycle such as '60 %', an angle such as '-45 deg', a share of the angle of"
-                " a joint such as '-0.5 * elbow', or keep."
+                " a joint such as '-0.5 * elbow', a speed such as '90 mm/s', or keep."
             ),
-            "examples": ["60 %", "-45 deg", "-0.5 * elbow", KEEP],
+            "examples": ["60 %", "-45 deg", "-0.5 * elbow", "90 mm/s", KEEP],
         }
     ),
 ]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from pirate_sm.model.actuation import PostureCase, Stage
 from pirate_sm.model.base import (
@@ -60,6 +60,18 @@ class PositionLoop(Frozen):
     limit: Annotated[Ratio, Field(gt=0, le=1)] = 1.0
 
 
+class VelocityLoop(Frozen):
+    """A controller that keeps a wheel at a speed, by its no-load speed and an integral.
+
+    Attributes:
+        gain: What a fresh frame corrects, as a share of the error.
+        limit: Largest duty cycle used.
+    """
+
+    gain: Annotated[Number, Field(gt=0, le=1)]
+    limit: Annotated[Ratio, Field(gt=0, le=1)] = 1.0
+
+
 class Motor(Frozen):
     """A kind of motor with what limits it; what a kind needs is checked at loading.
 
@@ -73,6 +85,7 @@ class Motor(Frozen):
         dead_drag: Torque with which a geared motor drags that has failed.
         stiffness: Of the series spring.
         position_loop: How a duty slot is brought to an angle.
+        velocity_loop: How a wheel is kept at a speed; needs ``no_load_speed``.
     """
 
     kind: Literal["sprung_worm", "geared", "position", "light", "none"]
@@ -83,6 +96,13 @@ class Motor(Frozen):
     dead_drag: Torque | None = None
     stiffness: Stiffness | None = None
     position_loop: PositionLoop | None = None
+    velocity_loop: VelocityLoop | None = None
+
+    @model_validator(mode="after")
+    def _knows_its_speed(self) -> Motor:
+        if self.velocity_loop is not None and not self.no_load_speed:
+            raise ValueError("a `velocity_loop` needs the `no_load_speed` of the motor")
+        return self
 
 
 class Slot(Frozen):

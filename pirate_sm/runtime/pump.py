@@ -114,7 +114,7 @@ class Pump:
             for companion in self._companions:
                 if isinstance(companion, Counting):
                     companion.restart(self._engine.robot)
-        body = before and before.robot._replace(flight=None, motion=None, loops=())
+        body = before and before.robot.at_rest()
         seen = [event for event in events if isinstance(event, SensorFrame | SignalReport)]
         self._heard.update((each.board, each) for each in seen if isinstance(each, SensorFrame))
         self.state, effects = self._engine.start(self.now_s, seen, body=body, paused=paused)

@@ -202,7 +202,7 @@ class Measured(Run):
 
     def _move(self, step_s: float) -> None:
         names, body = self.loaded.robot.vocabulary.numbers, self.state.robot
-        for loop in body.loops:
+        for loop in body.seekers:
             self.signals[names[loop.angle]] = loop.target_rad
         for slot, value in zip(self.loaded.robot.slots, body.values, strict=True):
             if slot.torque >= 0:

@@ -23,7 +23,7 @@ def why_not_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
     begin = loaded.program.beginning(phase)
     if begin is None:
         return "the mission has no such phase"
-    body = body._replace(flight=None, motion=None, loops=())
+    body = body.at_rest()
     program = replace(loaded.program, start=begin)
     book = index_exploration(explore(loaded.robot, program, conditions_of(loaded), body=body))
     if book.broken:

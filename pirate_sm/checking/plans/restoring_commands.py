@@ -48,7 +48,7 @@ def restoring(
         begun_in: What :func:`beginnings` has found.
         places: Where the mission's safety rules are; None: they have not seen the robot yet.
     """
-    body = body._replace(flight=None, motion=None, loops=())
+    body = body.at_rest()
     missing = {phase: begun_in[phase] for phase in phases if begun_in.get(phase)}
     hopeless = {phase for phase in missing if _never(loaded, phase, missing[phase])}
     found: dict[str, Plan] = {}

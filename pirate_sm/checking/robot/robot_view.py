@@ -78,13 +78,16 @@ class RobotView:
         """Return the largest duty cycle that a slot can have in a configuration."""
         found = [0.0]
         for each in self.writes(configuration, slot):
-            loop = self.loaded.normal.slots[slot].loop
-            if each.write.how == "set":
-                found.append(abs(each.write.value))
-            elif each.write.how == "seek" and loop is not None:
-                found.append(loop.limit)
-            else:
-                found.append(1.0)  # it keeps what another state has written
+            spec = self.loaded.normal.slots[slot]
+            match each.write.how:
+                case "set":
+                    found.append(abs(each.write.value))
+                case "seek":
+                    found.append(spec.position.limit if spec.position else 1.0)
+                case "turn":
+                    found.append(spec.velocity.limit if spec.velocity else 1.0)
+                case "keep":
+                    found.append(1.0)  # what another state has written
         return max(found)
 
     @cached_property

@@ -103,7 +103,7 @@ def _fights(view: RobotView) -> Iterator[Finding]:
     driven: dict[tuple[int, str, int], list[tuple[int, Written]]] = {}
     for each in view.written:
         wheel = wheels.get(view.profile.slots[each.write.slot].wheel or "")
-        if wheel is not None and each.write.how == "set" and each.write.value != 0:
+        if wheel is not None and each.write.turns:
             forward = 1 if each.write.value * wheel.direction > 0 else -1
             stage = (each.region, each.state, each.stage)
             driven.setdefault(stage, []).append((forward, each))

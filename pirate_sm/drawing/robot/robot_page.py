@@ -13,7 +13,7 @@ from pirate_sm.engine.robot.command_needs import Change, Need, changes, needs
 from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.pipe_file import reach
 from pirate_sm.loading.robot import LoadedRobot
-from pirate_sm.model.actuation import Duty, Share, Stage, Target
+from pirate_sm.model.actuation import Duty, Share, Speed, Stage, Target
 from pirate_sm.model.profile import Command, Profile, Slot
 
 NOTHING = "–"
@@ -239,6 +239,8 @@ def _value(value: object) -> str:
             return f"to {angle(value.angle_rad)}"
         case Share():
             return f"to {value.factor:g} × {value.joint}"
+        case Speed():
+            return f"at {value.value * 1000:g} mm/s"
         case _:
             return "as it is"
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from pirate_sm.engine.robot.command_spec import LoopSpec
+from pirate_sm.engine.robot.command_spec import PositionSpec
 
 Numbers = tuple[float, ...]
 
 
-class Loop(NamedTuple):
+class PositionLoop(NamedTuple):
     """A running position loop.
 
     Attributes:
@@ -23,8 +23,22 @@ class Loop(NamedTuple):
     angle: int
     rate: int
     torque: int
-    spec: LoopSpec
+    spec: PositionSpec
     target_rad: float
+
+    @property
+    def ends_with_command(self) -> bool:
+        """Return that it ends when its command does."""
+        return True
+
+    @property
+    def signal(self) -> int:
+        """Return the number index of the signal that it controls."""
+        return self.angle
+
+    def heard(self, numbers: Numbers) -> PositionLoop:
+        """Return the loop after a fresh frame: it remembers nothing."""
+        return self
 
     def arrived(self, numbers: Numbers) -> bool:
         """Whether the angle is inside the threshold; an unknown angle has not arrived."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from math import isnan
 
-from pirate_sm.engine.control.position_loop import Loop
+from pirate_sm.engine.control.loops import Loop, Loops, begun, quantised
 from pirate_sm.engine.robot.command_spec import StageSpec
 from pirate_sm.engine.robot.criteria import CriterionSpec
 from pirate_sm.engine.robot.done import holds
@@ -31,23 +31,24 @@ def stage_array(
     sensing: Sensing,
     regions: tuple[int, ...],
     stage: int,
-) -> tuple[Numbers, tuple[Loop, ...]]:
-    """Return the array that puts a stage of the regions' states in force, and its position loops.
+) -> tuple[Numbers, Loops]:
+    """Return the array that puts a stage of the regions' states in force, and the loops that run.
 
-    A posture that needs an unknown angle changes nothing.
+    Loops of states go on where the stage does not write their slot. A posture that needs an unknown
+    angle changes nothing.
     """
     target = robot.table.configurations[motion.target]
     values = list(known_values(state.latest, sensing.numbers, robot))
-    loops: list[Loop] = []
+    loops = {each.slot: each for each in state.loops if not each.ends_with_command}
     posture = posture_of(robot, motion) if stage == POSTURE else None
     if posture is not None:
         if not motion.blind:
             _write(robot, sensing, posture.writes, values, loops)
-        return tuple(values), tuple(loops)
+        return tuple(values), tuple(loops.values())
     for region in regions:
         stages = robot.actuation[region][target[region]]
         _write(robot, sensing, stages[min(stage, len(stages) - 1)], values, loops)
-    return tuple(values), tuple(loops)
+    return tuple(values), tuple(loops.values())
 
 
 def unknown_angle(robot: RobotSpec, stage: StageSpec, sensing: Sensing) -> str:
@@ -63,7 +64,7 @@ def is_done(
     robot: RobotSpec, state: RobotState, motion: Motion, done: CriterionSpec, sensing: Sensing
 ) -> bool:
     """Whether the stage in force is done; a posture also needs every joint at its angle."""
-    if motion.blind or not holds(done, sensing.numbers, state.values, state.loops):
+    if motion.blind or not holds(done, sensing.numbers, state.values, state.seekers):
         return False
     return not _away(robot, state, motion, sensing)
 
@@ -76,7 +77,7 @@ def _away(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing)
     names, numbers = robot.vocabulary.numbers, sensing.numbers
     return [
         names[loop.angle]
-        for loop in state.loops
+        for loop in state.seekers
         if not (
             loop.arrived(numbers)
             or abs(loop.target_rad - numbers[loop.angle]) <= posture.within_rad
@@ -95,36 +96,38 @@ def why_late(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensi
 
 
 def looped_values(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Numbers:
-    """Return the values in force with the present duty of each position loop."""
+    """Return the values in force with the present duty of each loop."""
     values = list(state.values)
     for loop in state.loops:
         resolution = robot.slots[loop.slot].resolution
-        values[loop.slot] = _quantised(loop.duty(sensing.numbers, sensing.loss), resolution)
+        values[loop.slot] = quantised(loop.duty(sensing.numbers, sensing.loss), resolution)
     return tuple(values)
 
 
 def without_loops(state: RobotState) -> Numbers:
-    """Return the values in force, with zero for every slot that a position loop has driven."""
-    if not state.seeking:
-        return state.values
-    return tuple(0.0 if slot in state.seeking else value for slot, value in enumerate(state.values))
+    """Return the newest values, with zero for every slot that a position loop has driven."""
+    driven = state.seeking.difference(
+        each.slot for each in state.loops if not each.ends_with_command
+    )
+    if not driven:
+        return state.latest
+    return tuple(0.0 if slot in driven else value for slot, value in enumerate(state.latest))
 
 
 def _write(
-    robot: RobotSpec, sensing: Sensing, stage: StageSpec, values: list[float], loops: list[Loop]
+    robot: RobotSpec,
+    sensing: Sensing,
+    stage: StageSpec,
+    values: list[float],
+    loops: dict[int, Loop],
 ) -> None:
     for write in stage:
         slot = robot.slots[write.slot]
         if write.how == "set":
             values[write.slot] = write.value
-        elif write.how == "seek" and slot.loop is not None:
-            share = 1.0 if write.share_of < 0 else sensing.numbers[write.share_of]
-            target_rad = write.value * share
-            loop = Loop(write.slot, slot.angle, slot.rate, slot.torque, slot.loop, target_rad)
-            loops.append(loop)
-            duty = loop.duty(sensing.numbers, sensing.loss)
-            values[write.slot] = _quantised(duty, slot.resolution)
-
-
-def _quantised(value: float, resolution: float) -> float:
-    return round(value / resolution) * resolution
+            loops.pop(write.slot, None)
+        elif loop := begun(write, slot, sensing.numbers, loops.get(write.slot)):
+            loops[write.slot] = loop
+            values[write.slot] = quantised(
+                loop.duty(sensing.numbers, sensing.loss), slot.resolution
+            )

@@ -34,10 +34,10 @@ def meet(moment: Moment, state: EngineState, fault: Found) -> EngineState:
 
 
 def divert(moment: Moment, state: EngineState) -> EngineState:
-    """Stop the wheels once no array is in flight, then begin the fault's handler."""
+    """Stop the wheels once no array is awaited, then begin the fault's handler."""
     mission, robot = state.mission, state.robot
     handler = mission.diverting
-    if handler is None or handler.go is None or robot.flight is not None:
+    if handler is None or handler.go is None or robot.awaited is not None:
         return state
     if not mission.stopped:
         withdraw(moment, state)

@@ -87,7 +87,7 @@ def without_requests(moment: Moment, state: EngineState) -> MissionState:
     """
     mission = state.mission
     doing = mission.begun and isinstance(moment.program.instructions[mission.pc], Do)
-    waits = doing and state.robot.flight is not None
+    waits = doing and state.robot.awaited is not None
     return mission._replace(answer=None, skipped=mission.skipped if waits else None)
 
 
@@ -108,7 +108,7 @@ def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
     name = moment.robot.commands[it.command].name
     if mission.begun:
         return _awaited(moment, state, it, name)
-    if state.robot.flight is not None or state.robot.motion is not None:
+    if state.robot.awaited is not None or state.robot.motion is not None:
         return state  # the array in flight is resolved first
     reason = command_outcome.refusal(moment.robot, state.robot, it.command)
     if reason.startswith("unneeded") and it.skip_unneeded:
@@ -130,7 +130,7 @@ def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
 
 def _awaited(moment: Moment, state: EngineState, it: Do, name: str) -> EngineState:
     mission = state.mission
-    if mission.skipped is not None and state.robot.flight is None:
+    if mission.skipped is not None and state.robot.awaited is None:
         robot = commands.skip(moment, state.robot)
         return go(state._replace(robot=robot), it.next)
     if mission.result is None:

@@ -38,7 +38,7 @@ def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
         return f"impossible: {confirmation.LOOKING}"
     if state.robot.motion is not None and not state.mission.suspended:
         return "impossible: another command is under way"
-    if state.robot.flight is not None:
+    if state.robot.awaited is not None:
         return "impossible: setpoints are in flight"
     return command_outcome.refusal(robot, state.robot, index)
 

@@ -1,4 +1,4 @@
-"""Pause and resume: wheels stopped, deadlines frozen, actuation asserted again afterwards."""
+"""Pause and resume: wheels stopped, loops and deadlines held; all goes on afterwards."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TAKEN_OVER = "the operator took over"
 
 
 def wanted(state: EngineState) -> EngineState:
-    """Return the state of a mission that pauses as soon as no array is in flight."""
+    """Return the state of a mission that pauses as soon as no array is awaited."""
     mission = state.mission
     if mission.paused or mission.ending:
         return state
@@ -24,9 +24,9 @@ def wanted(state: EngineState) -> EngineState:
 
 
 def begin_if_wanted(moment: Moment, state: EngineState) -> EngineState:
-    """Begin a wanted pause, unless an array is still in flight."""
+    """Begin a wanted pause, unless an array is still awaited."""
     mission, body = state.mission, state.robot
-    if not mission.pause_wanted or mission.ending or mission.diverting or body.flight:
+    if not mission.pause_wanted or mission.ending or mission.diverting or body.awaited:
         return state
     before = BeforePause(body.values, body.loops, body.configuration, body.motion is not None)
     if not robot_state.is_safe(moment.robot, body):
@@ -103,7 +103,7 @@ def why_not_to(program: Program, state: EngineState, phase: str) -> str:
         return "pause the mission first"
     if state.look is not None:
         return confirmation.LOOKING
-    if state.robot.flight is not None:
+    if state.robot.awaited is not None:
         return "setpoints are in flight"
     if state.robot.motion is not None and not state.mission.suspended:
         return "a command is under way"
@@ -115,7 +115,7 @@ def why_not_on(state: EngineState) -> str:
     before, body = state.mission.before_pause, state.robot
     if before is None:
         return ""
-    if body.flight:
+    if body.awaited:
         return "setpoints are in flight"
     if body.configuration != before.configuration:
         return "the configuration has been changed"

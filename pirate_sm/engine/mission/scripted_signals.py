@@ -42,7 +42,7 @@ def show(moment: Moment, state: EngineState, report: SignalReport) -> EngineStat
 def fail_command(moment: Moment, state: EngineState, event: CommandFailed) -> EngineState:
     """Let the command under way fail as by its timeout, unless its array is still in flight."""
     body = state.robot
-    if not moment.nominal or body.motion is None or body.flight is not None:
+    if not moment.nominal or body.motion is None or body.awaited is not None:
         moment.warn("no command is under way that a script could let fail")
         return state
     body = commands.fail(moment, body, event.reason)

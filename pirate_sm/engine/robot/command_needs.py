@@ -8,7 +8,7 @@ from math import prod
 from typing import NamedTuple, TypeAlias
 
 from pirate_sm.engine.robot.command_outcome import refusal
-from pirate_sm.engine.robot.command_spec import StageSpec
+from pirate_sm.engine.robot.command_spec import StageSpec, Write
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState
 
@@ -107,15 +107,18 @@ def _moved(
     writes = [write for stage in actuation[after] for write in stage]
     slots: set[int] = set()
     for state in before:
-        left = {
-            write.slot: write.value if write.how == "set" else 0.0 for write in actuation[state][-1]
-        }
+        left = {write.slot: _left(write) for write in actuation[state][-1]}
         slots |= {
             write.slot
             for write in writes
-            if write.how == "seek" or (write.how == "set" and write.value != left[write.slot])
+            if write.how == "seek" or (write.how != "keep" and _left(write) != left[write.slot])
         }
     return tuple(sorted(slots))
+
+
+def _left(write: Write) -> tuple[str, float]:
+    """Return what is in force once the write's command is done: a value, or a kept speed."""
+    return (write.how, write.value) if write.how in ("set", "turn") else ("set", 0.0)
 
 
 def _box(robot: RobotSpec, accepted: Collection[int]) -> tuple[States, ...]:

@@ -10,7 +10,7 @@ from pirate_sm.engine.robot.criteria import CriterionSpec
 from pirate_sm.expressions import Expression
 
 
-class LoopSpec(NamedTuple):
+class PositionSpec(NamedTuple):
     """A proportional position loop (thesis section 4-2-3): duty = gain * error, then 0."""
 
     gain: float
@@ -20,6 +20,24 @@ class LoopSpec(NamedTuple):
     stall_torque_nm: float
 
 
+class VelocitySpec(NamedTuple):
+    """A velocity loop: duty = target / no-load speed, plus an integral of the error.
+
+    Attributes:
+        gain: What a fresh frame adds to the integral, as a share of the error.
+        limit: Largest duty cycle used.
+        no_load_rad_s: Speed of the motor at full duty without load.
+        speed: Number index of the wheel's angular speed.
+        radius_m: Of the wheel.
+    """
+
+    gain: float
+    limit: float
+    no_load_rad_s: float
+    speed: int
+    radius_m: float
+
+
 @dataclass(frozen=True)
 class SlotSpec:
     """One setpoint of the wire.
@@ -27,7 +45,9 @@ class SlotSpec:
     Attributes:
         angle: Number index of the angle that a position loop or the board's own one controls.
         rate: Number index of that angle's rate; ``torque`` that of the joint's torque; -1 without.
-        loop: How a duty slot is brought to an angle, None where it cannot be.
+        position: How a duty slot is brought to an angle, None where it cannot be.
+        velocity: How a duty slot is kept at a speed, None where it cannot be.
+        self_locking: Whether the motor keeps its place at duty 0, whatever the load.
         low: Least value; ``high`` the largest.
         resolution: Steps of the wire.
     """
@@ -40,22 +60,31 @@ class SlotSpec:
     angle: int = -1
     rate: int = -1
     torque: int = -1
-    loop: LoopSpec | None = None
+    position: PositionSpec | None = None
+    velocity: VelocitySpec | None = None
+    self_locking: bool = False
 
 
 class Write(NamedTuple):
-    """What a stage does to a slot: ``set`` a value, ``seek`` an angle by our loop, ``keep``.
+    """What a stage does to a slot.
 
     Attributes:
-        value: The value, or the angle in rad.
+        how: ``set`` a value. ``seek`` an angle by a position loop. ``turn`` at a speed by a
+            velocity loop. ``keep`` what is in force: a value, or the loop of another state.
+        value: The value, the angle in rad, or the speed in rad/s.
         share_of: Number index of the angle that ``value`` is multiplied by when the stage begins;
             -1 where ``value`` is the angle itself.
     """
 
     slot: int
-    how: Literal["set", "seek", "keep"]
+    how: Literal["set", "seek", "turn", "keep"]
     value: float
     share_of: int = -1
+
+    @property
+    def turns(self) -> bool:
+        """Whether it turns a motor, by a duty or a speed other than zero."""
+        return self.value != 0 and self.how in ("set", "turn")
 
 
 StageSpec: TypeAlias = tuple[Write, ...]

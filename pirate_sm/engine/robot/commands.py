@@ -8,10 +8,11 @@ unconfirmed clamp is no clamp.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import inf, isnan, nan
+from math import isnan, nan
 from types import MappingProxyType
 
-from pirate_sm.engine.control.position_loop import Loop
+from pirate_sm.engine.control.loops import Loops
+from pirate_sm.engine.control.sending import overtaken_result, send, send_if_new
 from pirate_sm.engine.control.stages import (
     is_done,
     looped_values,
@@ -32,11 +33,9 @@ from pirate_sm.engine.robot.robot_state import (
     POSTURE,
     STOPPED,
     Finished,
-    Flight,
     Mark,
     Motion,
     Numbers,
-    Purpose,
     RobotState,
     confirmed_parts,
     criterion_of,
@@ -45,7 +44,7 @@ from pirate_sm.engine.robot.robot_state import (
     state_change,
 )
 from pirate_sm.engine.sensing.known_signals import Sensing
-from pirate_sm.model.effects import CommandStatus, Setpoints
+from pirate_sm.model.effects import CommandStatus
 from pirate_sm.model.events import SubmitResult
 
 _NOTHING_DENIED: Mapping[int, str] = MappingProxyType({})
@@ -61,7 +60,7 @@ def begin(
 ) -> RobotState:
     """Send the command's first array; the chart waits for its acceptance.
 
-    To be called only where :func:`refusal` is empty and no array is in flight.
+    To be called only where :func:`refusal` is empty and no array is awaited.
     """
     spec = moment.robot.commands[command]
     target = moment.robot.table.follow(state.configuration, command)
@@ -73,7 +72,7 @@ def begin(
         motion = motion._replace(stage=POSTURE, blind=blind)
     values, loops = stage_array(moment.robot, state, motion, sensing, regions, stage)
     moment.tell(CommandStatus(spec.name, "sent", "", place))
-    return _send(moment, state, motion, values, loops, "gate")
+    return send(moment, state, motion, values, loops, "gate")
 
 
 def resolve(
@@ -83,16 +82,19 @@ def resolve(
 ) -> tuple[RobotState, Finished | None]:
     """Take in what has become of the array in flight; a command's first array moves the chart.
 
-    A result for another array than the one in flight changes nothing: it was superseded.
+    A result for another array than the one in flight changes nothing of the command: a newer array
+    was sent.
     """
     flight = state.flight
     if flight is None or result.setpoint_id != flight.setpoint_id:
-        return state, None
+        return overtaken_result(moment, state, result), None
     if result.status == "unknown":
         waiting = flight._replace(resend_at_s=moment.now_s + moment.robot.link.resend_after_s)
         return state._replace(flight=waiting), None
     if result.status == "accepted":
-        state = state._replace(values=flight.values, seeking=flight.seeking, flight=None)
+        state = state._replace(
+            values=flight.values, seeking=flight.seeking, flight=None, overtaken=()
+        )
         if (confirmed := confirmation.accepted(moment.robot, state)) is not state:
             state = confirmed
             moment.tell(state_change(moment.robot, state))
@@ -101,18 +103,10 @@ def resolve(
         return state, None
     state = state._replace(flight=None)
     if flight.purpose == "gate" and state.motion is not None:
+        state = state._replace(loops=flight.before)
         reason = f"setpoints {result.status}" + (f": {result.reason}" if result.reason else "")
         return fail(moment, state, reason), Finished(False, reason)
     return state, None
-
-
-def resend(moment: Moment, state: RobotState) -> RobotState:
-    """Send an array of unknown fate again, under its own id, when that is due."""
-    flight = state.flight
-    if flight is None or not has_come(moment.now_s, flight.resend_at_s):
-        return state
-    moment.tell(Setpoints(flight.setpoint_id, flight.values))
-    return state._replace(flight=flight._replace(tries=flight.tries + 1, resend_at_s=inf))
 
 
 def watch(
@@ -122,9 +116,9 @@ def watch(
     *,
     denied: Mapping[int, str] = _NOTHING_DENIED,
 ) -> tuple[RobotState, Finished | None]:
-    """Compare the command under way with the signals and its deadline; drive its loops.
+    """Compare the command under way with the signals and its deadline; drive its position loops.
 
-    While an array is in flight a command neither ends nor goes on to its next stage: that could
+    While an array is awaited a command neither ends nor goes on to its next stage: that could
     take a new array, and after one of unknown fate only the same one again or the safe stop may
     follow.
 
@@ -142,7 +136,7 @@ def watch(
     if motion is None or isnan(motion.accepted_s):
         return state, None
     spec = moment.robot.commands[motion.command]
-    free = state.flight is None
+    free, seekers = state.awaited is None, state.seekers
     if moment.nominal:
         if free and has_come(moment.now_s, motion.accepted_s + spec.nominal_s):
             return _complete(moment, state, sensing, "nominal duration has passed")
@@ -151,9 +145,9 @@ def watch(
     why_not = _why_not_clamped(state, motion, denied) if denied else ""
     if not why_not and is_done(moment.robot, state, motion, done, sensing):
         since_s = moment.now_s if isnan(since_s) else since_s
-        held_s = must_hold_s(done, sensing.numbers, state.loops)
+        held_s = must_hold_s(done, sensing.numbers, seekers)
         if free and has_come(moment.now_s, since_s + held_s):
-            reason = in_words(moment.robot, done, sensing.numbers, state.loops)
+            reason = in_words(moment.robot, done, sensing.numbers, seekers)
             return _complete(moment, state, sensing, reason)
     elif not isnan(since_s):
         since_s = nan
@@ -163,17 +157,18 @@ def watch(
         return fail(moment, state, reason), Finished(False, reason)
     if since_s is not motion.since_s:
         state = state._replace(motion=motion._replace(since_s=since_s))
-    if free and state.loops:
+    if free and seekers:
         values = looped_values(moment.robot, state, sensing)
-        state = _send_if_new(moment, state, state.motion, values, state.loops)
+        state = send_if_new(moment, state, state.motion, values, state.loops)
     return state, None
 
 
 def fail(moment: Moment, state: RobotState, reason: str) -> RobotState:
     """End the command under way without its being done; its states stay unconfirmed.
 
-    Its position loops stop where they are. Where it was to take a posture first, how the held
-    parts hold now has not been seen: they are unconfirmed until they are clamped again.
+    Its position loops stop where they are, the loops of states go on. Where it was to take a
+    posture first, how the held parts hold now has not been seen: they are unconfirmed until they
+    are clamped again.
     """
     motion = state.motion
     if motion is None:
@@ -208,21 +203,22 @@ def doubt_grip(robot: RobotSpec, state: RobotState) -> RobotState:
 
 
 def stop(moment: Moment, state: RobotState, sensing: Sensing) -> RobotState:
-    """Send the safe array, whatever else is in flight."""
+    """Stop all loops and send the safe array, whatever else is in flight."""
     values = safe_values(moment.robot, state, sensing.numbers)
-    return _send(moment, state, state.motion, values, (), "stop")
+    return send(moment, state, state.motion, values, (), "stop")
 
 
-def reassert(
-    moment: Moment, state: RobotState, values: Numbers, loops: tuple[Loop, ...]
-) -> RobotState:
-    """Send an actuation again that was in force before a pause; NaN keeps the present value."""
+def reassert(moment: Moment, state: RobotState, values: Numbers, loops: Loops) -> RobotState:
+    """Send an actuation again that was in force before a pause, and let its loops go on.
+
+    A value of NaN keeps the present one.
+    """
     kept = tuple(
         now if isnan(value) else value for value, now in zip(values, state.values, strict=True)
     )
     if kept == state.values and not loops:
         return state
-    return _send(moment, state, state.motion, kept, loops, "loop")
+    return send(moment, state, state.motion, kept, loops, "loop")
 
 
 def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
@@ -253,22 +249,6 @@ def _why_not_clamped(state: RobotState, motion: Motion, denied: Mapping[int, str
     return next((denied[m.which] for m in own if m.kind == "part" and m.which in denied), "")
 
 
-def _send(
-    moment: Moment,
-    state: RobotState,
-    motion: Motion | None,
-    values: Numbers,
-    loops: tuple[Loop, ...],
-    purpose: Purpose,
-) -> RobotState:
-    moment.tell(Setpoints(state.next_id, values))
-    seeking = frozenset([loop.slot for loop in loops])
-    flight = Flight(state.next_id, values, purpose, seeking=seeking)
-    return state._replace(
-        next_id=state.next_id + 1, flight=flight, motion=motion, loops=loops, sent=True
-    )
-
-
 def _accept(moment: Moment, state: RobotState, motion: Motion) -> RobotState:
     """Move the chart; what the command changes is unconfirmed."""
     name = moment.robot.commands[motion.command].name
@@ -296,14 +276,14 @@ def _complete(
     target = moment.robot.table.configurations[state.configuration]
     stages = max((len(moment.robot.actuation[r][target[r]]) for r in regions), default=1)
     if motion.stage + 1 < stages:
-        resting = state._replace(values=without_loops(state))
+        resting = state._replace(values=without_loops(state), flight=None)
         values, loops = stage_array(
             moment.robot, resting, motion, sensing, regions, motion.stage + 1
         )
-        if loops or motion.stage == POSTURE:
+        if motion.stage == POSTURE or any(each.ends_with_command for each in loops):
             later = motion._replace(stage=motion.stage + 1, since_s=nan)
-            return _send_if_new(moment, state, later, values, loops), None
-        state = _send_if_new(moment, state, None, values, loops)
+            return send_if_new(moment, state, later, values, loops), None
+        state = send_if_new(moment, state, None, values, loops)
     else:
         state = _end_motion(moment, state)
     marks = frozenset(mark for mark in state.marks if mark.command != motion.command)
@@ -315,22 +295,11 @@ def _complete(
 
 
 def _end_motion(moment: Moment, state: RobotState) -> RobotState:
-    """End what is under way; set to zero the slots that a loop has really driven, and no others.
+    """End what is under way; set to zero the slots that a position loop has really driven.
 
-    A command that was never accepted has driven nothing: what its loops were to take over may
-    hold a clamp.
+    Loops of states go on. A command that was never accepted has driven nothing: what its loops were
+    to take over may hold a clamp.
     """
     values = without_loops(state)
-    return _send_if_new(moment, state, None, values, ())
-
-
-def _send_if_new(
-    moment: Moment,
-    state: RobotState,
-    motion: Motion | None,
-    values: Numbers,
-    loops: tuple[Loop, ...],
-) -> RobotState:
-    if values != state.latest:
-        return _send(moment, state, motion, values, loops, "loop")
-    return state._replace(motion=motion, loops=loops)
+    loops = tuple(each for each in state.loops if not each.ends_with_command)
+    return send_if_new(moment, state, None, values, loops)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import copysign, isnan
 
-from pirate_sm.engine.control.position_loop import Loop
+from pirate_sm.engine.control.position_loop import PositionLoop
 from pirate_sm.engine.robot.criteria import (
     AcceptedSpec,
     AlignedSpec,
@@ -21,7 +21,7 @@ Numbers = tuple[float, ...]
 
 
 def holds(
-    criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: tuple[Loop, ...]
+    criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: tuple[PositionLoop, ...]
 ) -> bool:
     """Whether the criterion is true of this moment; unknown signals never make it true."""
     match criterion:
@@ -63,7 +63,9 @@ def still(speeds: tuple[int, ...], numbers: Numbers, below: float) -> bool:
     return bool(heard) and max(heard) < below
 
 
-def must_hold_s(criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]) -> float:
+def must_hold_s(
+    criterion: CriterionSpec, numbers: Numbers, loops: tuple[PositionLoop, ...]
+) -> float:
     """Return for how long the criterion must have been true."""
     if isinstance(criterion, ReachedSpec):
         return 0.0 if all(loop.arrived(numbers) for loop in loops) else criterion.for_s
@@ -71,7 +73,7 @@ def must_hold_s(criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, .
 
 
 def in_words(
-    robot: RobotSpec, criterion: CriterionSpec, numbers: Numbers, loops: tuple[Loop, ...]
+    robot: RobotSpec, criterion: CriterionSpec, numbers: Numbers, loops: tuple[PositionLoop, ...]
 ) -> str:
     """Return in words what shows that the command is done, and which joints a wall has stopped."""
     match criterion:

@@ -138,7 +138,7 @@ class RobotSpec:
         return tuple(
             write.slot
             for write in self.actuation[region][state][-1]
-            if write.how == "set" and write.value != 0 and write.slot in self.safe_zero
+            if write.turns and write.slot in self.safe_zero
         )
 
     @cached_property

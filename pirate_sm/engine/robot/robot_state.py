@@ -6,7 +6,8 @@ from functools import lru_cache
 from math import inf, isnan, nan
 from typing import Literal, NamedTuple
 
-from pirate_sm.engine.control.position_loop import Loop
+from pirate_sm.engine.control.loops import Loops
+from pirate_sm.engine.control.position_loop import PositionLoop
 from pirate_sm.engine.records import often_replaced
 from pirate_sm.engine.robot.chart_table import Configuration
 from pirate_sm.engine.robot.command_spec import PostureSpec
@@ -15,7 +16,7 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.effects import StateChange
 
 Numbers = tuple[float, ...]
-Purpose = Literal["gate", "loop", "stop"]
+Purpose = Literal["gate", "loop", "stream", "stop"]
 
 POSTURE = -1
 """The stage of a motion in which the robot takes the command's posture, before all others."""
@@ -55,9 +56,12 @@ class Flight(NamedTuple):
 
     Attributes:
         purpose: ``gate``: a command's first array, moves the chart when accepted. ``stop``: wheels
-            zero. ``loop``: anything else.
+            zero. ``stream``: the duties of loops that states own. ``loop``: anything else of a
+            command, such as the duties of its position loops.
         resend_at_s: When the same array is sent again, infinite while a result is awaited.
-        seeking: Slots whose values a position loop has set.
+        seeking: Slots whose values a loop has set that leaves zero behind when it stops.
+        since_s: Since when no array of the stream has been confirmed; NaN for another array.
+        before: The loops that go on if a command's first array is refused.
     """
 
     setpoint_id: int
@@ -66,6 +70,8 @@ class Flight(NamedTuple):
     tries: int = 1
     resend_at_s: float = inf
     seeking: frozenset[int] = frozenset()
+    since_s: float = nan
+    before: Loops = ()
 
 
 @often_replaced
@@ -108,9 +114,12 @@ class RobotState(NamedTuple):
         configuration: Index into the chart's table.
         marks: What is not confirmed.
         values: Setpoints in force: the last accepted array.
-        seeking: Slots among them that a position loop has set.
+        loops: The loops that run: those of the command under way, and those of states.
+        seeking: Slots among the values that a loop has set that leaves zero behind when it stops: a
+            position loop, or any loop of a self-locking motor.
         next_id: Id of the next new array.
         sent: Whether anything has ever been sent.
+        overtaken: Arrays of loops whose fate was not known when a newer one was sent.
     """
 
     configuration: int
@@ -119,9 +128,25 @@ class RobotState(NamedTuple):
     next_id: int = 1
     flight: Flight | None = None
     motion: Motion | None = None
-    loops: tuple[Loop, ...] = ()
+    loops: Loops = ()
     seeking: frozenset[int] = frozenset()
     sent: bool = False
+    overtaken: tuple[Flight, ...] = ()
+
+    @property
+    def awaited(self) -> Flight | None:
+        """Return the array in flight that the next one waits for; none waits for a stream."""
+        flight = self.flight
+        return None if flight is None or flight.purpose == "stream" else flight
+
+    @property
+    def seekers(self) -> tuple[PositionLoop, ...]:
+        """Return the position loops that run."""
+        return tuple([each for each in self.loops if isinstance(each, PositionLoop)])
+
+    def at_rest(self) -> RobotState:
+        """Return the robot between two missions: nothing is under way, no loop runs."""
+        return self._replace(flight=None, motion=None, loops=(), overtaken=())
 
     @property
     def latest(self) -> Numbers:
@@ -211,22 +236,24 @@ def safe_values(robot: RobotSpec, state: RobotState, numbers: Numbers) -> Number
 
 def is_safe(robot: RobotSpec, state: RobotState) -> bool:
     """Whether the setpoints in force are those of the safe state already."""
-    return not state.seeking and all(state.values[slot] == 0 for slot in robot.safe_zero)
+    if state.loops or state.seeking:
+        return False
+    return all(state.values[slot] == 0 for slot in robot.safe_zero)
 
 
 def next_deadline(robot: RobotSpec, state: RobotState, nominal: bool) -> float:
     """Return when time alone changes something: a timeout, a resend, a criterion held long."""
-    if state.flight is not None:
-        return state.flight.resend_at_s  # a command does not end before that is resolved
-    motion = state.motion
+    if state.awaited is not None:
+        return state.awaited.resend_at_s  # a command does not end before that is resolved
+    motion, resend_at_s = state.motion, state.flight.resend_at_s if state.flight else inf
     if motion is None:
-        return inf
+        return resend_at_s
     if nominal:
         return motion.accepted_s + robot.commands[motion.command].nominal_s
     if isnan(motion.since_s):
-        return motion.deadline_s
+        return min(motion.deadline_s, resend_at_s)
     held_s = getattr(criterion_of(robot, motion), "for_s", 0.0)
-    return min(motion.since_s + held_s, motion.deadline_s)
+    return min(motion.since_s + held_s, motion.deadline_s, resend_at_s)
 
 
 def posture_of(robot: RobotSpec, motion: Motion) -> PostureSpec | None:

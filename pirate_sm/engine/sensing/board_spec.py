@@ -62,6 +62,11 @@ class BoardSpec:
         """Return how many values a frame must have at least."""
         return max((place + 1 for place, *_ in self.channels), default=0)
 
+    @cached_property
+    def told(self) -> frozenset[int]:
+        """Return :attr:`numbers`, to be asked whether one is among them."""
+        return frozenset(self.numbers)
+
     @property
     def numbers(self) -> tuple[int, ...]:
         """Return the indexes of every number that comes from this board alone."""

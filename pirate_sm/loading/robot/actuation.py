@@ -1,4 +1,4 @@
-"""What each state writes to the wire, resolved to slots, signs and position loops."""
+"""What each state writes to the wire, resolved to slots, signs and loops."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pirate_sm.engine.robot.command_spec import SlotSpec, StageSpec, Write
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.loading.robot.slots import Slots
-from pirate_sm.model.actuation import KEEP, Duty, Setpoint, Share, Target
+from pirate_sm.model.actuation import Duty, Setpoint, Share, Speed, Target
 from pirate_sm.model.profile import Profile
 from pirate_sm.units import ANGLE
 
@@ -70,13 +70,11 @@ def resolve_stage(
         index = slots.index(name, (*at, name))
         sign = -1.0 if polarity == "mirrored" and slots.mirrors[index] else 1.0
         path: Path = (*at, name)
+        write = _write(index, slots.specs[index], setpoint, sign, path, problems)
         if isinstance(setpoint, Share):
             source = _source(profile, setpoint, signals, at, path, problems)
-            factor = Target(setpoint.factor)
-            write = _write(index, slots.specs[index], factor, 1.0, path, problems)
-            writes.append(write._replace(share_of=source))
-        else:
-            writes.append(_write(index, slots.specs[index], setpoint, sign, path, problems))
+            write = write._replace(share_of=source)
+        writes.append(write)
     return tuple(writes)
 
 
@@ -98,26 +96,52 @@ def _source(
 def _write(
     index: int, slot: SlotSpec, setpoint: Setpoint, sign: float, path: Path, problems: Problems
 ) -> Write:
-    if setpoint == KEEP:
+    match setpoint:
+        case Duty(value):
+            if slot.unit != "duty":
+                message = f"'{slot.name}' takes an angle, not a duty cycle"
+                problems.add("robot.setpoint", path, message)
+            return Write(index, "set", sign * value + 0.0)
+        case Speed(value):
+            return _speed(index, slot, sign * value, path, problems)
+        case Target(angle_rad):
+            return _target(index, slot, sign * angle_rad + 0.0, path, problems)
+        case Share(factor):
+            return _target(index, slot, factor + 0.0, path, problems)
+        case "keep":
+            return Write(index, "keep", 0.0)
+
+
+def _speed(index: int, slot: SlotSpec, value: float, path: Path, problems: Problems) -> Write:
+    """Return what keeps the slot's wheel at a speed in m/s."""
+    spec = slot.velocity
+    if spec is None:
+        message = f"'{slot.name}' has no wheel whose motor has a velocity loop to keep a speed"
+        problems.add("robot.setpoint", path, message)
         return Write(index, "keep", 0.0)
-    if isinstance(setpoint, Duty):
-        if slot.unit != "duty":
-            problems.add("robot.setpoint", path, f"'{slot.name}' takes an angle, not a duty cycle")
-        return Write(index, "set", sign * setpoint.value + 0.0)
-    assert isinstance(setpoint, Target)
+    most = spec.no_load_rad_s * spec.limit * spec.radius_m
+    if abs(value) > most:
+        message = (
+            f"{value * 1000:.4g} mm/s is more than '{slot.name}' reaches, {most * 1000:.4g} mm/s"
+        )
+        problems.add("robot.setpoint", path, message)
+    return Write(index, "turn", value / spec.radius_m + 0.0)
+
+
+def _target(index: int, slot: SlotSpec, angle_rad: float, path: Path, problems: Problems) -> Write:
+    """Return what brings the slot to an angle: its board's own controller, or our loop."""
     if slot.unit == "angle":
-        if abs(setpoint.angle_rad) > slot.high:
-            angle, most = degrees(setpoint.angle_rad), degrees(slot.high)
+        if abs(angle_rad) > slot.high:
+            angle, most = degrees(angle_rad), degrees(slot.high)
             message = f"{angle:.4g} deg is beyond the limit of '{slot.name}', {most:.4g} deg"
             problems.add("robot.setpoint", path, message)
-        return Write(index, "set", sign * setpoint.angle_rad + 0.0)
-    if slot.loop is None:
-        problems.add(
-            "robot.setpoint",
-            path,
-            f"'{slot.name}' takes a duty cycle: its motor has no position loop to hold an angle",
+        return Write(index, "set", angle_rad)
+    if slot.position is None:
+        message = (
+            f"'{slot.name}' takes a duty cycle: its motor has no position loop to hold an angle"
         )
-    return Write(index, "seek", sign * setpoint.angle_rad + 0.0)
+        problems.add("robot.setpoint", path, message)
+    return Write(index, "seek", angle_rad)
 
 
 def _check_slots(

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from pirate_sm.engine.robot.command_spec import LoopSpec, SlotSpec
+from pirate_sm.engine.robot.command_spec import PositionSpec, SlotSpec, VelocitySpec
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import profile as model
-from pirate_sm.units import ANGLE, TORQUE
+from pirate_sm.units import ANGLE, ANGULAR_SPEED, TORQUE
 
 
 @dataclass(frozen=True)
@@ -52,15 +52,25 @@ def _slot(
         limit = slot.limit if slot.limit is not None else inf
         angle = signals.number(slot.roll, (*path, "roll"), ANGLE) if slot.roll and known else -1
         return SlotSpec(slot.name, "angle", -limit, limit, link.angle_resolution, angle)
+    self_locking = motor.kind == "sprung_worm"
     if slot.joint is None:
-        return SlotSpec(slot.name, "duty", -1.0, 1.0, link.duty_resolution)
+        velocity = _velocity(profile, signals, slot, motor, path)
+        return SlotSpec(
+            slot.name,
+            "duty",
+            -1.0,
+            1.0,
+            link.duty_resolution,
+            velocity=velocity,
+            self_locking=self_locking,
+        )
     joints = profile.body.joints
     place = next((n for n, joint in enumerate(joints) if joint.name == slot.joint), -1)
     torque = joints[place].torque if place >= 0 else None
     torque_path: Path = ("body", "joints", place, "torque")
     loop, settings = None, motor.position_loop
     if settings is not None:
-        loop = LoopSpec(
+        loop = PositionSpec(
             settings.gain,
             settings.threshold,
             settings.least_duty,
@@ -76,8 +86,23 @@ def _slot(
         angle=signals.number(slot.joint, (*path, "joint"), ANGLE) if known else -1,
         rate=signals.rate_of(slot.joint),
         torque=signals.number(torque, torque_path, TORQUE) if torque else -1,
-        loop=loop,
+        position=loop,
+        self_locking=self_locking,
     )
+
+
+def _velocity(
+    profile: model.Profile, signals: Signals, slot: model.Slot, motor: model.Motor, path: Path
+) -> VelocitySpec | None:
+    """Return how the slot's wheel is kept at a speed; None where it cannot be."""
+    settings = motor.velocity_loop
+    wheel = next((each for each in profile.body.wheels if each.name == slot.wheel), None)
+    if settings is None or wheel is None:
+        return None
+    speed = signals.number(wheel.speed, (*path, "wheel"), ANGULAR_SPEED)
+    no_load_rad_s = motor.no_load_speed or inf
+    radius_m = profile.body.wheel_radius
+    return VelocitySpec(settings.gain, settings.limit, no_load_rad_s, speed, radius_m)
 
 
 _SAID = {"joint": "joint", "wheel": "wheel", "roll": "roll joint"}

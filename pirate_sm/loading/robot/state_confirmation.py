@@ -205,5 +205,5 @@ class _States:
         return [
             (self._speeds[write.slot], copysign(1.0, write.value) if write.value else 0.0)
             for write in self._actuation[name][-1]
-            if write.slot in self._speeds and write.how == "set"
+            if write.slot in self._speeds and write.how in ("set", "turn")
         ]

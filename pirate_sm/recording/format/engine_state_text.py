@@ -57,7 +57,7 @@ def _form(hint: Any) -> _Form:
     """
     origin, args = get_origin(hint), get_args(hint)
     if origin in (Union, UnionType):
-        return _optional(*args)
+        return _optional(*args) if NoneType in args else _one_of_records(args)
     if origin is Literal:
         return _Form(_as_it_is, one_of(args))
     if origin is frozenset:
@@ -104,6 +104,22 @@ def _fixed(forms: list[_Form]) -> _Form:
     )
 
 
+def _one_of_records(kinds: tuple[type[Any], ...]) -> _Form:
+    """Return how one of several records is written; its fields tell which it is."""
+
+    def decode(values: dict[str, Any]) -> Any:
+        kind: Any = next((each for each in kinds if values.keys() == {*each._fields}), None)
+        if kind is None:
+            raise ValueError(f"none of {', '.join(each.__name__ for each in kinds)}")
+        return _form(kind).decode(values)
+
+    def encode(value: Any) -> Any:
+        kind: Any = type(value)
+        return _form(kind).encode(value)
+
+    return _Form(encode, decode)
+
+
 def _record(kind: Any) -> _Form:
     """Return how a named tuple is written: as an object with exactly its fields."""
     if not issubclass(kind, tuple):
@@ -112,9 +128,11 @@ def _record(kind: Any) -> _Form:
     forms = [(name, _form(hints[name])) for name in kind._fields]
 
     def decode(values: dict[str, Any]) -> Any:
-        if values.keys() != hints.keys():
+        later = kind._field_defaults.keys()  # an older engine may not have known them
+        if not hints.keys() - later <= values.keys() <= hints.keys():
             raise ValueError(f"no {kind.__name__} of this engine")
-        return kind(*[form.decode(values[name]) for name, form in forms])
+        known = {name: form.decode(values[name]) for name, form in forms if name in values}
+        return kind(**known)
 
     return _Form(
         lambda values: {

@@ -136,7 +136,7 @@ class Driver:
         if self.in_flight:
             self.accept()
         names, body = self.robot.vocabulary.numbers, self.state.robot
-        for loop in body.loops:
+        for loop in body.seekers:
             self.signals[names[loop.angle]] = loop.target_rad
         for slot, value in zip(self.robot.slots, body.values, strict=True):
             if slot.torque >= 0:

@@ -69,6 +69,7 @@ class Course:
     sent: fx.Setpoints | None = None
     accepted: fx.Setpoints | None = None
     unresolved: bool = False
+    streamed: bool = False
     active: str = ""
     commanded_in_pause: bool = False
 
@@ -171,7 +172,7 @@ class Course:
     def _move(self, elapsed: float) -> None:
         names = self.robot.vocabulary.numbers
         body = self.state.robot
-        for loop in body.loops:
+        for loop in body.seekers:
             self.signals[names[loop.angle]] = loop.target_rad
         for slot, value in zip(self.robot.slots, body.values, strict=True):
             if slot.torque >= 0:
@@ -218,8 +219,13 @@ class Course:
         self, event: ev.Event | None, before: EngineState, effects: tuple[fx.Effect, ...]
     ) -> None:
         self.effects += effects
-        if not self.state.mission.paused:
+        mission, body = self.state.mission, self.state.robot
+        if not mission.paused:
             self.commanded_in_pause = False
+        if mission.ending or (mission.paused and not self.commanded_in_pause):
+            assert body.loops == (), "a loop runs in the safe state"
+        if body.motion is None:
+            assert body.seekers == (), "a position loop has outlived its command"
         for number, effect in enumerate(effects):
             self._note(effect)
             if isinstance(effect, fx.Ended):
@@ -255,7 +261,9 @@ class Course:
             assert new.setpoint_id == (old.setpoint_id + 1 if old else 1)
             if self.unresolved and new.setpoint_id == body.next_id - 1:
                 assert body.flight is not None
-                assert body.flight.purpose == "stop", "only the safe stop may overtake an array"
+                stops = body.flight.purpose == "stop"
+                assert stops or self.streamed, "only the safe stop may overtake an awaited array"
+            self.streamed = body.flight is not None and body.flight.purpose == "stream"
         if self.state.mission.paused and not self.commanded_in_pause:
             assert all(new.values[slot] == 0 for slot in self.robot.safe_zero)
         self.sent, self.unresolved = new, True

@@ -259,6 +259,24 @@ FAULTS = [
         "80 mm",
         "expected a duty cycle such as",
     ),
+    (
+        "Ahead: {drive_a: 80 %",
+        "Ahead: {drive_a: 80 mm/s",
+        "80 mm/s",
+        "'drive_a' has no wheel whose motor has a velocity loop to keep a speed",
+    ),
+    (
+        "    no_load_speed: 5 rad/s\n",
+        "    velocity_loop: {gain: 0.3}\n",
+        "track:",
+        "a `velocity_loop` needs the `no_load_speed` of the motor",
+    ),
+    (
+        "    no_load_speed: 5 rad/s\n",
+        "    no_load_speed: 5 rad/s\n    velocity_loop: {gain: 1.5}\n",
+        "1.5",
+        "expected at most 1, got '1.5'",
+    ),
     ("Lit: {lamp: 60 %}", "Lit: {}", "{}", "other states of Lamp write lamp"),
     (
         "  Lamp:\n    Dark: {lamp: 0 %}\n    Lit: {lamp: 60 %}\n",

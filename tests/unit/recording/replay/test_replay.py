@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from math import nan
 
@@ -206,6 +207,18 @@ def test_a_state_comes_back_whatever_the_engine_is_at(bend):
 def test_a_state_of_another_engine_is_refused(written):
     with pytest.raises(ValueError):  # noqa: PT011 - of whatever kind
         state_from_text(written)
+
+
+def test_a_state_of_an_engine_without_loops_of_states_is_read(bend):
+    with recorded_mission(bend.header) as loaded:
+        states = [again.state for again in rerun(bend, loaded) if again.state is not None]
+    seeking = next(each for each in states if each.robot.flight and each.robot.loops)
+    content = json.loads(state_to_text(seeking))
+    del content["robot"]["overtaken"]
+    del content["robot"]["flight"]["since_s"]
+    del content["robot"]["flight"]["before"]
+
+    assert same(state_from_text(json.dumps(content)), seeking)
 
 
 def test_the_checkpoint_before_a_time_is_found(tmp_path, often):

@@ -1,0 +1,63 @@
+"""A velocity loop, which keeps a wheel at a speed by its duty."""
+
+from __future__ import annotations
+
+from math import isnan
+from typing import NamedTuple
+
+from pirate_sm.engine.robot.command_spec import VelocitySpec
+
+Numbers = tuple[float, ...]
+
+
+class VelocityLoop(NamedTuple):
+    """A running velocity loop: u = target / no-load speed + integral.
+
+    A geared motor is nearly static at the rate of the frames: its speed follows its duty within
+    one. So the loop has no proportional term, and each fresh frame corrects the integral.
+
+    Attributes:
+        slot: Whose duty it sets.
+        target_rad_s: The speed that the wheel shall have.
+        integral: What has been learned to be missing, as a duty cycle.
+    """
+
+    slot: int
+    spec: VelocitySpec
+    target_rad_s: float
+    integral: float = 0.0
+
+    @property
+    def ends_with_command(self) -> bool:
+        """Return that it runs until another state writes the slot."""
+        return False
+
+    @property
+    def signal(self) -> int:
+        """Return the number index of the signal that it controls."""
+        return self.spec.speed
+
+    def heard(self, numbers: Numbers) -> VelocityLoop:
+        """Return the loop after a fresh frame of the wheel's board.
+
+        The integral takes the share ``gain`` of the error. It stays where it is while the speed is
+        unknown, and grows no further than to the limit of the duty.
+        """
+        speed = numbers[self.spec.speed]
+        if isnan(speed):
+            return self
+        error = (self.target_rad_s - speed) / self.spec.no_load_rad_s
+        wanted = self._limited(self._expected + self.integral + self.spec.gain * error)
+        return self._replace(integral=wanted - self._expected)
+
+    def duty(self, numbers: Numbers, loss: float = 0.0) -> float:
+        """Return the duty cycle; neither the signals nor lost reports matter between frames."""
+        return self._limited(self._expected + self.integral)
+
+    @property
+    def _expected(self) -> float:
+        """Return the duty cycle at which the motor has its speed without load."""
+        return self.target_rad_s / self.spec.no_load_rad_s
+
+    def _limited(self, duty: float) -> float:
+        return min(max(duty, -self.spec.limit), self.spec.limit)
