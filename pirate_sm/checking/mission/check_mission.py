@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from pirate_sm.checking.mission.refused_steps import refused_steps
 from pirate_sm.checking.mission.time_limits import time_limits
 from pirate_sm.checking.mission.too_large import too_large
 from pirate_sm.checking.mission.wait_triggers import wait_triggers
-from pirate_sm.checking.pipe.check_in_pipe import in_its_pipe
+from pirate_sm.checking.pipe.check_in_pipe import pipe_findings
 from pirate_sm.loading.mission import TOLERABLE, LoadedMission, read_mission
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.source import Document
@@ -103,6 +103,11 @@ def _judge(view: MissionView) -> list[Finding]:
     found = [finding for rule in RULES for finding in rule(view)]
     decided = {each.place for each in found if each.code in _DECIDED}
     return [each for each in found if each.code not in _FOLLOWING or each.place not in decided]
+
+
+def in_its_pipe(view: MissionView) -> Iterator[Finding]:
+    """Yield where the mission does not fit its pipe."""
+    yield from pipe_findings(view.loaded)
 
 
 RULES = (
