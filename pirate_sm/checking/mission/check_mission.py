@@ -48,8 +48,6 @@ def check_mission(
     robot: str | None = None,
     pipe: str | None = None,
     settings: Mapping[str, str] | None = None,
-    start_phase: str | None = None,
-    states: Mapping[str, str] | None = None,
 ) -> MissionCheck:
     """Return everything that is wrong with a mission.
 
@@ -58,21 +56,13 @@ def check_mission(
         robot: In place of the mission's own.
         pipe: In place of the mission's own.
         settings: Values of parameters, as text.
-        start_phase: The phase to begin with.
-        states: The states to begin in.
 
     Raises:
         UsageError: An argument does not fit.
     """
     try:
         loaded, problems = read_mission(
-            path,
-            robot=robot,
-            pipe=pipe,
-            settings=settings,
-            start_phase=start_phase,
-            states=states,
-            tolerated=TOLERABLE,
+            path, robot=robot, pipe=pipe, settings=settings, tolerated=TOLERABLE
         )
     except LoadError as error:
         return MissionCheck(tuple(finding_of(problem) for problem in error.problems))
@@ -135,17 +125,17 @@ _FOLLOWING = frozenset(
 
 _NEVER = frozenset(
     {
-        "branch.never",
         "branch.always",
+        "branch.never",
         "condition.beyond",
-        "wait.still",
-        "phase.unreachable",
         "end.unreachable",
+        "mission.no_success",
+        "phase.unreachable",
+        "step.never_needed",
+        "trigger.at_once",
         "trigger.never",
         "trigger.shadowed",
-        "trigger.at_once",
-        "step.never_needed",
-        "mission.no_success",
+        "wait.still",
     }
 )
 """Codes of what never happens; it may happen once another fault is mended."""
