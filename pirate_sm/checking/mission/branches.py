@@ -1,4 +1,4 @@
-"""Steps behind an `if`, and arms of a `choose`, that are never or always taken."""
+"""A rule about decisions: steps behind an `if`, and arms of a `choose`, never or always taken."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Everything that can be known of a mission before anything moves."""
+"""Check a mission: load it, explore what can happen to it, then run the rules about it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a mission can get to: phases and ends never reached, loops without a way out, rules."""
+"""A rule about reachability: phases and ends, loops without a way out, broken safety rules."""
 
 from __future__ import annotations
 

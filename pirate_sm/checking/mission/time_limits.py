@@ -1,4 +1,4 @@
-"""Times that are too short for what they limit, and questions that may stay open for ever."""
+"""A rule about times: none is too short for what it limits, and every question ends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Everything that can be known of the files of a project, in one report."""
+"""Check the files of a project and report on all of them."""
 
 from __future__ import annotations
 
