@@ -10,7 +10,8 @@ from pirate_sm import wiring
 from pirate_sm.checking.allowances import settle
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.check_mission import check_loaded
-from pirate_sm.checking.project.check_project import Wishes, check_paths
+from pirate_sm.checking.project.check_options import Wishes
+from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.wiring import Order, Prepared

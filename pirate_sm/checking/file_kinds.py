@@ -1,4 +1,4 @@
-"""What a file is, told by what stands in it: also in a file that is too broken to be read."""
+"""Find out from its text what a file is, even if it is too broken to be read."""
 
 from __future__ import annotations
 

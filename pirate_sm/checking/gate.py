@@ -1,4 +1,4 @@
-"""What is certainly wrong with a mission keeps it from being run."""
+"""Refuse to run a mission that is certainly wrong."""
 
 from __future__ import annotations
 

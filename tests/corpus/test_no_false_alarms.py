@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pirate_sm.checking.project.check_project import Wishes, check_paths
+from pirate_sm.checking.project.check_options import Wishes
+from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.loading import library
 
 from .odd import Odd, odd_missions

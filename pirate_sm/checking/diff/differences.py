@@ -7,16 +7,22 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, TypeVar
 
+from pirate_sm.checking.diff.change_words import (
+    cause,
+    end_words,
+    handling,
+    names_of_ends,
+    outcome_words,
+    quoted,
+    trigger_words,
+    way_words,
+)
 from pirate_sm.checking.diff.mission_behaviour import (
-    IGNORED,
     STOPPED,
     Abilities,
-    Outcome,
     Success,
-    Trigger,
 )
 from pirate_sm.checking.diff.renamed_parts import in_new_names, matched_triggers, renamed
-from pirate_sm.checking.exploring.exploration import WITHIN
 
 K = TypeVar("K")
 V = TypeVar("V")
@@ -143,59 +149,42 @@ def _triggers(old: Abilities, new: Abilities) -> Iterator[Change]:
     for kind, (phase, name), here, there in _one_sided(old, new, lambda each: each.triggers):
         if phase not in there.phases:
             continue
-        said = _trigger(name, here.triggers[phase, name])
+        said = trigger_words(name, here.triggers[phase, name])
         text = f"the wait of '{phase}' can end by {said}"
         if kind == "lost":
             text = f"the wait of '{phase}' ends no more by {said}"
         yield Change(kind, "trigger", text, name, phase)
     for (phase, name), was, now in _both(old.triggers, new.triggers):
-        before, after = _trigger(name, was), _trigger(name, now)
+        before, after = trigger_words(name, was), trigger_words(name, now)
         text = f"the wait of '{phase}' ends by {after}; before by {before}"
         if was.go == now.go:
-            text = f"the wait of '{phase}' ends by {_by(name, now)}; before by {_by(name, was)}"
+            text = f"the wait of '{phase}' ends by {cause(name, now)}; before by {cause(name, was)}"
         elif was.text == now.text:
-            what, leads = _by(name, now), _list(now.go)
-            text = f"in '{phase}' {what} leads to {leads}; before to {_list(was.go)}"
+            what, leads = cause(name, now), quoted(now.go)
+            text = f"in '{phase}' {what} leads to {leads}; before to {quoted(was.go)}"
         yield Change("changed", "trigger", text, name, phase, before, after)
-
-
-def _trigger(name: str, trigger: Trigger) -> str:
-    return f"{_by(name, trigger)}, which leads to {_list(trigger.go)}"
-
-
-def _by(name: str, trigger: Trigger) -> str:
-    return f"its limit of {trigger.text}" if name == WITHIN else f"'{trigger.text}'"
 
 
 def _outcomes(old: Abilities, new: Abilities) -> Iterator[Change]:
     for kind, name, here, _ in _one_sided(old, new, lambda each: each.outcomes):
-        said = f", which {_outcome(here.outcomes[name])}"
+        said = f", which {outcome_words(here.outcomes[name])}"
         if name == STOPPED:
             said = ", as nothing handles a failure or a fault"
-        text = f"it can end in {_end(name)}{said}"
+        text = f"it can end in {end_words(name)}{said}"
         if kind == "lost":
-            text = f"it ends no more in {_end(name)}{said}"
+            text = f"it ends no more in {end_words(name)}{said}"
         yield Change(kind, "outcome", text, name)
     for name, was, now in _both(old.outcomes, new.outcomes):
-        before, after = _outcome(was), _outcome(now)
+        before, after = outcome_words(was), outcome_words(now)
         text = f"the end '{name}' {after}; before: {before}"
         yield Change("changed", "outcome", text, name, "", before, after)
-
-
-def _outcome(outcome: Outcome) -> str:
-    said = f": {outcome.message}" if outcome.message else ""
-    return ("succeeds" if outcome.succeeds else "fails") + said
-
-
-def _end(name: str) -> str:
-    return "the safe stop" if name == STOPPED else f"'{name}'"
 
 
 def _failures(old: Abilities, new: Abilities) -> Iterator[Change]:
     """Yield commands whose failure ends otherwise, those together that change alike."""
     alike: dict[tuple[str, str], dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
     for (phase, name), was, now in _both(old.failures, new.failures):
-        alike[_ends(was), _ends(now)][phase].append(name)
+        alike[names_of_ends(was), names_of_ends(now)][phase].append(name)
     for (before, after), phases in alike.items():
         for phase, names in phases.items():
             text = (
@@ -203,10 +192,6 @@ def _failures(old: Abilities, new: Abilities) -> Iterator[Change]:
                 f"it ends in {after}; before in {before}"
             )
             yield Change("changed", "failure", text, ", ".join(names), phase, before, after)
-
-
-def _ends(names: frozenset[str]) -> str:
-    return " or ".join(map(_end, sorted(names))) or "nothing: it goes round for ever"
 
 
 def _faults(old: Abilities, new: Abilities) -> Iterator[Change]:
@@ -220,16 +205,10 @@ def _faults(old: Abilities, new: Abilities) -> Iterator[Change]:
             if before != after:
                 alike[before, after].append(phase)
         for (before, after), phases in alike.items():
-            where = "" if len(phases) == len(kept) else f" in {_list(phases)}"
-            text = f"the fault {code} {_handling(after)}{where}; before: {_handling(before)}"
+            where = "" if len(phases) == len(kept) else f" in {quoted(phases)}"
+            text = f"the fault {code} {handling(after)}{where}; before: {handling(before)}"
             kind: Kind = "changed" if before and after else "gained" if after else "lost"
             yield Change(kind, "fault", text, code, ", ".join(phases) * bool(where), before, after)
-
-
-def _handling(go: str) -> str:
-    if not go:
-        return "stops the mission"
-    return "is only told" if go == IGNORED else f"leads to '{go}'"
 
 
 def _rules(old: Abilities, new: Abilities) -> Iterator[Change]:
@@ -255,17 +234,9 @@ def _success(old: Success | None, new: Success | None) -> Iterator[Change]:
         kind: Kind = "lost" if new is None else "gained"
         text = "nothing leads to success any more" if new is None else "it can succeed"
     else:
-        kind, text = "changed", f"success takes at least {_way(new)}; before {_way(old)}"
-    before, after = (_way(each) if each else "" for each in (old, new))
+        kind, text = "changed", f"success takes at least {way_words(new)}; before {way_words(old)}"
+    before, after = (way_words(each) if each else "" for each in (old, new))
     yield Change(kind, "success", text, "", "", before, after)
-
-
-def _way(way: Success) -> str:
-    return f"{_count(way.commands, 'command')} and {_count(way.events, 'event')}"
-
-
-def _count(number: int, thing: str) -> str:
-    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
 
 
 def _one_sided(
@@ -280,7 +251,3 @@ def _one_sided(
 def _both(old: Mapping[K, V], new: Mapping[K, V]) -> Iterator[tuple[K, V, V]]:
     """Yield what both have and where it differs."""
     return ((key, old[key], new[key]) for key in new if key in old and old[key] != new[key])
-
-
-def _list(names: Iterable[str]) -> str:
-    return ", ".join(f"'{name}'" for name in names)

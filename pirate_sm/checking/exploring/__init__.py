@@ -1,1 +1,1 @@
-"""Everything that can happen to a mission: the production engine, walked through every choice."""
+"""Explore everything that can happen to a mission, by running the engine with every choice."""

@@ -1,4 +1,4 @@
-"""Waits that come to an outcome only while sensors show now this and now that.
+"""Find outcomes of waits that need sensors to alternate between values.
 
 The exploration tells states of a wait apart by which conditions have begun to hold, not by when.
 So it does not see a wait that goes on because first one condition breaks and then another one,

@@ -1,4 +1,4 @@
-"""A program whose conditions ask instead of looking: every answer that is possible is given once.
+"""A program whose conditions ask for their values, so that every possible answer is tried once.
 
 The engine runs as it always does. Where it evaluates a condition of the mission, the answer comes
 from a list of choices; by running the same step again with other choices, everything that sensors

@@ -1,4 +1,4 @@
-"""What a condition asks in the moment in which its wait begins: nothing has changed yet."""
+"""Reduce a condition to the moment in which its wait begins, when nothing has changed yet."""
 
 from __future__ import annotations
 

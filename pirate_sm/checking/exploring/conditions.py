@@ -1,4 +1,4 @@
-"""Can these conditions be true, and those not, at one moment? Signals are free in their ranges.
+"""Decide whether some conditions can be true, and others not, at one moment.
 
 Each signal may have any value of its range, or be unknown; the states of the robot are known.
 What compares two signals, or is not linear, is a free truth of its own: then a *yes* is not sure.

@@ -1,4 +1,4 @@
-"""Breadth-first over everything that can happen to a mission, on the production engine.
+"""Explore breadth-first everything that can happen to a mission, with the engine that runs it.
 
 Two states of the engine are one here when the mission and the robot can only go on alike: times
 and numbers of arrays do not count, and of a wait only which of its conditions have begun to hold.

@@ -1,4 +1,4 @@
-"""Where a comparison of one signal with numbers changes: kinks and roots, piece by linear piece."""
+"""Find where a comparison of one signal with numbers changes: kinks and roots of linear pieces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can happen next: one engine event for each thing that robot, sensors or operator can do."""
+"""List what can happen next: an event for each thing that robot, sensors or operator can do."""
 
 from __future__ import annotations
 

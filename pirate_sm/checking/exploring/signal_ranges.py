@@ -1,4 +1,4 @@
-"""What values a signal can have at all: the end stops of its joint, its wire, its geometry."""
+"""Derive the range of each signal from end stops, the wire and geometry."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When two states of the engine can only go on alike, and how far a state is from the usual."""
+"""Keys that are equal for states that can only go on alike, and the mishaps before a state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A course of events told in numbered sentences, one for each thing that happens."""
+"""Describe a course of events in sentences, one for each event."""
 
 from __future__ import annotations
 

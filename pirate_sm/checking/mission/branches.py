@@ -1,4 +1,4 @@
-"""Steps behind an `if`, and arms of a `choose`, that are never or always taken."""
+"""A rule about decisions: steps behind an `if`, and arms of a `choose`, never or always taken."""
 
 from __future__ import annotations
 
@@ -53,19 +53,11 @@ def _decided(seen: Sequence[Explored], loaded: LoadedMission, places: Places) ->
         if where in guards and not (condition.names and condition.names <= known):
             continue
         if True in truths[where]:
-            yield places.finding(
-                place,
-                "branch.always",
-                f"'{text}' is true whenever it is asked",
-                mend="leave the condition out",
-            )
+            message = f"'{text}' is true whenever it is asked"
+            yield places.finding(place, "branch.always", message, mend="leave the condition out")
         else:
-            yield places.finding(
-                place,
-                "branch.never",
-                f"'{text}' is never true when it is asked",
-                mend="leave the steps out",
-            )
+            message = f"'{text}' is never true when it is asked"
+            yield places.finding(place, "branch.never", message, mend="leave the steps out")
 
 
 def _conditions(loaded: LoadedMission) -> dict[str, Expression]:

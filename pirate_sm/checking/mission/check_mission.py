@@ -1,8 +1,8 @@
-"""Everything that can be known of a mission before anything moves."""
+"""Check a mission: load it, explore what can happen to it, then run the rules about it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from pirate_sm.checking.mission.refused_steps import refused_steps
 from pirate_sm.checking.mission.time_limits import time_limits
 from pirate_sm.checking.mission.too_large import too_large
 from pirate_sm.checking.mission.wait_triggers import wait_triggers
-from pirate_sm.checking.pipe.check_in_pipe import in_its_pipe
+from pirate_sm.checking.pipe.check_in_pipe import pipe_findings
 from pirate_sm.loading.mission import TOLERABLE, LoadedMission, read_mission
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.yaml.document import Document
@@ -48,8 +48,6 @@ def check_mission(
     robot: str | None = None,
     pipe: str | None = None,
     settings: Mapping[str, str] | None = None,
-    start_phase: str | None = None,
-    states: Mapping[str, str] | None = None,
 ) -> MissionCheck:
     """Return everything that is wrong with a mission.
 
@@ -58,21 +56,13 @@ def check_mission(
         robot: In place of the mission's own.
         pipe: In place of the mission's own.
         settings: Values of parameters, as text.
-        start_phase: The phase to begin with.
-        states: The states to begin in.
 
     Raises:
         UsageError: An argument does not fit.
     """
     try:
         loaded, problems = read_mission(
-            path,
-            robot=robot,
-            pipe=pipe,
-            settings=settings,
-            start_phase=start_phase,
-            states=states,
-            tolerated=TOLERABLE,
+            path, robot=robot, pipe=pipe, settings=settings, tolerated=TOLERABLE
         )
     except LoadError as error:
         return MissionCheck(tuple(finding_of(problem) for problem in error.problems))
@@ -105,6 +95,11 @@ def _judge(view: MissionView) -> list[Finding]:
     return [each for each in found if each.code not in _FOLLOWING or each.place not in decided]
 
 
+def in_its_pipe(view: MissionView) -> Iterator[Finding]:
+    """Yield where the mission does not fit its pipe."""
+    yield from pipe_findings(view.loaded)
+
+
 RULES = (
     too_large,
     refused_steps,
@@ -130,17 +125,17 @@ _FOLLOWING = frozenset(
 
 _NEVER = frozenset(
     {
-        "branch.never",
         "branch.always",
+        "branch.never",
         "condition.beyond",
-        "wait.still",
-        "phase.unreachable",
         "end.unreachable",
+        "mission.no_success",
+        "phase.unreachable",
+        "step.never_needed",
+        "trigger.at_once",
         "trigger.never",
         "trigger.shadowed",
-        "trigger.at_once",
-        "step.never_needed",
-        "mission.no_success",
+        "wait.still",
     }
 )
 """Codes of what never happens; it may happen once another fault is mended."""

@@ -1,4 +1,4 @@
-"""Handlers of faults that never get their turn."""
+"""A rule about `on_fault`: no line handles a fault that an earlier one handles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parameters that a mission declares and nothing in it uses, or nothing sets."""
+"""Rules about parameters: each is used and set, and its limits leave the mission possible."""
 
 from __future__ import annotations
 

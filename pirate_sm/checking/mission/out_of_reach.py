@@ -1,4 +1,4 @@
-"""Conditions that this robot, in this pipe, cannot come to: too fast, too far, the wrong way."""
+"""A rule about conditions that this robot, in this pipe, cannot make true."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a mission can get to: phases and ends never reached, loops without a way out, rules."""
+"""A rule about reachability: phases and ends, loops without a way out, broken safety rules."""
 
 from __future__ import annotations
 
@@ -72,10 +72,11 @@ def _endless(books: Sequence[Explored], loaded: LoadedMission, places: Places) -
     )
     also = f" (nor from {', '.join(others)})" if others else ""
     place = places.of(("phases", own), key=True)
+    message = f"from the phase '{own}' no end can be reached{also} unless something fails"
     yield places.finding(
         place,
         "loop.endless",
-        f"from the phase '{own}' no end can be reached{also} unless something fails",
+        message,
         severity=None if sure else Severity.POSSIBLE,
         happens=(found, found.nodes[first].step),
         playable=len(books) == 1,

@@ -1,4 +1,4 @@
-"""Steps that cannot run, on every path or on some, and calls whose terms are not met."""
+"""A rule about steps that are refused, on every path or on some, and calls likewise."""
 
 from __future__ import annotations
 

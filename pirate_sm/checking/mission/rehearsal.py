@@ -1,4 +1,4 @@
-"""What came of running missions in the simulator; whoever checks says how that is done."""
+"""Results of running missions in the simulator, and the findings that they give."""
 
 from __future__ import annotations
 

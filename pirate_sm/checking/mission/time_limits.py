@@ -1,4 +1,4 @@
-"""Times that are too short for what they limit, and questions that may stay open for ever."""
+"""A rule about times: none is too short for what it limits, and every question ends."""
 
 from __future__ import annotations
 
@@ -60,12 +60,11 @@ def _limit(books: Sequence[Explored], loaded: LoadedMission, places: Places) -> 
         return
     least_s = _shortest_s(books[-1].found)
     if limit_s < least_s < inf:
-        yield places.finding(
-            places.of(("time_limit",)),
-            "limit.too_short",
+        message = (
             f"the shortest way to an end that succeeds takes {least_s:.3g} s as a rule, "
-            f"and the mission may take {limit_s:g} s",
+            f"and the mission may take {limit_s:g} s"
         )
+        yield places.finding(places.of(("time_limit",)), "limit.too_short", message)
 
 
 def _shortest_s(found: Exploration) -> float:

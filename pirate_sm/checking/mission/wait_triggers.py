@@ -1,4 +1,4 @@
-"""Triggers that nothing can make true, that come too late, or that are true already."""
+"""A rule about triggers: each can fire, in time, and is not true already."""
 
 from __future__ import annotations
 

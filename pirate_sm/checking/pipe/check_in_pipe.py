@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.checking.pipe.bend_sides import bends_to_the_inner_wall
 from pirate_sm.checking.pipe.clamp_hold import clamps_bear_the_weight
 from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.checking.pipe.room import holds_behind_the_bend, starts_clear_of_bends
 from pirate_sm.checking.pipe.usual_course import course_of
+from pirate_sm.loading.mission import LoadedMission
 
 RULES = (
     starts_clear_of_bends,
@@ -26,9 +26,8 @@ RULES = (
 """Every rule about a mission in its pipe. Each yields the findings of a `PipeView`."""
 
 
-def in_its_pipe(mission: MissionView) -> Iterator[Finding]:
+def pipe_findings(loaded: LoadedMission) -> Iterator[Finding]:
     """Yield where a mission does not fit its pipe; nothing without a pipe."""
-    loaded = mission.loaded
     if loaded.pipe is None:
         return
     profile = loaded.loaded_robot.profile

@@ -1,4 +1,4 @@
-"""Whether a mission can be handed back at one of its phases, as the robot is now."""
+"""Check whether a mission can go on with one of its phases, as the robot is now."""
 
 from __future__ import annotations
 

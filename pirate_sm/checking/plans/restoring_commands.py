@@ -1,4 +1,4 @@
-"""Which commands restore the configuration in which a phase of a mission can begin."""
+"""Find the commands that restore the configuration in which a phase can begin."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The way to states that somebody names, or why there is none."""
+"""Find the commands that lead to given states, or why there are none."""
 
 from __future__ import annotations
 

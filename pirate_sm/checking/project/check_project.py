@@ -1,11 +1,10 @@
-"""Everything that can be known of the files of a project, in one report."""
+"""Check the files of a project and report on all of them."""
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
 from pirate_sm.checking.allowances import settle
@@ -13,7 +12,8 @@ from pirate_sm.checking.file_kinds import Kind
 from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
 from pirate_sm.checking.mission.mission_parameters import check_settings
-from pirate_sm.checking.mission.rehearsal import Rehearsal, Rehearse, rehearsed
+from pirate_sm.checking.mission.rehearsal import Rehearsal, rehearsed
+from pirate_sm.checking.project.check_options import Progress, Wishes, run_options
 from pirate_sm.checking.project.find_files import Target, find_targets
 from pirate_sm.checking.project.unique_findings import each_once
 from pirate_sm.checking.reports.check_report import CheckedFile, Report
@@ -31,33 +31,6 @@ from pirate_sm.loading.trace_script import read_script
 from pirate_sm.loading.yaml.document import LARGEST_FILE, Document, read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.calibration import Calibration
-
-
-@dataclass(frozen=True)
-class Wishes:
-    """What missions are checked with in place of what they say themselves.
-
-    Attributes:
-        robot: Name or path of a robot.
-        pipe: Name or path of a pipe.
-        settings: Values of parameters, for every mission that has them.
-        keep_going: Whether a fault of this program becomes a finding.
-        counterexamples: The folder that counterexamples are written to; None: they are not.
-        rehearse: Runs a mission in the simulator; None: none is run.
-        outside: Whether references may leave the project.
-    """
-
-    robot: str | None = None
-    pipe: str | None = None
-    settings: Mapping[str, str] = field(default_factory=dict)
-    keep_going: bool = True
-    counterexamples: Path | None = None
-    rehearse: Rehearse | None = None
-    outside: bool = False
-
-
-Progress = Callable[[int, int, str], None]
-"""Called before each file: how many are done, how many there are, and the next one's name."""
 
 
 def check_paths(
@@ -175,7 +148,7 @@ class _Check:
         self.findings += checked.findings
         self._remember(checked, shown(target.path), settings)
         if self._examples:
-            self._examples.remember(checked, target.path, _options(self._wishes, settings))
+            self._examples.remember(checked, target.path, run_options(self._wishes, settings))
         if self._wishes.rehearse is not None:
             rehearsal, found = rehearsed(checked, target.path, self._wishes.rehearse)
             self._rehearsals.append(rehearsal)
@@ -263,14 +236,6 @@ _CHECKS: Mapping[Kind, Callable[[_Check, Target], None]] = {
     Kind.UNREADABLE: _Check.other,
     Kind.OTHER: _Check.other,
 }
-
-
-def _options(wishes: Wishes, settings: Mapping[str, str]) -> str:
-    """Return the options of a run that is as a mission was checked."""
-    named = (("--robot", wishes.robot), ("--pipe", wishes.pipe))
-    options = [part for option, value in named if value is not None for part in (option, value)]
-    options += [part for name, value in settings.items() for part in ("--set", f"{name}={value}")]
-    return shlex.join(options)
 
 
 def _folder(path: Path) -> Path:

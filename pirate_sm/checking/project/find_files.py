@@ -1,4 +1,4 @@
-"""Which files a check is about: those named, those in folders named, or all of the project."""
+"""Find the files to check: those named, those in folders named, or all of the project."""
 
 from __future__ import annotations
 

@@ -117,12 +117,11 @@ class TransitionRules:
             (part for part in conjuncts(transition.tree) if not self._chances(transition, part)),
             transition.tree,
         )
-        return self._chart.at(
-            self._place(transition, blocking),
-            "chart.transition_never",
+        message = (
             f"{transition.event} never leads from {transition.source} to {transition.target}:"
-            " this is false in every combination that commands lead to",
+            " this is false in every combination that commands lead to"
         )
+        return self._chart.at(self._place(transition, blocking), "chart.transition_never", message)
 
     def _rivalry(
         self, transition: Transition, earlier: Sequence[Transition]
@@ -151,11 +150,14 @@ class TransitionRules:
         if first is None or not shadowed:
             return None, False
         place = self._chart.document.place_of(first.path)
+        message = (
+            f"this is never taken: line {place.line} leads from {transition.source} to"
+            f" {first.target} already"
+        )
         finding = self._chart.at(
             self._chart.document.place_of((*transition.path, "event")),
             "chart.transition_never",
-            f"this is never taken: line {place.line} leads from {transition.source} to"
-            f" {first.target} already",
+            message,
             related=((place, "this is taken"),),
         )
         return finding, True
@@ -163,11 +165,14 @@ class TransitionRules:
     def _ambiguous(self, transition: Transition, winner: Transition, always: bool) -> Finding:
         place = self._chart.document.place_of((*winner.path, "event"))
         when = "always" if always else "also"
+        message = (
+            f"where {transition.event} can lead from {transition.source} to {transition.target},"
+            f" it can {when} lead to {winner.target}, which is taken because it comes first"
+        )
         return self._chart.at(
             self._chart.document.place_of((*transition.path, "event")),
             "chart.ambiguous",
-            f"where {transition.event} can lead from {transition.source} to {transition.target},"
-            f" it can {when} lead to {winner.target}, which is taken because it comes first",
+            message,
             related=((place, "this is taken"),),
         )
 

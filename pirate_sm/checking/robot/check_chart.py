@@ -1,4 +1,4 @@
-"""What is wrong with a chart that loads: transitions, guards and commands without effect.
+"""Check a chart that loads: run the rules about transitions, guards, traps and idle commands.
 
 What is a finding, and what is not:
 

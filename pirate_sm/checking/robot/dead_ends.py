@@ -44,10 +44,9 @@ def idle_commands(chart: ChartView, known: Collection[Path]) -> Iterator[Finding
         if any(each.path in known for each in moves):
             continue
         if all(row[number] == index for index, row in enumerate(chart.table.following)):
+            message = f"'{command}' changes nothing anywhere: it leads each state back to itself"
             yield chart.at(
-                chart.document.place_of((*moves[0].path, "event")),
-                "chart.command_idle",
-                f"'{command}' changes nothing anywhere: it leads each state back to itself",
+                chart.document.place_of((*moves[0].path, "event")), "chart.command_idle", message
             )
 
 
@@ -97,8 +96,5 @@ def _dead_end(chart: ChartView, stuck: Sequence[int]) -> Finding:
     ]
     more = f" ({len(stuck)} such combinations)" if len(stuck) > 1 else ""
     beside = f" with {', '.join(others)}" if others else ""
-    return chart.at(
-        chart.document.place_of((*leading.path, "target")),
-        "chart.trap",
-        f"every command is refused in {region}.{state}{beside}{more}",
-    )
+    message = f"every command is refused in {region}.{state}{beside}{more}"
+    return chart.at(chart.document.place_of((*leading.path, "target")), "chart.trap", message)

@@ -110,12 +110,11 @@ def nominal_times(view: RobotView) -> Iterator[Finding]:
     """Yield commands that take longer on paper than they may on the robot."""
     for name, command in view.profile.commands.items():
         if command.nominal > command.timeout and not isinstance(command.done, AcceptedSpec):
-            yield view.at(
-                ("commands", name, "nominal"),
-                "robot.nominal",
+            message = (
                 f"on paper {name} takes {command.nominal:g} s, and on the robot it has failed after"
-                f" {command.timeout:g} s",
+                f" {command.timeout:g} s"
             )
+            yield view.at(("commands", name, "nominal"), "robot.nominal", message)
 
 
 def link_times(view: RobotView) -> Iterator[Finding]:
@@ -128,12 +127,11 @@ def link_times(view: RobotView) -> Iterator[Finding]:
         ("silent_after", link.silent_after, "every board counts as silent"),
     ):
         if limit_s < round_s:
-            yield view.at(
-                ("link", key),
-                "robot.link_times",
+            message = (
                 f"{what} {limit_s:g} s after its last message, and the next one comes"
-                f" {round_s:.3g} s after it: {messages} messages of {link.cycle:g} s",
+                f" {round_s:.3g} s after it: {messages} messages of {link.cycle:g} s"
             )
+            yield view.at(("link", key), "robot.link_times", message)
 
 
 def position_loops(view: RobotView) -> Iterator[Finding]:
@@ -141,11 +139,12 @@ def position_loops(view: RobotView) -> Iterator[Finding]:
     for name, motor in view.profile.motors.items():
         loop = motor.position_loop
         if loop is not None and loop.least_duty > loop.limit:
-            yield view.at(
-                ("motors", name, "position_loop", "least_duty"),
-                "robot.position_loop",
+            message = (
                 f"the least duty cycle of {loop.least_duty * 100:g} % is more than the limit of"
-                f" {loop.limit * 100:g} %",
+                f" {loop.limit * 100:g} %"
+            )
+            yield view.at(
+                ("motors", name, "position_loop", "least_duty"), "robot.position_loop", message
             )
 
 
@@ -155,12 +154,11 @@ def end_stops(view: RobotView) -> Iterator[Finding]:
     for joint, angle_rad, path in _sought(view):
         stop = stops.get(joint, inf)
         if abs(angle_rad) > stop:
-            yield view.at(
-                path,
-                "robot.setpoint",
+            message = (
                 f"{degrees(angle_rad):.4g} deg is beyond the end stop of '{joint}',"
-                f" {degrees(stop):.4g} deg",
+                f" {degrees(stop):.4g} deg"
             )
+            yield view.at(path, "robot.setpoint", message)
 
 
 def _sought(view: RobotView) -> Iterator[tuple[str, float, Path]]:
@@ -192,10 +190,9 @@ def hidden_words(view: RobotView) -> Iterator[Finding]:
                 rival = getattr(definition, way)
                 ahead = sign * (wheels.index(rival.wheel) - wheels.index(point.wheel)) <= 0
                 if ahead and rival.passed <= point.passed:
-                    yield view.at(
-                        ("detector", "words", name, way),
-                        "robot.word_hidden",
+                    message = (
                         f"'{name}' is never said on the way {way}: wherever it holds,"
-                        f" '{other}' holds too",
+                        f" '{other}' holds too"
                     )
+                    yield view.at(("detector", "words", name, way), "robot.word_hidden", message)
                     break

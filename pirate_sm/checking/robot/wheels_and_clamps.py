@@ -41,12 +41,11 @@ def _directions(view: RobotView) -> Iterator[Finding]:
                 continue
             if wheels[other].direction == wheels[apex].direction:
                 said.add(other)
-                yield view.at(
-                    ("body", "wheels", other, "direction"),
-                    "robot.direction",
+                message = (
                     f"'{wheels[other].name}' and '{wheels[apex].name}', the apex beside it, touch"
-                    " opposite walls: their directions cannot be equal",
+                    " opposite walls: their directions cannot be equal"
                 )
+                yield view.at(("body", "wheels", other, "direction"), "robot.direction", message)
 
 
 def mirrored_slots(view: RobotView) -> Iterator[Finding]:
@@ -55,11 +54,14 @@ def mirrored_slots(view: RobotView) -> Iterator[Finding]:
     mirrored = [slot for slot, _ in moving if slot.mirrors]
     for slot, path in moving:
         if mirrored and not slot.mirrors:
+            message = (
+                f"'{slot.name}' keeps its sign in mirrored polarity, '{mirrored[0].name}' changes"
+                " it: they work against each other there"
+            )
             yield view.at(
                 (*path, "mirrors" if "mirrors" in slot.model_fields_set else "name"),
                 "robot.mirrors",
-                f"'{slot.name}' keeps its sign in mirrored polarity, '{mirrored[0].name}' changes"
-                " it: they work against each other there",
+                message,
             )
 
 
@@ -89,12 +91,11 @@ def _sides(view: RobotView) -> Iterator[Finding]:
                 continue
             if copysign(1, value) != direction and _holding(view, part, each):
                 side = "A" if value > 0 else "B"
-                yield view.at(
-                    each.path,
-                    "robot.clamp_side",
+                message = (
                     f"this presses '{name}' to side {side}, and its direction of {direction}"
-                    " stands for the other side",
+                    " stands for the other side"
                 )
+                yield view.at(each.path, "robot.clamp_side", message)
 
 
 def _fights(view: RobotView) -> Iterator[Finding]:
@@ -113,11 +114,8 @@ def _fights(view: RobotView) -> Iterator[Finding]:
             if forward != most:
                 name = view.profile.slots[each.write.slot].name
                 way = "backward" if most > 0 else "forward"
-                yield view.at(
-                    each.path,
-                    "robot.wheels_fight",
-                    f"'{name}' drives {way} in {state}, the other wheels the other way",
-                )
+                message = f"'{name}' drives {way} in {state}, the other wheels the other way"
+                yield view.at(each.path, "robot.wheels_fight", message)
 
 
 def safe_clamps(view: RobotView) -> Iterator[Finding]:
@@ -139,11 +137,8 @@ def safe_clamps(view: RobotView) -> Iterator[Finding]:
         ]
         if pressing:
             state = f"{view.loaded.normal.regions[pressing[0].region]}.{pressing[0].state}"
-            yield view.at(
-                ("safe_state", "zero", number),
-                "robot.safe_clamp",
-                f"'{name}' holds the part '{part}' in {state}: at zero it lets go of the wall",
-            )
+            message = f"'{name}' holds the part '{part}' in {state}: at zero it lets go of the wall"
+            yield view.at(("safe_state", "zero", number), "robot.safe_clamp", message)
 
 
 def unconfirmed_clamps(view: RobotView) -> Iterator[Finding]:
@@ -165,8 +160,7 @@ def unconfirmed_clamps(view: RobotView) -> Iterator[Finding]:
         else:
             continue
         if unseen:
-            yield view.at(
-                ("commands", command.name, "done", key),
-                "robot.clamp_blind",
-                f"{command.name} makes '{min(unseen)}' hold, and is done without any sign of it",
+            message = (
+                f"{command.name} makes '{min(unseen)}' hold, and is done without any sign of it"
             )
+            yield view.at(("commands", command.name, "done", key), "robot.clamp_blind", message)

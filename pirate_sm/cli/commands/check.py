@@ -9,7 +9,8 @@ from pathlib import Path
 
 from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.mission.rehearsal import Rehearse
-from pirate_sm.checking.project.check_project import Wishes, check_paths
+from pirate_sm.checking.project.check_options import Wishes
+from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.cli.options.checks import CheckOptions

@@ -50,7 +50,7 @@ def test_every_rule_of_a_package_is_run(name: str) -> None:
     table = [rule.__name__ for rule in TABLES[name].RULES]
 
     assert len(table) == len(set(table))
-    assert rules_in(name) - {"in_its_pipe"} == {*table} - {"in_its_pipe"}
+    assert rules_in(name) == set(table)
 
 
 @pytest.mark.parametrize("seed", ["0", "1", "2"])

@@ -8,7 +8,8 @@ import pytest
 
 from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.mission.rehearsal import Nearly, Rehearsal, RehearsedRun
-from pirate_sm.checking.project.check_project import Wishes, check_paths
+from pirate_sm.checking.project.check_options import Wishes
+from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.loading.mission import LoadedMission

@@ -8,9 +8,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.mission.mission_places import Places
-from pirate_sm.checking.mission.mission_view import MissionView
-from pirate_sm.checking.pipe.check_in_pipe import in_its_pipe
+from pirate_sm.checking.pipe.check_in_pipe import pipe_findings
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
@@ -42,8 +40,7 @@ def pipe(segments: str, rest: str = "") -> str:
 
 
 def found_in(loaded: LoadedMission) -> tuple[Finding, ...]:
-    found = in_its_pipe(MissionView(loaded, Places(loaded), (), ()))
-    return tuple(sorted(found, key=lambda each: each.order))
+    return tuple(sorted(pipe_findings(loaded), key=lambda each: each.order))
 
 
 def findings(folder: Path, text: str, **options: str) -> tuple[Finding, ...]:

@@ -11,7 +11,8 @@ from pirate_sm.checking.file_kinds import Kind
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck
 from pirate_sm.checking.project import check_project as project
-from pirate_sm.checking.project.check_project import Wishes, check_paths
+from pirate_sm.checking.project.check_options import Wishes
+from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.sarif import sarif_report
 from pirate_sm.checking.reports.text import text_report
