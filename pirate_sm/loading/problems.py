@@ -1,4 +1,4 @@
-"""What is wrong with a file, where, what was expected there, and how it may have been meant."""
+"""Problems with a file: what is wrong, where, what was expected, what was probably meant."""
 
 from __future__ import annotations
 

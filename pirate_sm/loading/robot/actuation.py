@@ -1,4 +1,4 @@
-"""What each state writes to the wire, resolved to slots, signs and position loops."""
+"""Resolve what each state writes to the wire: slots, signs and position loops."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def resolve_actuation(
     polarity: Literal["normal", "mirrored"],
     problems: Problems,
 ) -> tuple[Mapping[str, tuple[StageSpec, ...]], ...]:
-    """Per region and state its stages; each state of a region writes the same slots.
+    """Return by region and state the stages; states of a region write the same slots.
 
     In mirrored polarity every slot that mirrors has the other sign.
     """
@@ -83,7 +83,7 @@ def resolve_stage(
 def _source(
     profile: Profile, share: Share, signals: Signals, at: Path, path: Path, problems: Problems
 ) -> int:
-    """Number index of the joint's angle that a setpoint is a share of; -1 and a problem if none."""
+    """Return the number index of the joint's angle; -1 after reporting that there is none."""
     if at[0] != "postures":
         message = "a share of a joint's angle is for postures: in a state it could be unknown"
         problems.add("robot.setpoint", path, message)
@@ -127,7 +127,7 @@ def _check_slots(
     owners: dict[int, str],
     problems: Problems,
 ) -> None:
-    """All stages of a region write the same slots, and no two regions write one."""
+    """Report stages of a region that write different slots, and slots of two regions."""
     every = {write.slot for stages in states.values() for stage in stages for write in stage}
     for state, stages in states.items():
         for stage in stages:

@@ -1,4 +1,4 @@
-"""The body in a profile becomes the chain that the engine reckons with."""
+"""Resolve the body in a profile to the chain of links that the engine calculates with."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Commands, held parts and fault rules: conditions compiled, criteria resolved to indexes."""
+"""Compile commands, held parts and fault rules; criteria are resolved to indexes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from pirate_sm.units import ANGLE, Quantity, describe
 def resolve_parts(
     profile: model.Profile, table: ChartTable, signals: Signals, problems: Problems
 ) -> tuple[tuple[str, ...], tuple[frozenset[int], ...], tuple[frozenset[int], ...]]:
-    """Names of the parts, which of them each configuration holds, and by which regions."""
+    """Return the parts, which of them each configuration holds, and by which regions."""
     conditions = []
     for name, part in profile.body.parts.items():
         path: Path = ("body", "parts", name, "held")
@@ -143,7 +143,7 @@ def _denied(
 def _check_catchable(
     fault: model.FaultRule, number: int, rules: list[FaultSpec], problems: Problems
 ) -> None:
-    """One code is caught or not, whoever raises it: else a mission could not tell."""
+    """Report a code that one rule lets missions catch and another does not."""
     known = {each.code: each.catchable for each in (*rules, *BuiltInFault)}
     if known.get(fault.code, fault.catchable) != fault.catchable:
         can, must = ("can", "true") if known[fault.code] else ("cannot", "false")
@@ -155,7 +155,7 @@ def _check_catchable(
 def on_states(
     text: str, table: ChartTable, signals: Signals, path: Path, problems: Problems
 ) -> Expression | None:
-    """A condition that only depends on the states of the regions."""
+    """Return a condition on the regions' states; None after reporting any other."""
     try:
         condition = compile_condition(text, signals.vocabulary)
     except ExpressionError as error:
@@ -170,7 +170,7 @@ def on_states(
 
 
 def is_true(condition: Expression | None, states: tuple[str, ...]) -> bool:
-    """Whether a condition on the states of the regions is true of these."""
+    """Return whether a condition on the states of the regions is true of these."""
     return condition is not None and condition.evaluate((), states) is True
 
 
@@ -228,7 +228,7 @@ def resolve_criterion(  # noqa: C901 - one case per kind
 
 
 def _speeds_of_parts(profile: model.Profile, signals: Signals) -> tuple[tuple[int, ...], ...]:
-    """Number indexes of the wheels' speeds, part by part."""
+    """Return the number indexes of the wheels' speeds, part by part."""
     wheels = profile.body.wheels
     return tuple(
         tuple(spec.speed for spec in signals.wheels if wheels[spec.place].part == part)

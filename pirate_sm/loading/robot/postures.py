@@ -1,4 +1,4 @@
-"""Postures that commands take first, resolved for each configuration that a command leads to."""
+"""Resolve the postures that commands take first, for each configuration they lead to."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class _Robot:
     problems: Problems
 
     def pressing(self, configuration: int) -> Iterator[tuple[str, int, float]]:
-        """Per held part its name, the slot of its apex, and the duty that holds it there."""
+        """Yield per held part its name, the slot of its apex, and the duty that holds it."""
         parts = list(self.profile.body.parts.items())
         written = {
             write.slot: write
@@ -112,7 +112,7 @@ def _case(robot: _Robot, name: str, case: PostureCase, at: Path) -> PostureSpec:
 
 
 def _lets_go(robot: _Robot, writes: StageSpec, configuration: int, at: Path) -> bool:
-    """Whether the posture lets go of a part that is held there; then the problem is reported."""
+    """Return whether the posture lets go of a part that is held there, and report it."""
     duties = {write.slot: write.value for write in writes if write.how == "set"}
     written = {write.slot for write in writes}
     for part, slot, duty in robot.pressing(configuration):

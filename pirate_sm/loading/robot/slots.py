@@ -1,4 +1,4 @@
-"""Slots of the wire: what each drives, its limits, and how it is brought to an angle."""
+"""Resolve the slots of the wire: what each drives, its limits and its position loop."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Slots:
     problems: Problems
 
     def index(self, name: str, path: Path) -> int:
-        """The slot's index on the wire; 0 and a problem when there is none of that name."""
+        """Return the slot's index on the wire; 0 after reporting an unknown name."""
         names = [slot.name for slot in self.specs]
         if name in names:
             return names.index(name)
@@ -30,7 +30,7 @@ class Slots:
 
 
 def resolve_slots(profile: model.Profile, signals: Signals, problems: Problems) -> Slots:
-    """Every slot knows its limits, its angle and its loop, or the problems say why not."""
+    """Return every slot with its limits, its angle and its loop; report what is missing."""
     specs = [
         _slot(profile, signals, slot, ("boards", number, "slots", place), problems)
         for number, board in enumerate(profile.boards)
@@ -86,7 +86,7 @@ _SAID = {"joint": "joint", "wheel": "wheel", "roll": "roll joint"}
 def _check_targets(
     profile: model.Profile, slot: model.Slot, path: Path, problems: Problems
 ) -> bool:
-    """Whether what the slot drives is there."""
+    """Return whether what the slot drives is there."""
     known = True
     valid = {
         "joint": [joint.name for joint in profile.body.joints],

@@ -1,4 +1,4 @@
-"""How states show themselves to the sensors: names resolved to indexes, for one polarity."""
+"""Resolve how sensors confirm states, for one polarity: names become indexes."""
 
 from __future__ import annotations
 
@@ -191,7 +191,7 @@ class _States:
         return write.how == "seek" or (write.how == "set" and unit == "angle")
 
     def _targets(self, name: str) -> tuple[tuple[int, float], ...]:
-        """Number index and setpoint of each angle; of several stages the first counts."""
+        """Return number index and setpoint of each angle; of several stages the first counts."""
         found: dict[int, float] = {}
         for stage in self._actuation[name]:
             for write in stage:
@@ -201,7 +201,7 @@ class _States:
         return tuple(found.items())
 
     def _wheels(self, name: str) -> list[tuple[int, float]]:
-        """Number index of each wheel's speed, and which way it is driven: 1, -1, or 0."""
+        """Return the number index of each wheel's speed, and its direction: 1, -1, or 0."""
         return [
             (self._speeds[write.slot], copysign(1.0, write.value) if write.value else 0.0)
             for write in self._actuation[name][-1]
