@@ -1,4 +1,4 @@
-"""Resolve what each state writes to the wire: slots, signs and position loops."""
+"""What each state writes to the wire, resolved to slots, signs and position loops."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.loading.robot.slots import Slots
 from pirate_sm.model.actuation import KEEP, Duty, Setpoint, Share, Target
 from pirate_sm.model.profile import Profile
+from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE
 
 
@@ -24,7 +25,7 @@ def resolve_actuation(
     polarity: Literal["normal", "mirrored"],
     problems: Problems,
 ) -> tuple[Mapping[str, tuple[StageSpec, ...]], ...]:
-    """Return by region and state the stages; states of a region write the same slots.
+    """Per region and state its stages; each state of a region writes the same slots.
 
     In mirrored polarity every slot that mirrors has the other sign.
     """
@@ -83,14 +84,17 @@ def resolve_stage(
 def _source(
     profile: Profile, share: Share, signals: Signals, at: Path, path: Path, problems: Problems
 ) -> int:
-    """Return the number index of the joint's angle; -1 after reporting that there is none."""
+    """Number index of the joint's angle that a setpoint is a share of; -1 and a problem if none."""
     if at[0] != "postures":
         message = "a share of a joint's angle is for postures: in a state it could be unknown"
         problems.add("robot.setpoint", path, message)
         return -1
     joints = [joint.name for joint in profile.body.joints]
     if share.joint not in joints:
-        problems.add_unknown("robot.joint", path, "joint", share.joint, joints)
+        problems.add(
+            "robot.joint", path, f"there is no joint '{share.joint}'",
+            expected=one_of(joints), suggestion=nearest(share.joint, joints) or "",
+        )  # fmt: skip
         return -1
     return signals.number(share.joint, path, ANGLE)
 
@@ -113,10 +117,9 @@ def _write(
         return Write(index, "set", sign * setpoint.angle_rad + 0.0)
     if slot.loop is None:
         problems.add(
-            "robot.setpoint",
-            path,
+            "robot.setpoint", path,
             f"'{slot.name}' takes a duty cycle: its motor has no position loop to hold an angle",
-        )
+        )  # fmt: skip
     return Write(index, "seek", sign * setpoint.angle_rad + 0.0)
 
 
@@ -127,7 +130,7 @@ def _check_slots(
     owners: dict[int, str],
     problems: Problems,
 ) -> None:
-    """Report stages of a region that write different slots, and slots of two regions."""
+    """All stages of a region write the same slots, and no two regions write one."""
     every = {write.slot for stages in states.values() for stage in stages for write in stage}
     for state, stages in states.items():
         for stage in stages:
@@ -135,15 +138,12 @@ def _check_slots(
             if missing:
                 names = ", ".join(slots.specs[slot].name for slot in missing)
                 problems.add(
-                    "robot.actuation",
-                    ("actuation", region, state),
+                    "robot.actuation", ("actuation", region, state),
                     f"other states of {region} write {names}, this one does not",
-                )
+                )  # fmt: skip
     for slot in sorted(every):
         if owners.setdefault(slot, region) != region:
             problems.add(
-                "robot.actuation",
-                ("actuation", region),
-                f"'{slots.specs[slot].name}' is written by {owners[slot]} too",
-                key=True,
-            )
+                "robot.actuation", ("actuation", region),
+                f"'{slots.specs[slot].name}' is written by {owners[slot]} too", key=True,
+            )  # fmt: skip

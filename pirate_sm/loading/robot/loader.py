@@ -186,11 +186,11 @@ def _resolve(
 ) -> RobotSpec:
     signals = resolve_signals(profile, table, polarity, problems)
     slots = resolve_slots(profile, signals, problems)
-    parts, held, part_regions = resolve_parts(profile, table, signals, problems)
+    parts, held, part_regions = resolve_parts(table, signals)
     actuation = resolve_actuation(profile, table, signals, slots, polarity, problems)
-    postures = resolve_postures(profile, table, signals, slots, polarity, held, actuation, problems)
-    commands, unneeded = resolve_commands(profile, table, held, signals, postures, problems)
-    faults = resolve_faults(profile, signals, parts, problems)
+    postures = resolve_postures(table, signals, slots, held, actuation)
+    commands, unneeded = resolve_commands(table, held, signals, postures)
+    faults = resolve_faults(signals, parts)
     zero = tuple(
         slots.index(name, ("safe_state", "zero", number))
         for number, name in enumerate(profile.safe_state.zero)
@@ -217,6 +217,6 @@ def _resolve(
         plausibility=thresholds(profile),
         detector_words=tuple(profile.detector.words),
         words_behind=words_behind(profile),
-        body=resolve_chain(profile, signals),
-        sight=resolve_sight(profile, table, slots.specs, actuation, signals, problems),
+        body=resolve_chain(signals),
+        sight=resolve_sight(table, slots.specs, actuation, signals),
     )

@@ -1,4 +1,4 @@
-"""Resolve the slots of the wire: what each drives, its limits and its position loop."""
+"""Slots of the wire: what each drives, its limits, and how it is brought to an angle."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pirate_sm.engine.robot.robot_spec import LoopSpec, SlotSpec
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import profile as model
+from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE, TORQUE
 
 
@@ -21,16 +22,19 @@ class Slots:
     problems: Problems
 
     def index(self, name: str, path: Path) -> int:
-        """Return the slot's index on the wire; 0 after reporting an unknown name."""
+        """The slot's index on the wire; 0 and a problem when there is none of that name."""
         names = [slot.name for slot in self.specs]
         if name in names:
             return names.index(name)
-        self.problems.add_unknown("robot.slot", path, "slot", name, names)
+        self.problems.add(
+            "robot.slot", path, f"there is no slot '{name}'",
+            expected=one_of(names), suggestion=nearest(name, names) or "",
+        )  # fmt: skip
         return 0
 
 
 def resolve_slots(profile: model.Profile, signals: Signals, problems: Problems) -> Slots:
-    """Return every slot with its limits, its angle and its loop; report what is missing."""
+    """Every slot knows its limits, its angle and its loop, or the problems say why not."""
     specs = [
         _slot(profile, signals, slot, ("boards", number, "slots", place), problems)
         for number, board in enumerate(profile.boards)
@@ -44,7 +48,10 @@ def _slot(
 ) -> SlotSpec:
     motor = profile.motors.get(slot.motor)
     if motor is None:
-        problems.add_unknown("robot.motor", (*path, "motor"), "motor", slot.motor, profile.motors)
+        problems.add(
+            "robot.motor", (*path, "motor"), f"there is no motor '{slot.motor}'",
+            expected=one_of(profile.motors), suggestion=nearest(slot.motor, profile.motors) or "",
+        )  # fmt: skip
         motor = model.Motor(kind="none")
     known = _check_targets(profile, slot, path, problems)
     link = profile.link
@@ -61,23 +68,16 @@ def _slot(
     loop, settings = None, motor.position_loop
     if settings is not None:
         loop = LoopSpec(
-            settings.gain,
-            settings.threshold,
-            settings.least_duty,
-            settings.limit,
+            settings.gain, settings.threshold, settings.least_duty, settings.limit,
             motor.stall_torque or inf,
-        )
+        )  # fmt: skip
     return SlotSpec(
-        slot.name,
-        "duty",
-        -1.0,
-        1.0,
-        link.duty_resolution,
+        slot.name, "duty", -1.0, 1.0, link.duty_resolution,
         angle=signals.number(slot.joint, (*path, "joint"), ANGLE) if known else -1,
         rate=signals.rate_of(slot.joint),
         torque=signals.number(torque, torque_path, TORQUE) if torque else -1,
         loop=loop,
-    )
+    )  # fmt: skip
 
 
 _SAID = {"joint": "joint", "wheel": "wheel", "roll": "roll joint"}
@@ -86,7 +86,7 @@ _SAID = {"joint": "joint", "wheel": "wheel", "roll": "roll joint"}
 def _check_targets(
     profile: model.Profile, slot: model.Slot, path: Path, problems: Problems
 ) -> bool:
-    """Return whether what the slot drives is there."""
+    """Whether what the slot drives is there."""
     known = True
     valid = {
         "joint": [joint.name for joint in profile.body.joints],
@@ -97,13 +97,9 @@ def _check_targets(
         name = getattr(slot, kind)
         if name is not None and name not in names:
             known = False
-            problems.add_unknown(
-                f"robot.{kind}",
-                (*path, kind),
-                "",
-                name,
-                names,
-                message=f"the body has no {_SAID[kind]} '{name}'",
-                none=f"no slot for a {_SAID[kind]}",
-            )
+            problems.add(
+                f"robot.{kind}", (*path, kind), f"the body has no {_SAID[kind]} '{name}'",
+                expected=one_of(names) if names else f"no slot for a {_SAID[kind]}",
+                suggestion=nearest(name, names) or "",
+            )  # fmt: skip
     return known
