@@ -1,4 +1,4 @@
-"""Conditions and triggers: parsed once against an allowlist, typed with units, compiled.
+"""Compile conditions and formulas: parsed against an allowlist, typed with units.
 
     text → lexer → parser → syntax tree with offsets → analysis (types, units, words) → tree
          → compiler → a Python function over signal values

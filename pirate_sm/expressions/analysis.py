@@ -1,4 +1,4 @@
-"""Syntax → tree: names, words, types and dimensions, with every independent fault at once."""
+"""Give syntax its meaning: names, words, types and dimensions; every fault is found at once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tree → Python function.
+"""Compile the tree of an expression to a Python function.
 
 The source of the function is generated from the checked tree alone: from floats, slot indexes and
 words that the vocabulary knows, never from the text of the expression; it is evaluated with no

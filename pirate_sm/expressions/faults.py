@@ -1,4 +1,4 @@
-"""What can be wrong with an expression, and where in its text."""
+"""Faults of an expression, with their places in its text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Text → tokens; a number takes its unit with it."""
+"""Split text into tokens; a unit belongs to the number before it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tokens → syntax, by recursive descent; the grammar, loosest binding first.
+"""Parse tokens by recursive descent; the grammar, loosest binding first.
 
     condition  = conjunction { "or" conjunction }
     conjunction = negation { "and" negation }

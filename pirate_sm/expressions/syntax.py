@@ -1,4 +1,4 @@
-"""What an expression says before names and units are understood; each part knows its place."""
+"""The syntax of an expression before names and units are resolved; each part has its place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An expression that is understood: typed, in SI units, every signal with its slot.
+"""The tree of a checked expression: typed, in SI units, every signal with its slot.
 
 The nodes are frozen and hashable, so that a checker can compare and collect them. Sugar is gone:
 `a < b < c` is an And, `x != word` a Not of a Matches, a parameter its value.

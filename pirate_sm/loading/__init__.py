@@ -1,1 +1,1 @@
-"""From files to models: every fault of a file at once, each with its place."""
+"""Load files into models: every fault of a file is reported at once, with its place."""

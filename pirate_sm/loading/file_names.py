@@ -1,4 +1,4 @@
-"""How files are named: in a robot's folder, and in messages."""
+"""Names of files: in the folder of a robot, and in messages."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ PROFILE_FILE = "profile.yaml"
 
 
 def shown(path: Path) -> str:
-    """The path as messages write it: from the current folder where it lies in there.
+    """Return the path for messages: relative where it lies inside the current folder.
 
     Of a link it is what the link leads to, so that a file has one name; a link that leads nowhere
     has its own.

@@ -1,4 +1,4 @@
-"""Robots, missions and pipes are found by the name of their file, or by a path.
+"""Find robots, missions and pipes by the name of their file, or by a path.
 
 What is shipped stands inside the installed package, or at the root of a source tree.
 """
@@ -18,29 +18,29 @@ _LONGEST_NAME = 100
 
 
 def shipped() -> Path:
-    """The folder that holds what is shipped: ``sequences`` and ``hardware_profiles``."""
+    """Return the folder that holds what is shipped: ``sequences`` and ``hardware_profiles``."""
     packaged = _PACKAGE / "_data"
     return packaged if packaged.is_dir() else _PACKAGE.parent
 
 
 def robots() -> list[Path]:
-    """The folders of the shipped robots."""
+    """Return the folders of the shipped robots."""
     root = shipped() / "hardware_profiles"
     return sorted(path.parent for path in root.glob(f"*/{PROFILE_FILE}"))
 
 
 def missions() -> list[Path]:
-    """The files of the shipped missions."""
+    """Return the files of the shipped missions."""
     return sorted((shipped() / "sequences").glob("*.yaml"))
 
 
 def pipes() -> list[Path]:
-    """The files of the shipped pipes."""
+    """Return the files of the shipped pipes."""
     return sorted((shipped() / "sequences" / "pipes").glob("*.yaml"))
 
 
 def find_robot(name: str, beside: Path | None = None) -> Path:
-    """The folder of the robot of this name or path.
+    """Return the folder of the robot of this name or path.
 
     Args:
         name: A shipped robot's name, or the path of a folder or of the profile in it.
@@ -61,7 +61,7 @@ def find_robot(name: str, beside: Path | None = None) -> Path:
 
 
 def shadowing(name: str, found: Path) -> str:
-    """What a person should know of a shipped robot's name that has led elsewhere; else empty.
+    """Return a notice if a shipped robot's name has led elsewhere; else an empty text.
 
     Args:
         name: As a file gives it.
@@ -74,7 +74,7 @@ def shadowing(name: str, found: Path) -> str:
 
 
 def find_mission(name: str, beside: Path | None = None) -> Path:
-    """The file of the mission of this name or path.
+    """Return the file of the mission of this name or path.
 
     A path need not exist, unless a file names it: then ``beside`` is that file's folder.
 
@@ -85,7 +85,7 @@ def find_mission(name: str, beside: Path | None = None) -> Path:
 
 
 def find_pipe(name: str, beside: Path | None = None) -> Path:
-    """The file of the pipe of this name or path; as for missions.
+    """Return the file of the pipe of this name or path; as for missions.
 
     Raises:
         UsageError: There is no pipe of this name.
@@ -131,7 +131,7 @@ def _by_name(kind: str, name: str, known: dict[str, Path]) -> Path:
 
 
 def _is_file(path: Path) -> bool:
-    """Whether it is one; a name that no file can have is none."""
+    """Return whether it is one; a name that no file can have is none."""
     try:
         return path.is_file()
     except (OSError, ValueError):

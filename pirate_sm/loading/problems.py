@@ -1,4 +1,4 @@
-"""What is wrong with a file, where, what was expected there, and how it may have been meant."""
+"""Problems with a file: what is wrong, where, what was expected, what was probably meant."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ class LoadError(PirateError):
 
 
 class Locator(Protocol):
-    """Finds the place of a value in a file; `loading.source.Document` is one."""
+    """Finds the place of a value in a file; `loading.yaml.document.Document` is one."""
 
     def place_of(self, path: Path, *, key: bool = False, offset: int | None = None) -> Place:
         """Return the place of the value at `path`, or of its key."""

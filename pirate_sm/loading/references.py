@@ -1,4 +1,4 @@
-"""References from one file to another: how far they may lead, and what is said of where they lead.
+"""Follow references from one file to another, inside the project where that is wanted.
 
 A mission may come from a stranger, and messages quote what they are about: into the log of a build
 server, say. So files are quoted only if they are ours, and who checks can keep references inside.
@@ -35,13 +35,13 @@ class OutsideError(UsageError):
 
 
 def code_of(error: PirateError, usual: str) -> str:
-    """The code for a reference that cannot be followed: ``usual``, unless it leaves the project."""
+    """Return the code for a reference that fails: ``usual``, unless it leaves the project."""
     return "reference.outside" if isinstance(error, OutsideError) else usual
 
 
 @contextmanager
 def kept_inside(*, wanted: bool) -> Iterator[None]:
-    """While it lasts, and if it is wanted, references that leave the project are refused."""
+    """Refuse references that leave the project, inside the context and if that is wanted."""
     before = _kept_inside.set(wanted)
     try:
         yield
@@ -50,7 +50,7 @@ def kept_inside(*, wanted: bool) -> Iterator[None]:
 
 
 def followed(file: FilePath, folder: FilePath) -> FilePath:
-    """The file that a reference leads to.
+    """Return the file that a reference leads to.
 
     Args:
         file: Where it leads.
@@ -65,7 +65,7 @@ def followed(file: FilePath, folder: FilePath) -> FilePath:
 
 
 def _roots(folder: FilePath) -> Iterator[FilePath]:
-    """Folders in which a reference from this folder may lead."""
+    """Yield the folders in which a reference from this folder may lead."""
     here = folder.resolve()
     yield here
     yield from (library.shipped() / name for name in ("sequences", "hardware_profiles"))
@@ -80,7 +80,7 @@ def _roots(folder: FilePath) -> Iterator[FilePath]:
 def tell(
     error: LoadError, file: FilePath, keys: tuple[str, ...], at: Path, problems: Problems
 ) -> None:
-    """What is wrong with a file has been added; of a stranger only that it is one.
+    """Report what is wrong with a file; of one of another kind only that it is the wrong file.
 
     Args:
         error: What reading the file has raised.
@@ -98,7 +98,7 @@ def tell(
 
 
 def _has(file: FilePath, keys: tuple[str, ...]) -> bool:
-    """Whether some of the keys begin a line or stand in braces, or the file cannot be read."""
+    """Return whether some keys begin a line or stand in braces, or the file is unreadable."""
     with suppress(OSError, ValueError):
         with file.open("rb") as stream:
             text = stream.read(LARGEST_FILE).decode("utf-8-sig", errors="replace")

@@ -1,4 +1,4 @@
-"""What all models share: they are frozen, and a key that they do not know is an error.
+"""The base of all models: they are frozen, and an unknown key is an error.
 
 What a class's docstring lists under "Attributes" is also what editors show for the key: the JSON
 Schemas take it from there (:mod:`pirate_sm.schemas`).
@@ -86,7 +86,7 @@ class Defined:
 
 
 def _no_truth(value: Any) -> Any:
-    """A number of a closed set: for Python `true` would be the 1 in it."""
+    """Return the value unless it is a boolean: for Python `true` would be the 1 in it."""
     if isinstance(value, bool):
         raise ValueError(f"expected a number, got '{str(value).lower()}'")
     return value

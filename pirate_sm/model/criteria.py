@@ -1,4 +1,4 @@
-"""How it is seen that a command is done: a closed set of kinds, all numbers in the profile.
+"""Criteria that show that a command is done: a closed set, all numbers in the profile.
 
 "Done" is what the thesis's robot could not tell from "sent" (section 7-3-1).
 """

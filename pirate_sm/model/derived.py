@@ -1,4 +1,4 @@
-"""Signals of a robot that are computed: from raw counts, or from other signals."""
+"""Signals of a robot that are computed from raw counts, or from other signals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The closed set of things that the engine asks for or tells.
+"""Effects: the closed set of what the engine asks for or reports.
 
 Only the runtime performs them. ``Setpoints`` moves the robot; the others inform.
 """
@@ -123,7 +123,7 @@ class Environment(NamedTuple):
 
     @property
     def measures(self) -> str:
-        """The known ones of roll, pitch and diameter, for people; empty where none is."""
+        """Return the known ones of roll, pitch and diameter as text; empty where none is."""
         known = [
             f"{name} {degrees(angle):.0f}°"
             for name, angle in (("roll", self.roll_rad), ("pitch", self.pitch_rad))

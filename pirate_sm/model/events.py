@@ -1,4 +1,4 @@
-"""The closed set of things that can happen to the engine.
+"""Events: the closed set of what can happen to the engine.
 
 Every input of a run is one of these; nothing else can change its course, so a recording of them
 replays it. Time is not part of an event: it is handed to the engine beside it, in seconds since

@@ -82,22 +82,22 @@ class BuiltInFault(Enum):
 
     @property
     def code(self) -> str:
-        """How missions and views name it."""
+        """Return the name that missions and views use."""
         return self.value.code
 
     @property
     def catchable(self) -> bool:
-        """Whether a mission may handle it (rule 10)."""
+        """Return whether a mission may handle it (rule 10)."""
         return self.value.catchable
 
     @property
     def origin(self) -> Origin:
-        """What it is seen by."""
+        """Return what the fault is seen by."""
         return self.value.origin
 
     @property
     def meaning(self) -> str:
-        """What is wrong."""
+        """Return what is wrong."""
         return self.value.meaning
 
     def report(self, message: str) -> FaultReport:

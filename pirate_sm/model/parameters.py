@@ -1,4 +1,4 @@
-"""The constants of a mission's run."""
+"""Parameters of a mission: constants of a run."""
 
 from __future__ import annotations
 

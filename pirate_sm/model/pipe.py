@@ -1,4 +1,4 @@
-"""A pipe: straights and mitre bends in one plane, and what a simulator needs beyond that."""
+"""Pipes: straights and mitre bends in one plane, and what a simulator needs beyond that."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ROUNDING_DEG = 1e-6
 
 
 def _within(limit_deg: int) -> AfterValidator:
-    """A validator of angles between minus and plus a limit, which it names in degrees."""
+    """Return a validator of angles between minus and plus a limit, which it names in degrees."""
 
     def check(angle_rad: float) -> float:
         angle_deg = math.degrees(angle_rad)
@@ -130,7 +130,7 @@ class Pipe(Frozen):
         return Route(self.network())
 
     def start_of(self, robot_length_m: float) -> float:
-        """Where the first wheel of a robot of this length begins, m along the axis."""
+        """Return the place of the first wheel at the start, in m along the axis."""
         if self.start is not None:
             return self.start.at
         first = self.segments[0]

@@ -1,4 +1,4 @@
-"""What a robot's sensors can show at all; what they cannot is not believed."""
+"""Limits of a robot's sensors; values beyond them are not believed."""
 
 from __future__ import annotations
 

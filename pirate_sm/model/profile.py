@@ -359,17 +359,17 @@ class Profile(Frozen):
 
     @property
     def slots(self) -> tuple[Slot, ...]:
-        """All slots in the order of the wire."""
+        """Return all slots in the order of the wire."""
         return tuple(slot for board in self.boards for slot in board.slots)
 
     @property
     def heard(self) -> tuple[Board, ...]:
-        """The boards that report, in the order in which they do."""
+        """Return the boards that report, in the order in which they do."""
         return tuple(b for b in self.boards if b.fitted and b.channels_fitted and b.channels)
 
     @property
     def messages_per_round(self) -> int:
-        """How many state messages it takes until every board has reported once."""
+        """Return the number of state messages until every board has reported once."""
         if self.link.state_message == "value":
             return sum(len(board.channels) for board in self.heard)
         return len(self.heard)

@@ -29,7 +29,7 @@ _TIMES: Final = r"\s*[*/·]\s*"
 
 
 def written(dimension: Dimension, bounds: Mapping[str, Any]) -> Schema:
-    """The JSON Schema of text that is a quantity of this dimension.
+    """Return the JSON Schema of text that is a quantity of this dimension.
 
     Args:
         dimension: What it measures.
@@ -45,17 +45,17 @@ def written(dimension: Dimension, bounds: Mapping[str, Any]) -> Schema:
 
 
 def written_ratio(bounds: Mapping[str, Any]) -> Schema:
-    """The JSON Schema of text that is a ratio."""
+    """Return the JSON Schema of text that is a ratio."""
     return _text(f"ratio{_suffix(bounds)}", ratio_pattern(bounds), "a ratio such as '60 %' or 0.6")
 
 
 def written_quantity() -> Schema:
-    """The JSON Schema of text that is a number, with a unit or without."""
+    """Return the JSON Schema of text that is a number, with a unit or without."""
     return _text("quantity", any_quantity_pattern(), "a quantity such as '120 mm'")
 
 
 def written_parameter() -> Schema:
-    """The JSON Schema of text that stands for a mission's parameter."""
+    """Return the JSON Schema of text that stands for a mission's parameter."""
     return _text("parameter", r"^\$[A-Za-z_][A-Za-z0-9_]*$", "a parameter such as '$give_up'")
 
 
@@ -75,7 +75,7 @@ def _suffix(bounds: Mapping[str, Any]) -> str:
 
 
 def number_pattern(bounds: Mapping[str, Any]) -> str:
-    """A number's pattern; of limits only those at zero can be told without knowing the unit.
+    """Return the pattern of a number; limits other than 0 depend on the unit and are left out.
 
     Args:
         bounds: Limits in SI by pydantic's names for them: ``gt``, ``ge``.
@@ -86,7 +86,7 @@ def number_pattern(bounds: Mapping[str, Any]) -> str:
 
 
 def quantity_pattern(dimension: Dimension, bounds: Mapping[str, Any]) -> str:
-    """The pattern of text that is a quantity of this dimension."""
+    """Return the pattern of text that is a quantity of this dimension."""
     plain = [name for name, unit in UNITS.items() if unit.dimension == dimension]
     known = [_one_of(plain)] if plain else []
     factor = _factor()
@@ -97,14 +97,14 @@ def quantity_pattern(dimension: Dimension, bounds: Mapping[str, Any]) -> str:
 
 
 def ratio_pattern(bounds: Mapping[str, Any]) -> str:
-    """The pattern of text that is a ratio: it ends with a percent sign."""
+    """Return the pattern of text that is a ratio: it ends with a percent sign."""
     factor = _factor()
     composed = rf"{factor}(?:{_TIMES}{factor})*{_TIMES}%"
     return rf"^\s*{number_pattern(bounds)}(?:\s+|(?!1))(?:%|{composed})\s*$"
 
 
 def any_quantity_pattern() -> str:
-    """The pattern of text that is a number with any known unit, or with none."""
+    """Return the pattern of text that is a number with any known unit, or with none."""
     factor = _factor()
     return rf"^\s*{_ANY_NUMBER}(?:(?:\s+|(?!1)){factor}(?:{_TIMES}{factor})*)?\s*$"
 
@@ -114,7 +114,7 @@ def _factor() -> str:
 
 
 def _pairs(dimension: Dimension) -> list[str]:
-    """A pattern for each two dimensions whose product or quotient is this one."""
+    """Return a pattern for each two dimensions whose product or quotient is this one."""
     names = _names_by_dimension()
     pairs = [
         (first, sign, second)

@@ -1,4 +1,4 @@
-"""Safety rules of a robot, in patterns that read aloud: never, always, after … expect within."""
+"""Safety rules of a robot: never, always, and after … expect within."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What sensors show of a state before anything moves: agreement, contradiction, or nothing.
+"""How sensors show a state before anything moves: confirmed, contradicted, or unknown.
 
 A state that a person or a file declares is not confirmed by that ("said is not seen").
 """

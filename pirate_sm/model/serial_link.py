@@ -1,4 +1,4 @@
-"""How a robot speaks over its serial port: topics, message types, layout and timing."""
+"""The serial link of a robot: topics, message types, layout and timing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What only a simulator needs to know of a robot: friction, noise and the known defects."""
+"""Settings of a robot that only a simulator reads: friction, noise and known defects."""
 
 from __future__ import annotations
 

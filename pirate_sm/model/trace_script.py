@@ -1,4 +1,4 @@
-"""What a trace is told to do: triggers to take, or a course of events, in order.
+"""Trace scripts: triggers to take, or a course of events, in order.
 
 Files with a course are written by ``pirate check --counterexamples``, or by hand.
 """

@@ -1,4 +1,4 @@
-"""Where a robot is in its pipe, for people."""
+"""The true position of a simulated robot in its pipe, for views."""
 
 from __future__ import annotations
 

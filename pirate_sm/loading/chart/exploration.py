@@ -1,4 +1,4 @@
-"""A chart file becomes a table: the library runs it, once, over everything it can reach.
+"""Explore a chart with the statechart library, which becomes a table of configurations.
 
 The library is the semantics. It is asked what follows from every reachable configuration by
 every command; nothing here decides a transition.
@@ -24,7 +24,7 @@ MOST_CONFIGURATIONS = 20_000
 
 
 def compile_chart(document: Document, outline: ChartOutline, problems: Problems) -> ChartTable:
-    """Every reachable configuration and what each command does to it is in the table.
+    """Return every reachable configuration and what each command does to it.
 
     Raises:
         LoadError: The library refuses the chart, or it reaches too many configurations.
@@ -69,7 +69,7 @@ def compile_chart(document: Document, outline: ChartOutline, problems: Problems)
 
 
 def _plain(outline: ChartOutline) -> dict[str, Any]:
-    """The chart with names for regions and events that mean nothing to the library.
+    """Return the chart with names for regions and events that mean nothing to the library.
 
     It makes attributes of them, and one that is called `send` would take the place of its own.
     """
@@ -104,7 +104,7 @@ def _event(number: int) -> str:
 def _explore(
     machine: Any, outline: ChartOutline
 ) -> tuple[tuple[Configuration, ...], tuple[tuple[int, ...], ...]] | None:
-    """Breadth-first over everything that the library says can be reached."""
+    """Walk breadth-first over everything that the library says can be reached."""
     from statemachine.orderedset import OrderedSet  # noqa: PLC0415
 
     first = tuple(machine.configuration_values)
@@ -135,7 +135,7 @@ def _names(outline: ChartOutline, values: tuple[str, ...]) -> Configuration:
 
 
 def _reason(outline: ChartOutline, states: Configuration, command: str) -> str:
-    """What the command needs and is not so, or the states that take it."""
+    """Return what the command needs and is not so, or the states that take it."""
     active = {f"{region}.{state}" for region, state in zip(outline.regions, states, strict=True)}
     needs = [
         _denials(transition.tree, active)
@@ -147,7 +147,7 @@ def _reason(outline: ChartOutline, states: Configuration, command: str) -> str:
 
 
 def _sources(outline: ChartOutline, command: str) -> Iterator[str]:
-    """The states that take a command, as a mission would write them."""
+    """Yield the states that take a command, as a mission would write them."""
     found: dict[str, dict[str, None]] = {}
     for transition in outline.transitions:
         if transition.event == command:
@@ -165,7 +165,7 @@ def _joined(parts: Sequence[str]) -> str:
 
 
 def _denials(guard: ast.expr, active: set[str]) -> list[str]:
-    """The conjuncts of a guard that are false in this configuration."""
+    """Return the conjuncts of a guard that are false in this configuration."""
     parts = (
         guard.values if isinstance(guard, ast.BoolOp) and isinstance(guard.op, ast.And) else [guard]
     )
@@ -173,7 +173,7 @@ def _denials(guard: ast.expr, active: set[str]) -> list[str]:
 
 
 def _said(node: ast.expr) -> str:
-    """A part of a guard as a mission would write it: ``Region == state``, ``Region in (…)``."""
+    """Return a part of a guard as missions write it: ``Region == state``, ``Region in (…)``."""
     if isinstance(node, ast.Call) and isinstance(node.args[0], ast.Constant):
         region, _, states = str(node.args[0].value).partition(".")
         several = ANY_OF in states
@@ -196,7 +196,7 @@ def _said(node: ast.expr) -> str:
 
 
 def _holds(node: ast.expr, active: set[str]) -> bool:
-    """Whether a part of a guard holds; for explaining only, the library decides what happens."""
+    """Return whether a part of a guard holds; used for explanations only."""
     if isinstance(node, ast.BoolOp):
         values = [_holds(part, active) for part in node.values]
         return all(values) if isinstance(node.op, ast.And) else any(values)

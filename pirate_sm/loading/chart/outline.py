@@ -35,27 +35,27 @@ class StateNode:
 
     @property
     def short_name(self) -> str:
-        """The name without that of the region."""
+        """Return the name without that of the region."""
         return self.name.partition(".")[2]
 
     @property
     def first(self) -> StateNode:
-        """The state that is entered with this one: itself, unless others are inside."""
+        """Return the state that is entered with this one: itself, unless others are inside."""
         return next((each.first for each in self.inner if each.initial), self)
 
     @property
     def leaves(self) -> tuple[StateNode, ...]:
-        """The states inside that have no others inside; itself if it is one."""
+        """Return the states inside that have no others inside; itself if it is one."""
         return tuple(leaf for each in self.inner for leaf in each.leaves) or (self,)
 
     def walk(self) -> Iterator[StateNode]:
-        """This one and all that are inside, in the order of the file."""
+        """Yield this state and all that are inside, in the order of the file."""
         yield self
         for each in self.inner:
             yield from each.walk()
 
     def chains(self) -> Iterator[tuple[StateNode, ...]]:
-        """Each leaf with the states around it, from the inside out."""
+        """Yield each leaf with the states around it, from the inside out."""
         if not self.inner:
             yield (self,)
         for each in self.inner:
@@ -106,7 +106,7 @@ class ChartOutline:
     nodes: tuple[tuple[StateNode, ...], ...]
 
     def place_of(self, region: str, state: str) -> Path:
-        """Where a state stands in the file."""
+        """Return where a state stands in the file."""
         inside = self.nodes[self.regions.index(region)]
         every = (node for each in inside for node in each.walk())
         return next(node.path for node in every if node.name == f"{region}.{state}")

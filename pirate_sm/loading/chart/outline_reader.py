@@ -35,7 +35,7 @@ _NOT_SUPPORTED = frozenset(
 
 
 def outline_chart(document: Document, problems: Problems) -> ChartOutline | None:
-    """The chart's declarations are known and consistent, or the problems say what is wrong."""
+    """Return the declarations of a chart, or None after reporting what is wrong with them."""
     about = problems.about(document)
     before = len(problems.errors)
     found = _regions(document.data, about)
@@ -46,7 +46,7 @@ def outline_chart(document: Document, problems: Problems) -> ChartOutline | None
 
 
 def _regions(data: Any, problems: Problems) -> tuple[str, Mapping[str, Any]] | None:
-    """The one parallel state's name, and the regions in it."""
+    """Return the one parallel state's name, and the regions in it."""
     top = data.get("states") if isinstance(data, dict) else None
     if not isinstance(top, dict) or len(top) != 1:
         message = "a chart has `states` with exactly one parallel state in it"
@@ -106,7 +106,7 @@ def _outline(top: str, regions: Mapping[str, Any], problems: Problems) -> ChartO
 
 
 def _flat(found: Iterable[StateNode], every: Mapping[str, StateNode]) -> Iterator[Transition]:
-    """The transitions of each leaf, those of the states around it after its own."""
+    """Yield the transitions of each leaf, those of the states around it after its own."""
     for node in found:
         for chain in node.chains():
             leaf = chain[0].name
@@ -130,7 +130,7 @@ def _flat(found: Iterable[StateNode], every: Mapping[str, StateNode]) -> Iterato
 def _states(
     region: str, around: str, states: Mapping[str, Any], at: Path, problems: Problems
 ) -> tuple[StateNode, ...]:
-    """The states of a region, or of a compound state in it.
+    """Return the states of a region, or of a compound state in it.
 
     Args:
         region: The region.
@@ -171,7 +171,7 @@ def _state(region: str, name: str, body: Any, path: Path, problems: Problems) ->
 
 
 def _check_words(region: str, states: Iterable[str], path: Path, problems: Problems) -> None:
-    """Conditions must be able to name the region and its states."""
+    """Report a region or state that conditions cannot name."""
     if region in RESERVED:
         message = f"'{region}' means something else in conditions: choose another name"
         problems.add("chart.name", path, message, key=True)
@@ -204,7 +204,7 @@ def _moves(body: Mapping[str, Any], at: Path, problems: Problems) -> Iterator[Mo
 
 
 def _events(given: Any, path: Path, problems: Problems) -> Iterator[str]:
-    """The events of a transition: one name, several with blanks between them, or a list."""
+    """Yield the events of a transition: one name, several separated by blanks, or a list."""
     if isinstance(given, list) and given:
         named = [(each, (*path, number)) for number, each in enumerate(given)]
     elif _is_text(given):

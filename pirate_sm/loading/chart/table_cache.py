@@ -1,4 +1,4 @@
-"""Explored charts are kept between runs, found again by the hash of the chart's text."""
+"""Keep explored charts between runs, found again by the hash of the chart's text."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from pirate_sm.loading.yaml.document import Document
 
 
 def cached_table(document: Document, outline: ChartOutline, problems: Problems) -> ChartTable:
-    """The chart's table, explored now or read from an earlier exploration of the same text.
+    """Return the chart's table, explored now or read from an earlier exploration of its text.
 
     A cache that cannot be read or written is done without.
 
@@ -37,7 +37,7 @@ def cached_table(document: Document, outline: ChartOutline, problems: Problems) 
 
 
 def cache_folder() -> Path:
-    """Where what can be computed again is kept, for this user."""
+    """Return this user's folder for what can be computed again."""
     return user_cache_path("pirate_sm", appauthor=False)
 
 
@@ -68,7 +68,7 @@ def _read(path: Path) -> ChartTable | None:
 
 
 def _is_sound(table: ChartTable, outline: ChartOutline) -> bool:
-    """Whether a table that was read can be of this chart: nobody knows who wrote the file."""
+    """Return whether a table from a file, whoever wrote it, can be of this chart."""
     if (table.regions, table.states) != (outline.regions, outline.states):
         return False
     if table.commands != outline.commands or not table.configurations:
@@ -92,7 +92,7 @@ def _is_row(row: tuple[object, ...], length: int) -> bool:
 
 
 def _is_matrix(rows: tuple[tuple[object, ...], ...], table: ChartTable, limit: int) -> bool:
-    """Whether there is an index below ``limit`` for each configuration and command."""
+    """Return whether there is an index below ``limit`` for each configuration and command."""
     return len(rows) == len(table.configurations) and all(
         len(row) == len(table.commands)
         and all(type(index) is int and 0 <= index < limit for index in row)

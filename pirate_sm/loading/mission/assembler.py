@@ -1,4 +1,4 @@
-"""Instructions are written in order with labels for targets; at the end labels become indexes."""
+"""Collect instructions with labels as targets, and replace the labels by indexes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Label:
 
     @property
     def placed(self) -> bool:
-        """Whether an instruction stands at it."""
+        """Return whether an instruction stands at it."""
         return self.index >= 0
 
 
@@ -49,11 +49,11 @@ class Assembly:
 
     @property
     def length(self) -> int:
-        """How many instructions there are so far."""
+        """Return the number of instructions so far."""
         return len(self._kinds)
 
     def mark(self, label: Label) -> None:
-        """The label stands at the next instruction."""
+        """Place the label at the next instruction."""
         label.index = len(self._kinds)
 
     def emit(

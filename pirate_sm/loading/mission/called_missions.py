@@ -1,4 +1,4 @@
-"""The missions that a mission calls: each is read once, and counted before it is written out."""
+"""Read the missions that a mission calls, each once, and count their instructions."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Calls:
     _lengths: dict[FilePath, int] = field(default_factory=dict)
 
     def least_length(self, source: Source, calls: frozenset[FilePath] = frozenset()) -> int:
-        """Instructions that the mission takes at least, each repeat done once.
+        """Return the least number of instructions of a mission, each repeat counted once.
 
         Each file is looked at once, however often it is called: calls that double thirty times
         over are counted at once and would take an age to be written out.
@@ -52,7 +52,7 @@ class Calls:
         return self._lengths[source.path]
 
     def source(self, name: str, scope: Scope, path: Path) -> Source | None:
-        """The called mission, read once; None after saying why it cannot be used."""
+        """Return the called mission, read once; None after reporting why it cannot be used."""
         folder = scope.source.path.resolve().parent
         try:
             found = self._read(name, folder)
@@ -74,7 +74,7 @@ class Calls:
         return found
 
     def _quietly(self, name: str, folder: FilePath) -> Source | None:
-        """The mission that a file in this folder calls; None where it cannot be used."""
+        """Return the mission that a file in this folder calls; None where it cannot be used."""
         try:
             return self._read(name, folder)
         except (LoadError, PirateError):
@@ -90,7 +90,7 @@ class Calls:
 
 
 def _all(steps: Sequence[model.Step]) -> Iterator[model.Step]:
-    """The steps that become instructions, also those inside of others."""
+    """Yield the steps that become instructions, also those inside of others."""
     for step in steps:
         match step:
             case model.RepeatStep():
@@ -111,7 +111,7 @@ def _all(steps: Sequence[model.Step]) -> Iterator[model.Step]:
 
 
 def robot_of(source: Source) -> FilePath | str:
-    """The folder of a mission's robot; different paths may lead to one."""
+    """Return the folder of a mission's robot; different paths may lead to one."""
     try:
         return library.find_robot(source.mission.robot, source.path.resolve().parent)
     except PirateError:

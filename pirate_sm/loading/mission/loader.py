@@ -1,4 +1,4 @@
-"""A mission file, its robot, its pipe and the missions it calls become one program."""
+"""Load a mission file, its robot, its pipe and the missions it calls into one program."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, references
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import parameter_values as parameters
-from pirate_sm.loading.mission.partial_mission import spared
+from pirate_sm.loading.mission.partial_mission import without_faulty_phases
 from pirate_sm.loading.mission.program import build_program
 from pirate_sm.loading.mission.scope import Source
 from pirate_sm.loading.pipe_file import check_fit, load_pipe
@@ -60,7 +60,7 @@ def load_mission(
     start_phase: str | None = None,
     states: Mapping[str, str] | None = None,
 ) -> LoadedMission:
-    """The mission is ready to run.
+    """Return a mission that is ready to run.
 
     Args:
         path: The mission's file.
@@ -95,7 +95,7 @@ def read_mission(
     states: Mapping[str, str] | None = None,
     tolerated: Collection[str] = (),
 ) -> tuple[LoadedMission, Problems]:
-    """The mission as far as it can be understood, and what is wrong with it.
+    """Return the mission as far as it can be understood, and what is wrong with it.
 
     Args:
         path: As for :func:`load_mission`, like all others.
@@ -155,10 +155,10 @@ def read_mission(
 
 
 def _shape(document: Document, problems: Problems, *, spare: bool) -> Mission:
-    """The mission that the document describes, or what of it can be looked at all the same."""
+    """Return the mission of the document, or its sound part if that is enough."""
     mission = try_validate(document, Mission, problems)
     if mission is None and spare:
-        mission = spared(document)
+        mission = without_faulty_phases(document)
     if mission is None:
         problems.raise_errors()
         raise AssertionError("raise_errors raises here")
@@ -205,7 +205,7 @@ def _pipe(
 def _values(
     mission: Mission, settings: Mapping[str, str], problems: Problems, *, assumed: bool
 ) -> parameters.Values:
-    """The parameters; one that has no value has a sensible one where it may be assumed."""
+    """Return the parameters; one without a value gets a plausible one if `assumed`."""
     values = parameters.defaults(mission.parameters, problems)
     for name, text in settings.items():
         if name not in mission.parameters:

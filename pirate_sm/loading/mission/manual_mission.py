@@ -1,4 +1,4 @@
-"""A mission that does nothing: the robot stands and the operator has it."""
+"""A mission that only waits, so that the operator drives the robot by hand."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ BY_HAND = "by_hand"
 
 
 def by_hand(robot: LoadedRobot, pipe: Pipe | None = None, pipe_name: str = "") -> LoadedMission:
-    """One endless wait: only the operator's commands move the robot.
+    """Return a mission of one endless wait: only the operator's commands move the robot.
 
     Faults that a mission may handle are reported and nothing else, for the operator is there; those
     that none may handle end it in the safe state. Safety rules that a mission may be allowed to

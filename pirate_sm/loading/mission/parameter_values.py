@@ -1,4 +1,4 @@
-"""A mission's parameters get their values: defaults, ``--set``, or the arguments of a call."""
+"""Give parameters their values: defaults, ``--set``, or the arguments of a call."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ Values = dict[str, Value]
 
 
 def read_value(definition: ParameterDefinition, value: ParameterValue) -> Quantity:
-    """The value in SI, of the parameter's dimension and within its limits.
+    """Return a value in SI, which has the parameter's dimension and is within its limits.
 
     Raises:
         QuantityError: It is not.
@@ -71,7 +71,7 @@ def _read(kind: str, value: ParameterValue) -> Quantity:
 
 
 def defaults(definitions: Mapping[str, ParameterDefinition], problems: Problems) -> Values:
-    """The defaults in SI; a default or limit that does not fit is a problem at its place."""
+    """Return the defaults in SI; report each default or limit that does not fit."""
     values: Values = {}
     for name, definition in definitions.items():
         limits_fit = _check_limits(name, definition, problems)
@@ -89,7 +89,7 @@ def defaults(definitions: Mapping[str, ParameterDefinition], problems: Problems)
 
 
 def _check_limits(name: str, definition: ParameterDefinition, problems: Problems) -> bool:
-    """Whether both limits can be read and leave something between them."""
+    """Return whether both limits can be read and leave something between them."""
     limits: dict[str, float] = {}
     for key, limit in (("min", definition.min), ("max", definition.max)):
         if limit is None:
@@ -107,12 +107,12 @@ def _check_limits(name: str, definition: ParameterDefinition, problems: Problems
 
 
 def stand_in(definition: ParameterDefinition) -> Value:
-    """A value for a parameter that has none, so that its uses are not found faulty as well."""
+    """Return a value for a parameter without one, so that its uses are not reported as well."""
     return Value(Quantity(1.0, DIMENSIONS[definition.type]), "")
 
 
 def sample(definition: ParameterDefinition) -> Value:
-    """A value that a parameter without a default may be given: one of its limits, else one."""
+    """Return a value for a parameter without a default: one of its limits, else 1."""
     for limit in (definition.min, definition.max):
         try:
             if limit is not None:
@@ -128,7 +128,7 @@ def given(
     path: Path,
     problems: Problems,
 ) -> Values:
-    """The arguments in SI; an unknown name or a value that does not fit is a problem."""
+    """Return the arguments in SI; report unknown names and values that do not fit."""
     values: Values = {}
     for name, argument in arguments.items():
         definition = definitions.get(name)
@@ -153,7 +153,7 @@ def given(
 
 
 def read_argument(definition: ParameterDefinition, argument: Value | ParameterValue) -> Quantity:
-    """An argument, written out or handed on from a caller's parameter, in SI.
+    """Return an argument in SI, written out or passed on from a caller's parameter.
 
     Raises:
         QuantityError: It does not fit.

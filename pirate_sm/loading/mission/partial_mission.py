@@ -1,4 +1,4 @@
-"""What of a mission can be understood although some of its phases cannot."""
+"""Read a mission of which some phases are faulty."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from pirate_sm.model.quantities import FROM_FILE
 _PHASE: Final = TypeAdapter(Phase)
 
 
-def spared(document: Document) -> Mission | None:
-    """The mission with its faulty phases empty; None where the fault is not in phases alone.
+def without_faulty_phases(document: Document) -> Mission | None:
+    """Return the mission with its faulty phases empty; None if something else is faulty too.
 
     So the names in all other phases can be looked at. What is empty leads back to itself.
     """

@@ -1,4 +1,4 @@
-"""A mission, with the missions it calls, becomes one flat program; every name is resolved here."""
+"""Compile a mission, with the missions it calls, into one flat program."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def build_program(
     problems: Problems,
     tolerated: Collection[str] = (),
 ) -> tuple[Program, tuple[Document, ...]]:
-    """The mission's program, and the files of the missions that it calls.
+    """Return the mission's program, and the files of the missions that it calls.
 
     Steps whose fault has a tolerated code are left out.
 

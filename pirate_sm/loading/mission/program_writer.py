@@ -33,7 +33,7 @@ class ProgramWriter:
     calls: Calls = field(default_factory=Calls)
 
     def ends(self, scope: Scope) -> None:
-        """The ends of a mission that nobody calls finish it."""
+        """Write the ends of the mission that is run: each of them finishes it."""
         for name, end in scope.source.mission.ends.items():
             self.assembly.mark(scope.targets[name])
             outcome = "failed" if end.succeed is None else "succeeded"
@@ -43,7 +43,7 @@ class ProgramWriter:
             )
 
     def phases(self, scope: Scope) -> None:
-        """Every phase of the scope's mission stands in the program."""
+        """Write every phase of the scope's mission."""
         handlers = scope.handlers
         scope.check_names()
         for name, phase in scope.source.mission.phases.items():
@@ -66,7 +66,7 @@ class _PhaseWriter:
     handlers: tuple[tuple[str, Label | None, str], ...]
 
     def write(self, phase: model.Phase, path: Path) -> None:
-        """The phase's entry, steps and wait stand in the program."""
+        """Write the phase's entry, its steps and its wait."""
         scope = self.scope
         self.compiler.assembly.mark(scope.targets[scope.phase])
         steps, wait = Label(), Label()
@@ -147,7 +147,7 @@ class _PhaseWriter:
         )
 
     def _failure(self, step: model.Step, path: Path, after: Label) -> Label | int:
-        """Where a failure of the step leads; `continue` takes the next step."""
+        """Return where a failure of the step leads; `continue` takes the next step."""
         if step.on_failure == model.CONTINUE:
             return after
         return self.scope.failure(step.on_failure, path)
@@ -174,7 +174,7 @@ class _PhaseWriter:
             raise
 
     def _failing(self, step: model.Step, path: Path, after: Label) -> Scope:
-        """The scope inside a step whose own ``on_failure`` comes before the phase's."""
+        """Return the scope inside a step whose own ``on_failure`` comes before the phase's."""
         return replace(self.scope, inner=self._failure(step, path, after))
 
     def _choose(self, step: model.ChooseStep, path: Path, after: Label) -> None:

@@ -1,4 +1,4 @@
-"""What the names in a mission mean: commands, phases, conditions, parameters, durations."""
+"""Resolve the names in a mission: commands, phases, conditions, parameters, durations."""
 
 from __future__ import annotations
 
@@ -75,15 +75,15 @@ class Scope:
 
     @property
     def full_phase(self) -> str:
-        """The phase's name after those of the callers."""
+        """Return the phase's name after those of the callers."""
         return f"{self.prefix}{self.phase}"
 
     def place(self, path: Path) -> str:
-        """``file:line:col`` of a part of the mission."""
+        """Return ``file:line:col`` of a part of the mission."""
         return str(self.source.document.place_of(path))
 
     def check_names(self) -> None:
-        """No name of the mission means two things, and it starts with a phase."""
+        """Report names that mean two things, and a mission that does not start with a phase."""
         mission, add = self.source.mission, self.problems.add
         for name in mission.ends:
             if name in mission.phases:
@@ -100,7 +100,7 @@ class Scope:
             add("mission.name", ("start",), f"'{mission.start}' is an end: start with a phase")
 
     def target(self, name: str, path: Path) -> Label:
-        """The label of a phase or end; a problem when there is none of that name."""
+        """Return the label of a phase or end; report a name that is neither."""
         label = self.targets.get(name)
         if label is None:
             self._unknown("phase or end", name, self.targets, path)
@@ -108,7 +108,7 @@ class Scope:
         return label
 
     def failure(self, own: str | None, path: Path) -> Label | int:
-        """Where a failure leads: the nearest ``on_failure`` (rule 4).
+        """Return where a failure leads: the nearest ``on_failure`` (rule 4).
 
         The phase that handles the mission's failures does not handle its own.
         """
@@ -129,13 +129,13 @@ class Scope:
 
     @property
     def handles_failures(self) -> bool:
-        """Whether the phase, or a step around, says where failures of steps in here lead."""
+        """Return whether the phase, or a step around, says where failures of steps in here lead."""
         phase = self.source.mission.phases.get(self.phase)
         return self.inner is not None or (phase is not None and phase.on_failure is not None)
 
     @property
     def handlers(self) -> Handlers:
-        """The fault handlers in force: the mission's own, then those of its callers."""
+        """Return the fault handlers in force: the mission's own, then those of its callers."""
         known = self.robot.fault_codes
         own: list[tuple[str, Label | None, str]] = []
         for number, handler in enumerate(self.source.mission.on_fault):
@@ -151,7 +151,7 @@ class Scope:
         return (*own, *self.outer)
 
     def command(self, name: str, path: Path) -> int | None:
-        """The index of a command, also by an alias; None and a problem when there is none.
+        """Return the index of a command, also by an alias; None after reporting an unknown one.
 
         A misspelt command counts as the one that was most likely meant, for what follows from it.
         """
@@ -186,7 +186,7 @@ class Scope:
             return None
 
     def waited(self, value: float | Parameter, path: Path, *, zero: bool = False) -> float:
-        """Seconds in which sensors can say something new: at least one cycle of the bus.
+        """Return a time in seconds of at least one cycle of the bus: before, no sensor reports.
 
         Args:
             value: As the file gives it; a parameter has its value.
@@ -203,7 +203,7 @@ class Scope:
         return seconds
 
     def limit(self, value: float | Parameter | None, path: Path) -> float | None:
-        """Seconds of a limit, which is never below a cycle of the bus; None where there is none."""
+        """Return a time limit in s, at least one cycle of the bus; None where there is none."""
         return None if value is None else self.waited(value, path)
 
     def _seconds(self, parameter: Parameter, path: Path) -> float:
@@ -216,7 +216,7 @@ class Scope:
         return abs(quantity.value) if quantity.dimension != TIME else quantity.value
 
     def count(self, value: int | Parameter, path: Path) -> int:
-        """A whole number; a parameter has its value."""
+        """Return a whole number, or a parameter's value that is one."""
         if not isinstance(value, Parameter):
             return value
         quantity = self._value(value.name, path).quantity
@@ -229,7 +229,7 @@ class Scope:
         return int(number)
 
     def retries(self, value: int | Parameter, path: Path) -> int:
-        """How often a command is sent again; too often is a problem."""
+        """Return how often a command is sent again; report a number that is too large."""
         number = self.count(value, path)
         if number <= MOST_RETRIES:
             return number
@@ -252,7 +252,7 @@ class Scope:
         return _FIELD.sub(lambda match: shown.get(match.group(1), match.group(0)), text)
 
     def argument(self, value: str | float, path: Path) -> Value | str | float:
-        """An argument of a call; ``$name`` is the caller's parameter."""
+        """Return an argument of a call; ``$name`` gives the caller's parameter."""
         if isinstance(value, str) and value.startswith("$"):
             return self._value(value[1:], path)
         return value
@@ -268,7 +268,7 @@ class Scope:
         return Value(Quantity(1.0, TIME), "")
 
     def _unknown_fault(self, code: str, known: Mapping[str, bool], path: Path) -> None:
-        """There is no such fault; those that a mission may handle are named."""
+        """Report an unknown fault, with the faults that a mission may handle."""
         close = nearest(code, known)
         if close and not known[close]:
             message = f"there is no fault '{code}', and {_UNCAUGHT.format(close)}"

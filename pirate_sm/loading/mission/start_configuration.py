@@ -1,4 +1,4 @@
-"""The states that a mission begins in: checked by name, and that the chart can reach them."""
+"""Check the states that a mission begins in: they exist, and the chart reaches them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pirate_sm.spelling import nearest, one_of
 def start_configuration(
     source: Source, table: ChartTable, states: Mapping[str, str] | None, problems: Problems
 ) -> int:
-    """The index of the configuration that the mission begins in (rule 2).
+    """Return the index of the configuration that the mission begins in (rule 2).
 
     Regions that ``starts_in`` does not name are in their initial state.
 
@@ -39,7 +39,7 @@ def start_configuration(
 def required_states(
     source: Source, table: ChartTable, problems: Problems
 ) -> tuple[tuple[int, str], ...]:
-    """What a called mission requires: what it names, or the whole initial configuration."""
+    """Return the states that a called mission requires: its own list, or the initial ones."""
     named = source.mission.starts_in
     if named is None:
         return tuple(enumerate(table.configurations[table.initial]))

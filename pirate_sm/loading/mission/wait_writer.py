@@ -91,7 +91,7 @@ def _trigger_names(scope: Scope, triggers: Sequence[Trigger], path: Path) -> lis
 
 
 def _compares(trigger: out.TriggerSpec) -> bool:
-    """Whether the trigger looks at how much a signal has changed since the wait began."""
+    """Return whether the trigger looks at how much a signal has changed since the wait began."""
     return trigger.condition is not None and any(
         name.startswith("change(") for name in trigger.condition.names
     )

@@ -13,6 +13,7 @@ from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.loading.robot.slots import Slots
 from pirate_sm.model.actuation import Duty, Setpoint, Share, Speed, Target
 from pirate_sm.model.profile import Profile
+from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE
 
 
@@ -88,7 +89,10 @@ def _source(
         return -1
     joints = [joint.name for joint in profile.body.joints]
     if share.joint not in joints:
-        problems.add_unknown("robot.joint", path, "joint", share.joint, joints)
+        problems.add(
+            "robot.joint", path, f"there is no joint '{share.joint}'",
+            expected=one_of(joints), suggestion=nearest(share.joint, joints) or "",
+        )  # fmt: skip
         return -1
     return signals.number(share.joint, path, ANGLE)
 
@@ -159,15 +163,12 @@ def _check_slots(
             if missing:
                 names = ", ".join(slots.specs[slot].name for slot in missing)
                 problems.add(
-                    "robot.actuation",
-                    ("actuation", region, state),
+                    "robot.actuation", ("actuation", region, state),
                     f"other states of {region} write {names}, this one does not",
-                )
+                )  # fmt: skip
     for slot in sorted(every):
         if owners.setdefault(slot, region) != region:
             problems.add(
-                "robot.actuation",
-                ("actuation", region),
-                f"'{slots.specs[slot].name}' is written by {owners[slot]} too",
-                key=True,
-            )
+                "robot.actuation", ("actuation", region),
+                f"'{slots.specs[slot].name}' is written by {owners[slot]} too", key=True,
+            )  # fmt: skip

@@ -1,4 +1,4 @@
-"""The body in a profile becomes the chain that the engine reckons with."""
+"""Resolve the body in a profile to the chain of links that the engine calculates with."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from pirate_sm.model import derived as kinds
 from pirate_sm.model import profile as model
 
 
-def resolve_chain(profile: model.Profile, signals: Signals) -> BodySpec:
+def resolve_chain(signals: Signals) -> BodySpec:
     """Return the robot's chain; a name that leads nowhere is reported elsewhere and left out."""
-    body = profile.body
+    profile, body = signals.profile, signals.profile.body
     sign = -1 if signals.polarity == "mirrored" else 1
     joints = {joint.wheel: _number(signals, joint.name) for joint in body.joints}
     return BodySpec(

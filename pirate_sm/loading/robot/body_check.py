@@ -1,4 +1,4 @@
-"""Whether the parts of a profile fit together: the chain, its motors, sensors and known defects."""
+"""Check that a profile fits together: its chain, motors, sensors and known defects."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ MEASURED_BY_SLOT = {"angle", "torque", "current", "turned"}
 
 
 def check_body(profile: model.Profile, problems: Problems) -> None:
-    """Every name leads to something, and the chain has as many links and motors as it needs."""
+    """Report names that lead nowhere, and a wrong number of links or motors."""
     _check_chain(profile.body, problems)
     _check_joints(profile.body, problems)
     _check_motors(profile, problems)
@@ -157,7 +157,7 @@ def _drives(slot: model.Slot) -> bool:
 
 
 def _check_safe_state(profile: model.Profile, problems: Problems) -> None:
-    """No wheel turns in the safe state."""
+    """Report wheels that turn in the safe state."""
     for slot in profile.slots:
         if slot.wheel is not None and slot.name not in profile.safe_state.zero:
             message = f"'{slot.name}' drives a wheel: it must be zero in the safe state"

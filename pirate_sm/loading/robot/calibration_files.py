@@ -1,4 +1,4 @@
-"""Joint zeros are kept in dated files, found again, checked and put into the robot."""
+"""Write, find, check and apply the dated files with the zeros of joints."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _FILE = re.compile(r"calibration-(\d{4}-\d{2}-\d{2})\.yaml")
 
 
 def find_calibration(robot: LoadedRobot) -> Path | None:
-    """The newest calibration of this robot; None where there is none.
+    """Return the newest calibration of this robot; None where there is none.
 
     It stands beside the profile, or in the user's folder where that may not be written to.
     """
@@ -43,7 +43,7 @@ def find_calibration(robot: LoadedRobot) -> Path | None:
 
 
 def load_calibration(path: Path, robot: LoadedRobot) -> Calibration:
-    """The calibration in this file, which is of this robot.
+    """Return the robot's calibration in this file.
 
     Raises:
         LoadError: Everything that is wrong with the file.
@@ -73,7 +73,7 @@ def load_calibration(path: Path, robot: LoadedRobot) -> Calibration:
 
 
 def newest_calibration(robot: LoadedRobot) -> Calibration | None:
-    """The newest calibration of this robot, free of faults; None where there is none.
+    """Return the newest calibration of this robot, free of faults; None where there is none.
 
     Raises:
         LoadError: Its file cannot be used.
@@ -83,7 +83,7 @@ def newest_calibration(robot: LoadedRobot) -> Calibration | None:
 
 
 def joints_of(robot: LoadedRobot) -> tuple[str, ...]:
-    """The joints whose zeros can be calibrated: those that we bring to angles ourselves.
+    """Return the joints whose zeros can be calibrated: those that we bring to angles.
 
     A board that has a controller of its own keeps its own zero.
     """
@@ -97,7 +97,7 @@ def joints_of(robot: LoadedRobot) -> tuple[str, ...]:
 
 
 def with_zeros(robot: RobotSpec, zeros: Mapping[str, float]) -> RobotSpec:
-    """The robot whose signals are what its sensors show less these zeros, rad by signal."""
+    """Return the robot with these zeros, in rad by signal, subtracted from its sensors."""
     names = robot.vocabulary.numbers
     boards = {
         number: replace(
@@ -114,13 +114,13 @@ def with_zeros(robot: RobotSpec, zeros: Mapping[str, float]) -> RobotSpec:
 
 
 def summary(calibration: Calibration) -> str:
-    """What is applied, in one line for a person."""
+    """Return what is applied, in one line for a person."""
     zeros = ", ".join(f"{name} {degrees(z):+z.1f} deg" for name, z in calibration.zeros.items())
     return f"joint zeros of {calibration.date} applied: {zeros}"
 
 
 def keep_calibration(calibration: Calibration, robot: LoadedRobot) -> Path:
-    """The calibration stands in its file, whose path is returned.
+    """Write the calibration to its file and return its path.
 
     Raises:
         UsageError: There is no folder that it can be written to.

@@ -1,4 +1,4 @@
-"""Commands, held parts and fault rules: conditions compiled, criteria resolved to indexes."""
+"""Compile commands, held parts and fault rules; criteria are resolved to indexes."""
 
 from __future__ import annotations
 
@@ -28,58 +28,58 @@ from pirate_sm.units import ANGLE, Quantity, describe
 
 
 def resolve_parts(
-    profile: model.Profile, table: ChartTable, signals: Signals, problems: Problems
+    table: ChartTable, signals: Signals
 ) -> tuple[tuple[str, ...], tuple[frozenset[int], ...], tuple[frozenset[int], ...]]:
-    """Names of the parts, which of them each configuration holds, and by which regions."""
+    """Return the parts, which of them each configuration holds, and by which regions."""
     conditions = []
-    for name, part in profile.body.parts.items():
+    for name, part in signals.profile.body.parts.items():
         path: Path = ("body", "parts", name, "held")
-        conditions.append(on_states(part.held, table, signals, path, problems))
-        joints = [joint.name for joint in profile.body.joints]
+        conditions.append(on_states(part.held, table, signals, path))
+        joints = [joint.name for joint in signals.profile.body.joints]
         if part.apex not in joints:
-            problems.add_unknown(
+            signals.problems.add_unknown(
                 "robot.joint", ("body", "parts", name, "apex"), "joint", part.apex, joints
             )
     held = tuple(
         frozenset(i for i, condition in enumerate(conditions) if is_true(condition, states))
         for states in table.configurations
     )
-    for number, name in enumerate(profile.body.parts):
+    for number, name in enumerate(signals.profile.body.parts):
         if conditions[number] is not None and not any(number in parts for parts in held):
             path = ("body", "parts", name, "held")
-            problems.add("robot.condition", path, f"no configuration ever holds the part '{name}'")
+            signals.problems.add(
+                "robot.condition", path, f"no configuration ever holds the part '{name}'"
+            )
     regions = tuple(
         frozenset(table.regions.index(name) for name in condition.names)
         if condition
         else frozenset()
         for condition in conditions
     )
-    return tuple(profile.body.parts), held, regions
+    return tuple(signals.profile.body.parts), held, regions
 
 
 def resolve_commands(
-    profile: model.Profile,
     table: ChartTable,
     held: tuple[frozenset[int], ...],
     signals: Signals,
     postures: Mapping[str, tuple[PostureSpec | None, ...]],
-    problems: Problems,
 ) -> tuple[tuple[CommandSpec, ...], tuple[tuple[bool, ...], ...]]:
     """Return each command's criterion, posture and limits; by configuration the unneeded ones."""
     specs: list[CommandSpec] = []
     unneeded: list[list[bool]] = []
     for name in table.commands:
-        command = profile.commands[name]
+        command = signals.profile.commands[name]
         path: Path = ("commands", name)
-        asks = on_states(command.asks_for, table, signals, (*path, "asks_for"), problems)
-        done = resolve_criterion(profile, command.done, signals, (*path, "done"), problems)
+        asks = on_states(command.asks_for, table, signals, (*path, "asks_for"))
+        done = resolve_criterion(command.done, signals, (*path, "done"))
         met = [is_true(asks, states) for states in table.configurations]
         parts = [parts for parts, is_met in zip(held, met, strict=True) if is_met]
         every = frozenset.intersection(*parts) if parts else frozenset[int]()
         unneeded.append(met)
         posture = command.posture
         if posture is not None and posture not in postures:
-            problems.add_unknown(
+            signals.problems.add_unknown(
                 "robot.name", (*path, "posture"), "posture", posture, postures, none="no posture"
             )
         specs.append(
@@ -97,17 +97,15 @@ def resolve_commands(
     return tuple(specs), tuple(zip(*unneeded, strict=True))
 
 
-def resolve_faults(
-    profile: model.Profile, signals: Signals, parts: Sequence[str], problems: Problems
-) -> tuple[FaultSpec, ...]:
+def resolve_faults(signals: Signals, parts: Sequence[str]) -> tuple[FaultSpec, ...]:
     """Return one rule per fault and, with ``for_each``, per number that is written out in it.
 
     Conditions may use the end stop of each joint, as ``$`` and the joint's name and ``_stop``.
     """
     rules: list[FaultSpec] = []
-    stops = {f"{j.name}_stop": Quantity(j.end_stop, ANGLE) for j in profile.body.joints}
-    for number, fault in enumerate(profile.faults):
-        denies = frozenset(_denied(fault, number, parts, problems))
+    stops = {f"{j.name}_stop": Quantity(j.end_stop, ANGLE) for j in signals.profile.body.joints}
+    for number, fault in enumerate(signals.profile.faults):
+        denies = frozenset(_denied(fault, number, parts, signals.problems))
         for index in fault.for_each or (None,):
             when, message = fault.when, fault.message
             if index is not None:
@@ -115,9 +113,9 @@ def resolve_faults(
             try:
                 condition = compile_condition(when, signals.vocabulary, stops)
             except ExpressionError as error:
-                problems.add_expression(("faults", number, "when"), error)
+                signals.problems.add_expression(("faults", number, "when"), error)
                 break
-            _check_catchable(fault, number, rules, problems)
+            _check_catchable(fault, number, rules, signals.problems)
             rules.append(
                 FaultSpec(fault.code, message, condition, fault.held, fault.catchable, denies)
             )
@@ -144,7 +142,7 @@ def _denied(
 def _check_catchable(
     fault: model.FaultRule, number: int, rules: list[FaultSpec], problems: Problems
 ) -> None:
-    """One code is caught or not, whoever raises it: else a mission could not tell."""
+    """Report a code that one rule lets missions catch and another does not."""
     known = {each.code: each.catchable for each in (*rules, *BuiltInFault)}
     if known.get(fault.code, fault.catchable) != fault.catchable:
         can, must = ("can", "true") if known[fault.code] else ("cannot", "false")
@@ -153,34 +151,30 @@ def _check_catchable(
         problems.add("robot.fault", ("faults", number, key), message)
 
 
-def on_states(
-    text: str, table: ChartTable, signals: Signals, path: Path, problems: Problems
-) -> Expression | None:
-    """A condition that only depends on the states of the regions."""
+def on_states(text: str, table: ChartTable, signals: Signals, path: Path) -> Expression | None:
+    """Return a condition on the regions' states; None after reporting any other."""
     try:
         condition = compile_condition(text, signals.vocabulary)
     except ExpressionError as error:
-        problems.add_expression(path, error)
+        signals.problems.add_expression(path, error)
         return None
     others = sorted(condition.names - set(table.regions))
     if others:
         message = f"only states count here, not {', '.join(others)}"
-        problems.add("robot.condition", path, message, expected=one_of(table.regions))
+        signals.problems.add("robot.condition", path, message, expected=one_of(table.regions))
         return None
     return condition
 
 
 def is_true(condition: Expression | None, states: tuple[str, ...]) -> bool:
-    """Whether a condition on the states of the regions is true of these."""
+    """Return whether a condition on the states of the regions is true of these."""
     return condition is not None and condition.evaluate((), states) is True
 
 
 def resolve_criterion(  # noqa: C901 - one case per kind
-    profile: model.Profile,
     done: criteria.Criterion,
     signals: Signals,
     path: Path,
-    problems: Problems,
 ) -> CriterionSpec:
     """Return the criterion with every name resolved to an index."""
     wheels = signals.wheels
@@ -189,25 +183,25 @@ def resolve_criterion(  # noqa: C901 - one case per kind
             return AcceptedSpec()
         case criteria.Stalled():
             rates = tuple(
-                _rate(name, signals, (*path, "joints", number), problems)
+                _rate(name, signals, (*path, "joints", number))
                 for number, name in enumerate(done.joints)
             )
             torques = tuple(
-                _torque(profile, name, signals, (*path, "loaded", number), problems)
+                _torque(name, signals, (*path, "loaded", number))
                 for number, name in enumerate(done.loaded)
             )
             return StalledSpec(rates, torques, done.torque, done.still, done.for_s)
         case criteria.Reached():
-            for joint in profile.body.joints if done.or_still is not None else ():
-                _rate(joint.name, signals, path, problems)
+            for joint in signals.profile.body.joints if done.or_still is not None else ():
+                _rate(joint.name, signals, path)
             return ReachedSpec(done.or_still or 0.0, done.loaded, done.for_s)
         case criteria.Turning():
             return TurningSpec(tuple((w.slot, w.speed) for w in wheels), done.above)
         case criteria.Stopped():
-            return StoppedSpec(_speeds_of_parts(profile, signals), done.below, done.for_s)
+            return StoppedSpec(_speeds_of_parts(signals), done.below, done.for_s)
         case criteria.Aligned():
             pairs = [
-                _angle_slot(profile, name, signals, (*path, "slots", number), problems)
+                _angle_slot(name, signals, (*path, "slots", number))
                 for number, name in enumerate(done.slots)
             ]
             return AlignedSpec(tuple(pair for pair in pairs if pair), done.within)
@@ -219,7 +213,7 @@ def resolve_criterion(  # noqa: C901 - one case per kind
             kinds = {name: signals.vocabulary.types.get(name) for name in done.signals}
             for name, kind in kinds.items():
                 if isinstance(kind, NumberType) and kind.dimension != done.limit.dimension:
-                    problems.add(
+                    signals.problems.add(
                         "robot.criterion",
                         (*path, "limit"),
                         f"'{name}' is {kind}, and this is {describe(done.limit.dimension)}",
@@ -228,38 +222,34 @@ def resolve_criterion(  # noqa: C901 - one case per kind
             return BelowSpec(numbers, done.limit.value, done.for_s)
 
 
-def _speeds_of_parts(profile: model.Profile, signals: Signals) -> tuple[tuple[int, ...], ...]:
-    """Number indexes of the wheels' speeds, part by part."""
-    wheels = profile.body.wheels
+def _speeds_of_parts(signals: Signals) -> tuple[tuple[int, ...], ...]:
+    """Return the number indexes of the wheels' speeds, part by part."""
+    wheels = signals.profile.body.wheels
     return tuple(
         tuple(spec.speed for spec in signals.wheels if wheels[spec.place].part == part)
         for part in dict.fromkeys(wheel.part for wheel in wheels)
     )
 
 
-def _rate(name: str, signals: Signals, path: Path, problems: Problems) -> int:
+def _rate(name: str, signals: Signals, path: Path) -> int:
     rate = signals.rate_of(name)
     if rate < 0:
         message = f"whether '{name}' stands still needs a derived signal {{rate_of: {name}}}"
-        problems.add("robot.criterion", path, message)
+        signals.problems.add("robot.criterion", path, message)
     return rate
 
 
-def _torque(
-    profile: model.Profile, name: str, signals: Signals, path: Path, problems: Problems
-) -> int:
-    for place, joint in enumerate(profile.body.joints):
+def _torque(name: str, signals: Signals, path: Path) -> int:
+    for place, joint in enumerate(signals.profile.body.joints):
         if joint.name == name and joint.torque is not None:
             return signals.number(joint.torque, ("body", "joints", place, "torque"))
-    problems.add("robot.criterion", path, f"'{name}' is no joint with a torque signal")
+    signals.problems.add("robot.criterion", path, f"'{name}' is no joint with a torque signal")
     return -1
 
 
-def _angle_slot(
-    profile: model.Profile, name: str, signals: Signals, path: Path, problems: Problems
-) -> tuple[int, int] | None:
-    for index, slot in enumerate(profile.slots):
+def _angle_slot(name: str, signals: Signals, path: Path) -> tuple[int, int] | None:
+    for index, slot in enumerate(signals.profile.slots):
         if slot.name == name and slot.unit == "angle" and slot.roll:
             return index, signals.number(slot.roll, path)
-    problems.add("robot.criterion", path, f"'{name}' is no slot that takes an angle")
+    signals.problems.add("robot.criterion", path, f"'{name}' is no slot that takes an angle")
     return None

@@ -1,4 +1,4 @@
-"""A robot's folder becomes what the engine runs: profile and chart read, checked, resolved."""
+"""Load a robot's folder: profile and chart are read, checked and resolved."""
 
 from __future__ import annotations
 
@@ -63,13 +63,13 @@ class LoadedRobot:
     outline: ChartOutline
 
     def oriented(self, polarity: Polarity) -> RobotSpec:
-        """The robot in this polarity."""
+        """Return the robot in this polarity."""
         return self.normal if polarity == "normal" else self.mirrored
 
 
 @lru_cache(maxsize=8)
 def load_robot(folder: Path) -> LoadedRobot:
-    """The robot in this folder is ready to run.
+    """Return the robot in this folder, ready to run.
 
     Args:
         folder: Holds ``profile.yaml``, and the chart that it names.
@@ -103,7 +103,7 @@ def load_robot(folder: Path) -> LoadedRobot:
 
 
 def _chart(folder: Path, name: str, problems: Problems) -> Document | None:
-    """The chart's file; a file that is not there is a fault of the profile."""
+    """Return the chart's file; report a missing one as a fault of the profile."""
     path = folder / name
     try:
         return read_document(references.followed(path, folder), shown(path))
@@ -159,7 +159,7 @@ def _check_regions(profile: Profile, outline: ChartOutline, problems: Problems) 
 
 
 def _check_reached(outline: ChartOutline, table: ChartTable, problems: Problems) -> None:
-    """A state that no commands lead to is a mistake of the chart."""
+    """Report states that no commands lead to."""
     for place, (region, states) in enumerate(zip(table.regions, table.states, strict=True)):
         reached = {configuration[place] for configuration in table.configurations}
         for state in states:
@@ -186,11 +186,11 @@ def _resolve(
 ) -> RobotSpec:
     signals = resolve_signals(profile, table, polarity, problems)
     slots = resolve_slots(profile, signals, problems)
-    parts, held, part_regions = resolve_parts(profile, table, signals, problems)
+    parts, held, part_regions = resolve_parts(table, signals)
     actuation = resolve_actuation(profile, table, signals, slots, polarity, problems)
-    postures = resolve_postures(profile, table, signals, slots, polarity, held, actuation, problems)
-    commands, unneeded = resolve_commands(profile, table, held, signals, postures, problems)
-    faults = resolve_faults(profile, signals, parts, problems)
+    postures = resolve_postures(table, signals, slots, held, actuation)
+    commands, unneeded = resolve_commands(table, held, signals, postures)
+    faults = resolve_faults(signals, parts)
     zero = tuple(
         slots.index(name, ("safe_state", "zero", number))
         for number, name in enumerate(profile.safe_state.zero)
@@ -217,6 +217,6 @@ def _resolve(
         plausibility=thresholds(profile),
         detector_words=tuple(profile.detector.words),
         words_behind=words_behind(profile),
-        body=resolve_chain(profile, signals),
-        sight=resolve_sight(profile, table, slots.specs, actuation, signals, problems),
+        body=resolve_chain(signals),
+        sight=resolve_sight(table, slots.specs, actuation, signals),
     )

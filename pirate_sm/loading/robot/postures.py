@@ -1,22 +1,20 @@
-"""Postures that commands take first, resolved for each configuration that a command leads to."""
+"""Resolve the postures that commands take first, for each configuration they lead to."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import nan
-from typing import Literal
 
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.engine.robot.command_spec import PostureSpec, StageSpec
 from pirate_sm.engine.robot.criteria import AcceptedSpec, CriterionSpec
-from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.problems import Path
 from pirate_sm.loading.robot.actuation import resolve_stage
 from pirate_sm.loading.robot.commands import is_true, on_states, resolve_criterion
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.loading.robot.slots import Slots
 from pirate_sm.model.actuation import PostureCase
-from pirate_sm.model.profile import Profile
 
 ByConfiguration = tuple[PostureSpec | None, ...]
 
@@ -25,18 +23,15 @@ ByConfiguration = tuple[PostureSpec | None, ...]
 class _Robot:
     """What postures are resolved against."""
 
-    profile: Profile
     table: ChartTable
     signals: Signals
     slots: Slots
-    polarity: Literal["normal", "mirrored"]
     held: tuple[frozenset[int], ...]
     actuation: tuple[Mapping[str, tuple[StageSpec, ...]], ...]
-    problems: Problems
 
     def pressing(self, configuration: int) -> Iterator[tuple[str, int, float]]:
-        """Per held part its name, the slot of its apex, and the duty that holds it there."""
-        parts = list(self.profile.body.parts.items())
+        """Yield per held part its name, the slot of its apex, and the duty that holds it."""
+        parts = list(self.signals.profile.body.parts.items())
         written = {
             write.slot: write
             for region, state in enumerate(self.table.configurations[configuration])
@@ -44,29 +39,26 @@ class _Robot:
         }
         for number in sorted(self.held[configuration]):
             name, part = parts[number]
-            for slot, each in enumerate(self.profile.slots):
+            for slot, each in enumerate(self.signals.profile.slots):
                 write = written.get(slot)
                 if each.joint == part.apex and write is not None and write.how == "set":
                     yield name, slot, write.value
 
 
 def resolve_postures(
-    profile: Profile,
     table: ChartTable,
     signals: Signals,
     slots: Slots,
-    polarity: Literal["normal", "mirrored"],
     held: tuple[frozenset[int], ...],
     actuation: tuple[Mapping[str, tuple[StageSpec, ...]], ...],
-    problems: Problems,
 ) -> Mapping[str, ByConfiguration]:
     """Return each posture by name: per configuration its first case that applies, or None.
 
     A posture moves bend joints only, and keeps the apex of every part that is held pressed to the
     wall it is on.
     """
-    robot = _Robot(profile, table, signals, slots, polarity, held, actuation, problems)
-    return {name: _posture(robot, name, cases) for name, cases in profile.postures.items()}
+    robot = _Robot(table, signals, slots, held, actuation)
+    return {name: _posture(robot, name, cases) for name, cases in signals.profile.postures.items()}
 
 
 def _posture(robot: _Robot, name: str, cases: tuple[PostureCase, ...]) -> ByConfiguration:
@@ -74,7 +66,7 @@ def _posture(robot: _Robot, name: str, cases: tuple[PostureCase, ...]) -> ByConf
     for number, case in enumerate(cases):
         at: Path = ("postures", name, number)
         spec = _case(robot, name, case, at)
-        when = on_states(case.when, robot.table, robot.signals, (*at, "when"), robot.problems)
+        when = on_states(case.when, robot.table, robot.signals, (*at, "when"))
         said = False
         for configuration, states in enumerate(robot.table.configurations):
             if found[configuration] is not None or not is_true(when, states):
@@ -90,35 +82,31 @@ def _case(robot: _Robot, name: str, case: PostureCase, at: Path) -> PostureSpec:
         return PostureSpec(name, (), AcceptedSpec(), refuse=case.refuse)
     written = case.set_ or {}
     for slot in written:
-        each = next((each for each in robot.profile.slots if each.name == slot), None)
+        each = next((each for each in robot.signals.profile.slots if each.name == slot), None)
         if each is not None and each.joint is None:
             message = f"'{slot}' drives no bend joint, and a posture moves only those"
-            robot.problems.add("robot.posture", (*at, "set", slot), message, key=True)
+            robot.signals.problems.add("robot.posture", (*at, "set", slot), message, key=True)
+    signals = robot.signals
+    profile, polarity, at_set = signals.profile, signals.polarity, (*at, "set")
     writes = resolve_stage(
-        written,
-        robot.profile,
-        robot.signals,
-        robot.slots,
-        robot.polarity,
-        (*at, "set"),
-        robot.problems,
+        written, profile, signals, robot.slots, polarity, at_set, signals.problems
     )
     within_rad = nan if case.within is None else case.within
     done: CriterionSpec = AcceptedSpec()
     if case.done is not None:
         path: Path = (*at, "done")
-        done = resolve_criterion(robot.profile, case.done, robot.signals, path, robot.problems)
+        done = resolve_criterion(case.done, robot.signals, path)
     return PostureSpec(name, writes, done, within_rad)
 
 
 def _lets_go(robot: _Robot, writes: StageSpec, configuration: int, at: Path) -> bool:
-    """Whether the posture lets go of a part that is held there; then the problem is reported."""
+    """Return whether the posture lets go of a part that is held there, and report it."""
     duties = {write.slot: write.value for write in writes if write.how == "set"}
     written = {write.slot for write in writes}
     for part, slot, duty in robot.pressing(configuration):
         if slot in written and duties.get(slot, 0.0) * duty <= 0:
             name = robot.slots.specs[slot].name
             message = f"'{name}' holds the part '{part}' there: it must keep a duty of that sign"
-            robot.problems.add("robot.posture", at, message)
+            robot.signals.problems.add("robot.posture", at, message)
             return True
     return False

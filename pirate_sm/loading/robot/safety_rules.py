@@ -22,7 +22,7 @@ from pirate_sm.units import DIMENSIONLESS
 
 
 def resolve_rules(profile: Profile, table: ChartTable, problems: Problems) -> tuple[RuleSpec, ...]:
-    """Every rule with its conditions compiled, or the problems say why not."""
+    """Return every rule with its conditions compiled; report those that cannot be."""
     if not profile.rules:
         return ()
     kinds: dict[str, NumberType | EnumType] = {
@@ -48,7 +48,7 @@ def resolve_rules(profile: Profile, table: ChartTable, problems: Problems) -> tu
 
 
 def rules_for(mission: Mission, rules: tuple[RuleSpec, ...]) -> tuple[RuleSpec, ...]:
-    """The rules without those that the mission says it must break, and why."""
+    """Return the rules without those that the mission says it must break, and why."""
     return tuple(
         rule
         for rule in rules
@@ -80,7 +80,7 @@ def _rule(
 def _condition(
     text: str, vocabulary: Vocabulary, problems: Problems, path: Path, key: str
 ) -> Expression | None:
-    """The condition, for ``never`` its opposite."""
+    """Return the condition, for ``never`` its opposite."""
     try:
         condition = compile_condition(text, vocabulary)
     except ExpressionError as error:

@@ -1,4 +1,4 @@
-"""What each sensor of a motor can show, worked out of the profile's motors and thresholds."""
+"""Find what each sensor of a motor can show, by the profile's motors and thresholds."""
 
 from __future__ import annotations
 

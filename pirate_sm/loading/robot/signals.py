@@ -40,7 +40,7 @@ class Signals:
 
     @property
     def link(self) -> LinkSpec:
-        """When signals are stale, boards silent, arrays sent again."""
+        """Return when signals are stale, boards silent, and arrays sent again."""
         link = self.profile.link
         return LinkSpec(
             link.cycle * self.profile.messages_per_round,
@@ -51,7 +51,7 @@ class Signals:
         )
 
     def number(self, name: str, path: Path, dimension: Dimension | None = None) -> int:
-        """The index of a numeric signal; -1 and a problem when there is none of that kind."""
+        """Return the index of a numeric signal; -1 after reporting that there is none."""
         names = self.vocabulary.numbers
         if name not in names:
             self.problems.add(
@@ -69,7 +69,7 @@ class Signals:
         return names.index(name)
 
     def constant(self, text: str, path: Path) -> tuple[float, Dimension]:
-        """The SI value and dimension of a constant expression such as ``360 deg / 4096``."""
+        """Return the SI value and dimension of a constant expression such as ``360 deg / 4096``."""
         try:
             expression = compile_expression(text, _NOTHING)
         except ExpressionError as error:
@@ -82,14 +82,14 @@ class Signals:
         return value, expression.type.dimension
 
     def first_of(self, kind: str) -> int:
-        """The index of the first derived signal of this kind; -1 without one."""
+        """Return the index of the first derived signal of this kind; -1 without one."""
         for name, derived in self.profile.derived.items():
             if hasattr(derived, kind):
                 return self.vocabulary.numbers.index(name)
         return -1
 
     def rate_of(self, name: str) -> int:
-        """The index of the signal that is this one's rate; -1 without one."""
+        """Return the index of the signal that is this one's rate; -1 without one."""
         for rate, derived in self.profile.derived.items():
             if isinstance(derived, kinds.RateOf) and derived.rate_of == name:
                 return self.vocabulary.numbers.index(rate)

@@ -9,6 +9,7 @@ from pirate_sm.engine.robot.command_spec import PositionSpec, SlotSpec, Velocity
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import profile as model
+from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE, ANGULAR_SPEED, TORQUE
 
 
@@ -25,7 +26,10 @@ class Slots:
         names = [slot.name for slot in self.specs]
         if name in names:
             return names.index(name)
-        self.problems.add_unknown("robot.slot", path, "slot", name, names)
+        self.problems.add(
+            "robot.slot", path, f"there is no slot '{name}'",
+            expected=one_of(names), suggestion=nearest(name, names) or "",
+        )  # fmt: skip
         return 0
 
 
@@ -44,7 +48,10 @@ def _slot(
 ) -> SlotSpec:
     motor = profile.motors.get(slot.motor)
     if motor is None:
-        problems.add_unknown("robot.motor", (*path, "motor"), "motor", slot.motor, profile.motors)
+        problems.add(
+            "robot.motor", (*path, "motor"), f"there is no motor '{slot.motor}'",
+            expected=one_of(profile.motors), suggestion=nearest(slot.motor, profile.motors) or "",
+        )  # fmt: skip
         motor = model.Motor(kind="none")
     known = _check_targets(profile, slot, path, problems)
     link = profile.link
@@ -76,7 +83,7 @@ def _slot(
             settings.least_duty,
             settings.limit,
             motor.stall_torque or inf,
-        )
+        )  # fmt: skip
     return SlotSpec(
         slot.name,
         "duty",
@@ -122,13 +129,9 @@ def _check_targets(
         name = getattr(slot, kind)
         if name is not None and name not in names:
             known = False
-            problems.add_unknown(
-                f"robot.{kind}",
-                (*path, kind),
-                "",
-                name,
-                names,
-                message=f"the body has no {_SAID[kind]} '{name}'",
-                none=f"no slot for a {_SAID[kind]}",
-            )
+            problems.add(
+                f"robot.{kind}", (*path, kind), f"the body has no {_SAID[kind]} '{name}'",
+                expected=one_of(names) if names else f"no slot for a {_SAID[kind]}",
+                suggestion=nearest(name, names) or "",
+            )  # fmt: skip
     return known

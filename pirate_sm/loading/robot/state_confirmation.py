@@ -1,4 +1,4 @@
-"""How states show themselves to the sensors: names resolved to indexes, for one polarity."""
+"""Resolve how sensors confirm states, for one polarity: names become indexes."""
 
 from __future__ import annotations
 
@@ -22,20 +22,18 @@ from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import seen as model
 from pirate_sm.model.derived import DiameterOf
-from pirate_sm.model.profile import Profile
 
 Actuation = tuple[Mapping[str, tuple[StageSpec, ...]], ...]
 
 
 def resolve_sight(
-    profile: Profile,
     table: ChartTable,
     slots: tuple[SlotSpec, ...],
     actuation: Actuation,
     signals: Signals,
-    problems: Problems,
 ) -> Sight:
     """Return what confirms and contradicts each state and part, or tell the problems why not."""
+    profile, problems = signals.profile, signals.problems
     seen = profile.seen
     parts, regions = tuple(profile.body.parts), table.regions
     _check_names(seen.parts, parts, ("seen", "parts"), "part", problems)
@@ -45,7 +43,7 @@ def resolve_sight(
         given = seen.states.get(region, {})
         path: Path = ("seen", "states", region)
         _check_names(given, table.states[number], path, "state", problems)
-        resolver = _States(slots, actuation[number], signals, problems)
+        resolver = _States(slots, actuation[number], signals)
         found = {
             name: resolver.state(how, name, (*path, name))
             for name, how in given.items()
@@ -53,8 +51,7 @@ def resolve_sight(
         }
         states.append({name: spec for name, spec in found.items() if spec is not None})
     held = tuple(
-        _part(profile, name, seen.parts[name], signals, problems) if name in seen.parts else None
-        for name in parts
+        _part(name, seen.parts[name], signals) if name in seen.parts else None for name in parts
     )
     return Sight(seen.within, held, tuple(states))
 
@@ -66,10 +63,9 @@ def _check_names(
         problems.add_unknown("robot.seen", (*path, name), kind, name, valid, key=True)
 
 
-def _part(
-    profile: Profile, name: str, how: model.HeldPart, signals: Signals, problems: Problems
-) -> HeldSpec | None:
+def _part(name: str, how: model.HeldPart, signals: Signals) -> HeldSpec | None:
     path: Path = ("seen", "parts", name)
+    profile, problems = signals.profile, signals.problems
     body = profile.body
     apex = next((joint for joint in body.joints if joint.name == body.parts[name].apex), None)
     diameter = next(
@@ -92,8 +88,7 @@ def _part(
     if how.span >= how.span_off:
         problems.add("robot.seen", (*path, "span_off"), "`span_off` must be larger than `span`")
     joints = [
-        _joint(profile, joint, signals, (*path, "loaded", number), problems)
-        for number, joint in enumerate(how.loaded)
+        _joint(joint, signals, (*path, "loaded", number)) for number, joint in enumerate(how.loaded)
     ]
     if apex is None or diameter is None:
         return None
@@ -111,9 +106,8 @@ def _part(
     )
 
 
-def _joint(
-    profile: Profile, name: str, signals: Signals, path: Path, problems: Problems
-) -> LoadedJoint | None:
+def _joint(name: str, signals: Signals, path: Path) -> LoadedJoint | None:
+    profile, problems = signals.profile, signals.problems
     joint = next((each for each in profile.body.joints if each.name == name), None)
     joints = {each.name for each in profile.body.joints}
     if any(slot.joint is not None and slot.joint not in joints for slot in profile.slots):
@@ -145,12 +139,11 @@ class _States:
         slots: tuple[SlotSpec, ...],
         actuation: Mapping[str, tuple[StageSpec, ...]],
         signals: Signals,
-        problems: Problems,
     ) -> None:
         self._slots = slots
         self._actuation = actuation
         self._speeds = {wheel.slot: wheel.speed for wheel in signals.wheels}
-        self._problems = problems
+        self._problems = signals.problems
 
     def state(self, how: model.SeenState, name: str, path: Path) -> SeenSpec | None:
         """Return how the state is seen; None where no sensor shows it."""
@@ -191,7 +184,7 @@ class _States:
         return write.how == "seek" or (write.how == "set" and unit == "angle")
 
     def _targets(self, name: str) -> tuple[tuple[int, float], ...]:
-        """Number index and setpoint of each angle; of several stages the first counts."""
+        """Return number index and setpoint of each angle; of several stages the first counts."""
         found: dict[int, float] = {}
         for stage in self._actuation[name]:
             for write in stage:
@@ -201,7 +194,7 @@ class _States:
         return tuple(found.items())
 
     def _wheels(self, name: str) -> list[tuple[int, float]]:
-        """Number index of each wheel's speed, and which way it is driven: 1, -1, or 0."""
+        """Return the number index of each wheel's speed, and its direction: 1, -1, or 0."""
         return [
             (self._speeds[write.slot], copysign(1.0, write.value) if write.value else 0.0)
             for write in self._actuation[name][-1]

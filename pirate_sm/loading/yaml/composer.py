@@ -1,4 +1,4 @@
-"""YAML events → a tree of plain values with places: the rules of our YAML, kept in one pass."""
+"""Build a tree of plain values with places from YAML events, by the rules of our YAML."""
 
 from __future__ import annotations
 
@@ -144,7 +144,7 @@ class _Composer:
         return node
 
     def _add(self, node: Node, anchor: str | None) -> None:
-        """Put a finished node where it belongs."""
+        """Put a finished node into the tree."""
         if anchor is not None:
             self._anchors[anchor] = node
         if not self._stack:

@@ -1,4 +1,4 @@
-"""YAML text → plain data that remembers where each value stood.
+"""Read YAML text as plain data that remembers where each value stands.
 
 PyYAML's parser gives events; what they mean is decided here, after the YAML 1.2 core schema and
 stricter: `on` and `12:30` are text, equal keys are refused, nothing but plain data comes out, and

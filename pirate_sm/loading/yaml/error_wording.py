@@ -1,4 +1,4 @@
-"""pydantic's errors in the words of someone who writes YAML."""
+"""Put pydantic's errors into the words of people who write YAML."""
 
 from __future__ import annotations
 

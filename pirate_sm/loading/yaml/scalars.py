@@ -1,4 +1,4 @@
-"""What an unquoted word of YAML means: the YAML 1.2 core schema (section 10.3.2), and finite.
+"""Resolve unquoted words by the YAML 1.2 core schema (section 10.3.2); numbers are finite.
 
 YAML 1.1, which PyYAML follows by itself, would make booleans of `on` and `Off` and numbers of
 `12:30` and `1_000`; here they are text.

@@ -1,4 +1,4 @@
-"""From the location that pydantic gives an error to the path of the value in the file.
+"""Find the path of a value in the file from the location that pydantic gives an error.
 
 Such a location also holds the labels of unions on the way (`steps.0.CallStep.with`), and nothing
 tells a label from a key of the same name. The schema that pydantic compiled for the model does:

@@ -1,4 +1,4 @@
-"""Plain data → model: every error of pydantic becomes a problem at its place in the file."""
+"""Validate plain data: each error of pydantic becomes a problem at its place in the file."""
 
 from __future__ import annotations
 
