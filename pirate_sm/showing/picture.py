@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import pairwise
-from math import atan2, cos, floor, hypot, log, sin
+from math import atan2, cos, dist, floor, hypot, log, sin
 
 from pirate_sm.geometry.space import Place
 from pirate_sm.showing.canvas import ACROSS, DOWN, Canvas
@@ -97,9 +97,9 @@ class _Drawing:
         (x0, y0), (x1, y1) = wheels[middle - 1], wheels[middle]
         x, y = (x0 + x1) / 2, (y0 + y1) / 2
         one, other = min(
-            pairwise(wall), key=lambda ends: _away((x, y), ends[0]) + _away((x, y), ends[1])
+            pairwise(wall), key=lambda ends: dist((x, y), ends[0]) + dist((x, y), ends[1])
         )
-        length = _away(one, other) or 1.0
+        length = dist(one, other) or 1.0
         tx, ty = (other[0] - one[0]) / length, (other[1] - one[1]) / length
         share = (x - one[0]) * tx + (y - one[1]) * ty
         foot = one[0] + share * tx, one[1] + share * ty
@@ -171,7 +171,3 @@ class _Drawing:
         if origin:
             place = canvas.width - ACROSS * len(origin)
             canvas.write(place, canvas.height - DOWN, origin, NOTE)
-
-
-def _away(one: Place, other: Place) -> float:
-    return hypot(one[0] - other[0], one[1] - other[1])

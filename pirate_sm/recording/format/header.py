@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
@@ -120,14 +120,8 @@ def header_from_json(data: bytes, texts: Mapping[str, str]) -> RunHeader:
         KeyError: A text is missing.
     """
     bare = TypeAdapter(RunHeader).validate_json(data)
-    files = tuple(
-        RecordedFile(f.role, f.name, f.path, f.sha256, f.attachment, texts[f.attachment])
-        for f in bare.files
-    )
-    return RunHeader(**{**{name: getattr(bare, name) for name in _FIELDS}, "files": files})
-
-
-_FIELDS = tuple(RunHeader.__dataclass_fields__)
+    files = tuple(replace(file, text=texts[file.attachment]) for file in bare.files)
+    return replace(bare, files=files)
 
 
 def header_of(

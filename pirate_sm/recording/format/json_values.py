@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, nan
-from typing import Any, Literal, TypeAlias, get_args, get_origin
+from typing import Any, Literal, TypeAlias, TypeVar, get_args, get_origin
 
 JsonSchema: TypeAlias = dict[str, Any]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -53,37 +54,20 @@ def number_from_json(value: Any) -> float:
     return whole(value)
 
 
-def whole(value: Any) -> int:
-    """Return the value, which is a whole number.
+def _only(kind: type[T], refusal: str) -> Callable[[Any], T]:
+    """Return a function that returns values of this type and raises ``ValueError`` for others."""
 
-    Raises:
-        ValueError: It is not.
-    """
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"{value!r} is no number")
-    return value
+    def checked(value: Any) -> T:
+        if type(value) is not kind:
+            raise ValueError(f"{value!r} is {refusal}")
+        return value
 
-
-def truth(value: Any) -> bool:
-    """Return the value, which is true or false.
-
-    Raises:
-        ValueError: It is neither.
-    """
-    if not isinstance(value, bool):
-        raise ValueError(f"{value!r} is neither true nor false")
-    return value
+    return checked
 
 
-def text(value: Any) -> str:
-    """Return the value, which is text.
-
-    Raises:
-        ValueError: It is not.
-    """
-    if not isinstance(value, str):
-        raise ValueError(f"{value!r} is no text")
-    return value
+whole = _only(int, "no number")
+truth = _only(bool, "neither true nor false")
+text = _only(str, "no text")
 
 
 def _word(value: Any) -> str | None:

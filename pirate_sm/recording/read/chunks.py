@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
 
 from pirate_sm.recording.read.mcap_records import (
     ChunkPlace,
@@ -13,14 +12,6 @@ from pirate_sm.recording.read.mcap_records import (
     messages_in,
     records_of,
 )
-
-
-class Message(NamedTuple):
-    """A message and its topic; ``time_ns`` is when it was, ns since 1970."""
-
-    topic: str
-    time_ns: int
-    data: bytes
 
 
 class Chunks:
@@ -40,23 +31,11 @@ class Chunks:
         self._pieces = pieces
         self._learned = 0
 
-    def read(self, place: int) -> list[Message]:
-        """Return the messages of a piece, in the order of writing.
+    def entries(self, place: int) -> list[RawMessage]:
+        """Return the messages of a piece in the order of writing, and learn their topics.
 
         Args:
-            place: Its number.
-
-        Raises:
-            DamagedError: It is not what was written.
-            OSError: The file cannot be read.
-        """
-        return [
-            Message(self.topics.names[number], time_ns, data)
-            for number, time_ns, data in self.entries(place)
-        ]
-
-    def entries(self, place: int) -> list[RawMessage]:
-        """Return the messages of a piece by the numbers of their topics, and learn these topics.
+            place: Number of the piece.
 
         Raises:
             DamagedError: It is not what was written.

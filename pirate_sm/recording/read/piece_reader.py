@@ -18,10 +18,10 @@ from pirate_sm.recording.format.engine_state_text import state_from_text
 from pirate_sm.recording.format.engine_topics import STATE, Abandoned, Started, Topic, Topics
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.format.robot_state_text import body_from_text
-from pirate_sm.recording.read.chunks import Chunks, Message
+from pirate_sm.recording.read.chunks import Chunks
 from pirate_sm.recording.read.header_reader import DamagedInsideError
 from pirate_sm.recording.read.mcap_records import ChunkPlace, DamagedError
-from pirate_sm.recording.read.steps import Step, StepEffects
+from pirate_sm.recording.read.steps import Message, Step, StepEffects
 
 
 class PieceReader:
@@ -44,11 +44,13 @@ class PieceReader:
     def messages(self, place: int) -> list[Message]:
         """Return the messages of the piece of this number, in the order of writing."""
         try:
-            return self._chunks.read(place)
+            entries = self._chunks.entries(place)
         except DamagedError as error:
             raise DamagedInsideError(self._path, str(error)) from None
         except OSError as error:
             raise unreadable(self._path, error) from None
+        names = self._chunks.topics.names
+        return [Message(names[number], time_ns, data) for number, time_ns, data in entries]
 
     def first_input_s(self, messages: Sequence[Message]) -> float | None:
         """Return the time of the first input by the engine's clock; None where there is none."""

@@ -22,11 +22,17 @@ from pirate_sm.loading.file_names import shown
 from pirate_sm.model.effects import Ended
 from pirate_sm.recording.format.engine_topics import ENGINE
 from pirate_sm.recording.format.header import PROFILE, REPAIRED, RunHeader
-from pirate_sm.recording.read.chunks import Message
 from pirate_sm.recording.read.header_reader import DamagedInsideError, read_header
 from pirate_sm.recording.read.mcap_content import Content, NotMcapError, read_content
 from pirate_sm.recording.read.piece_reader import PieceReader, unreadable
-from pirate_sm.recording.read.steps import Checkpoint, Shown, Step, StepEffects, with_own_times
+from pirate_sm.recording.read.steps import (
+    Checkpoint,
+    Message,
+    Shown,
+    Step,
+    StepEffects,
+    with_own_times,
+)
 
 NS_PER_S = 1_000_000_000
 

@@ -44,6 +44,14 @@ class StepEffects(NamedTuple):
     effects: tuple[Effect, ...]
 
 
+class Message(NamedTuple):
+    """A message and its topic; ``time_ns`` is when it was, ns since 1970."""
+
+    topic: str
+    time_ns: int
+    data: bytes
+
+
 class Shown(NamedTuple):
     """A message that was made for viewers."""
 
@@ -70,9 +78,7 @@ class Checkpoint(NamedTuple):
 
 def with_own_times(effects: tuple[Effect, ...], origin_s: float) -> tuple[Effect, ...]:
     """Return the effects with deadlines that count from the origin of a recording."""
-    found = []
-    for each in effects:
-        if isinstance(each, WaitArmed):
-            each = each._replace(deadline_s=each.deadline_s - origin_s)  # noqa: PLW2901
-        found.append(each)
-    return tuple(found)
+    return tuple(
+        it._replace(deadline_s=it.deadline_s - origin_s) if isinstance(it, WaitArmed) else it
+        for it in effects
+    )

@@ -10,6 +10,7 @@ from __future__ import annotations
 import multiprocessing
 import signal
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache, partial
 from math import inf
 from pathlib import Path
@@ -78,11 +79,10 @@ def _stretches(
 
 def _together(found: list[Replayed]) -> Replayed:
     """Return the results of the stretches as one, up to the first difference."""
-    return Replayed(
+    return replace(
+        found[-1],
         steps=sum(each.steps for each in found),
         effects=sum(each.effects for each in found),
-        until_s=found[-1].until_s,
-        difference=found[-1].difference,
         executed=any(each.executed for each in found),
         from_s=found[0].from_s,
     )

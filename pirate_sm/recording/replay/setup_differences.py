@@ -38,12 +38,8 @@ def unlike(first: RunHeader, second: RunHeader) -> tuple[Unlike, ...]:
 
 def _circumstances(it: RunHeader) -> Iterator[tuple[str, Any]]:
     """Yield name and value of everything that a run was set up with."""
-    yield "mission", it.mission
-    yield "robot", it.robot
-    yield "polarity", it.polarity
-    yield "pipe", it.pipe
-    yield "backend", it.backend
-    yield "detector", it.detector
+    for name in ("mission", "robot", "polarity", "pipe", "backend", "detector"):
+        yield name, getattr(it, name)
     for name, value in it.options.items():
         if name not in _NAMED_ALREADY:
             yield name.replace("_", " "), value
