@@ -14,8 +14,9 @@ from pirate_sm.backends.serial.link.connection_errors import unanswered
 from pirate_sm.backends.serial.link.exchange import Exchange
 from pirate_sm.backends.serial.link.link_plan import STATE
 from pirate_sm.backends.serial.ports.protocol import Port
-from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject, TopicFact
+from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject
 from pirate_sm.diagnosis.records import Records
+from pirate_sm.diagnosis.topic_facts import topic_facts
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import FaultReport, SensorFrame, SubmitResult
 from pirate_sm.model.fault_codes import BuiltInFault
@@ -233,7 +234,12 @@ class Listening:
             robot=self.subject.profile.robot,
             baud=self._baud,
             listened_s=now - self._began_s,
-            topics=self._topics(max(now - self._began_s, 1e-3)),
+            topics=topic_facts(
+                self._plan.wanted,
+                conversation.offered,
+                self._counts,
+                max(now - self._began_s, 1e-3),
+            ),
             boards=self.records.facts(now),
             # Damage that its sum does not show makes up a board now and then, not often.
             strangers=tuple(sorted(b for b, count in self._strangers.items() if count > 2)),
@@ -241,28 +247,3 @@ class Listening:
             words=tuple((line.level, line.text) for line in conversation.words),
             refused=tuple(self.exchange.refused),
         )
-
-    def _topics(self, elapsed_s: float) -> tuple[TopicFact, ...]:
-        offered = dict(self.exchange.conversation.offered)
-        found: list[TopicFact] = []
-        for wanted in self._plan.wanted:
-            name = wanted.name.lstrip("/")
-            info = offered.pop((wanted.direction, name), None)
-            found.append(
-                TopicFact(
-                    name,
-                    wanted.direction,
-                    info.number if info else None,
-                    info.type if info else "",
-                    wanted.type,
-                    info.md5 if info else "",
-                    wanted.md5,
-                    self._counts[info.number] / elapsed_s if info else 0.0,
-                )
-            )
-        for info in offered.values():
-            rate = self._counts[info.number] / elapsed_s
-            found.append(
-                TopicFact(info.name, info.direction, info.number, info.type, "", info.md5, "", rate)
-            )
-        return tuple(found)
