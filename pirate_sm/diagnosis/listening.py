@@ -1,4 +1,4 @@
-"""A port is opened, its device asked for its topics, and everything that it says taken in."""
+"""Open a port, ask its device for its topics, and take in everything that it says."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Listening:
     # --- connecting -------------------------------------------------------------------------
 
     def __enter__(self) -> Self:
-        """The device has introduced its topics, as far as it does.
+        """Open the port, and wait until the device has introduced its topics.
 
         Raises:
             BackendError: There is no port, or nobody who speaks rosserial behind it.
@@ -91,7 +91,7 @@ class Listening:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """The device has been told to be quiet, the port is free."""
+        """Tell the device to be quiet, and free the port."""
         stopped = self.exchange.stopped.confirmed
         with suppress(BackendError):
             if stopped:
@@ -117,7 +117,7 @@ class Listening:
     # --- listening --------------------------------------------------------------------------
 
     def listen(self, seconds: float, watch: Watch = lambda listening: None) -> None:
-        """So much time has been listened to; counting began with it.
+        """Count anew, and listen for so long.
 
         Args:
             seconds: How long.
@@ -137,7 +137,7 @@ class Listening:
             watch(self)
 
     def turn(self, until_s: float) -> None:
-        """What was due has been written, and what came by then has been taken in."""
+        """Write what is due, and take in what comes by then."""
         while True:
             now = self.port.now()
             while data := self._due(now):
@@ -155,7 +155,7 @@ class Listening:
 
     @property
     def _may_write(self) -> bool:
-        """Whether the conversation may ask: one that is not understood does not ask for ever."""
+        """Whether the conversation may ask; one that is not understood stops asking."""
         conversation = self.exchange.conversation
         return not self._connected or conversation.known or conversation.due_s == -inf
 
@@ -163,7 +163,7 @@ class Listening:
         return self.exchange.write(now) if self._may_write else b""
 
     def _ask(self, now: float) -> None:
-        """The topics have been asked for once more, to see how long the answer takes."""
+        """Ask for the topics once more, to see how long the answer takes."""
         self._asked_s = now
         self.port.write(encode(REQUEST_TOPICS))
 
@@ -189,7 +189,7 @@ class Listening:
                 self._resets += event.code == BuiltInFault.FIRMWARE_RESET.code
 
     def _meet(self, topic: int, payload: bytes) -> None:
-        """A board that nobody expects is noticed."""
+        """Count the messages of boards that the profile does not listen to."""
         state = self._plan.wanted[STATE]
         offer = self.exchange.conversation.offered.get((state.direction, state.name.lstrip("/")))
         if offer is None or offer.number != topic or offer.md5 != state.md5:
@@ -212,7 +212,7 @@ class Listening:
     # --- what came of it --------------------------------------------------------------------
 
     def facts(self) -> Facts:
-        """Everything that has been found out so far, not judged."""
+        """Return everything that has been found out so far, not judged."""
         now = self.port.now()
         conversation, counts = self.exchange.conversation, self.exchange.counts
         dropped, before = self._base
