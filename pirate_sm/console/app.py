@@ -30,15 +30,7 @@ from pirate_sm.console.operator_actions import OperatorActions
 from pirate_sm.console.reason_lines import Request, obstacles
 from pirate_sm.console.session import OperatorSession
 from pirate_sm.console.terminal_driver import STOP_KEY
-from pirate_sm.console.widgets import (
-    EventLog,
-    Lines,
-    Picture,
-    Row,
-    is_whole,
-    panel,
-    show_robot,
-)
+from pirate_sm.console.widgets import EventLog, Lines, Picture, Row, is_whole, panel, show_robot
 from pirate_sm.runtime.stop_requests import Stop
 from pirate_sm.showing import panels
 from pirate_sm.showing.body import travelled
