@@ -79,7 +79,7 @@ class Terminal:
         self.close()
 
     def close(self) -> None:
-        """The pseudo-terminal and the link to it are gone."""
+        """Close the pseudo-terminal and remove the link to it."""
         os.close(self._ours)
         if self._link is not None and self._link.is_symlink():
             with suppress(OSError):
@@ -87,7 +87,7 @@ class Terminal:
                     self._link.unlink()
 
     def wait(self, patience_s: float) -> tuple[bool, bytes]:
-        """Whether a host has it open, and what it has written; waits no longer than this."""
+        """Return whether a host has it open, and what it has written; wait no longer than this."""
         events = dict(self._poll.poll(patience_s * 1000.0)).get(self._ours, 0)
         data = b""
         if events & select.POLLIN:
@@ -96,32 +96,32 @@ class Terminal:
         return not events & select.POLLHUP, data
 
     def write(self, data: bytes) -> None:
-        """The host can read it; what it has no room for is gone, as on the real port."""
+        """Let the host read the bytes; what it has no room for is lost, as on the real port."""
         with suppress(OSError):
             os.write(self._ours, self._at_rate(data))
 
     def _at_rate(self, data: bytes) -> bytes:
-        """The bytes as they are read when the host's rate may not be the device's."""
+        """Return the bytes as they are read when the host's rate may not be the device's."""
         if self._speed is None or termios.tcgetattr(self._ours)[_SPEEDS] == [self._speed] * 2:
             return data
         return data.translate(_AT_ANOTHER_RATE)
 
     def _set_speed(self) -> None:
-        """The port has the device's rate until a host sets another."""
+        """Set the port to the device's rate."""
         if self._speed is not None:
             settings = termios.tcgetattr(self._ours)
             settings[_SPEEDS] = [self._speed] * 2
             termios.tcsetattr(self._ours, termios.TCSANOW, settings)
 
     def renew(self) -> None:
-        """Nothing that a host left is there for the next one: no bytes, no other rate."""
+        """Discard what a host has left: its bytes and its rate."""
         with suppress(termios.error):
             termios.tcflush(self._ours, termios.TCIOFLUSH)
             self._set_speed()
 
 
 class StopSignals:
-    """SIGINT, SIGTERM and SIGHUP end the bay instead of the process; a context manager.
+    """Lets SIGINT, SIGTERM and SIGHUP end the bay, not the process; a context manager.
 
     A signal that this process was started to ignore (``nohup``) stays ignored.
 
@@ -154,7 +154,7 @@ def serve(
     log: TextIO | None = None,
     clock: Callable[[], float] = time.monotonic,
 ) -> None:
-    """The bay has run in real time until it was told to stop.
+    """Run the bay in real time until it is to stop.
 
     Args:
         bay: Switched on just now.
@@ -186,7 +186,7 @@ def serve(
 
 
 def write_log(records: list[Record], log: TextIO | None) -> None:
-    """The records are in the log, and gone from the list."""
+    """Write the records to the log and clear the list."""
     if log is not None and records:
         log.writelines(line_of(record) for record in records)
         log.flush()
@@ -194,7 +194,7 @@ def write_log(records: list[Record], log: TextIO | None) -> None:
 
 
 def line_of(record: Record) -> str:
-    """The record as a line of JSON, without what it does not have."""
+    """Return the record as a line of JSON, without its empty fields."""
     line: dict[str, object] = {"at_s": round(record.at_s, 6), "event": record.event}
     if record.setpoint_id is not None:
         line |= {"id": record.setpoint_id, "setpoints": list(record.counts)}

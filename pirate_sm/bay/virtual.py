@@ -128,7 +128,7 @@ class VirtualBay:
         self._tell(Record(now_s, "closed"))
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """The host has written these bytes in one call."""
+        """Take in the bytes that the host has written in one call."""
         self._run(now_s)
         self._line.receive(data, now_s)
 
@@ -200,7 +200,7 @@ class VirtualBay:
         self._expect_trouble()
 
     def _reset(self, now_s: float, why: str) -> None:
-        """The controller has started again; motors go on as they were until it is set up."""
+        """Restart the controller; motors go on as they were until it is set up."""
         self._line.restart(now_s)
         self._firmware = None
         least, most, rng = self._boot
@@ -209,7 +209,7 @@ class VirtualBay:
         self._tell(Record(now_s, "reset", detail=why))
 
     def _start(self, now_s: float) -> None:
-        """The set-up is done: initial setpoints are written, the loop begins."""
+        """Finish the set-up: write initial setpoints and begin the loop."""
         self._booted_s = math.inf
         self._line.ignore(now_s)
         self._robot.electronics.rest()

@@ -1,4 +1,4 @@
-"""The console as a whole: it asks the session, and shows what the session's snapshots say."""
+"""The console: shows the snapshots of a session and lays out its panels."""
 
 from __future__ import annotations
 
@@ -30,15 +30,7 @@ from pirate_sm.console.operator_actions import OperatorActions
 from pirate_sm.console.reason_lines import Request, obstacles
 from pirate_sm.console.session import OperatorSession
 from pirate_sm.console.terminal_driver import STOP_KEY
-from pirate_sm.console.widgets import (
-    EventLog,
-    Lines,
-    Picture,
-    Row,
-    is_whole,
-    panel,
-    show_robot,
-)
+from pirate_sm.console.widgets import EventLog, Lines, Picture, Row, is_whole, panel, show_robot
 from pirate_sm.runtime.stop_requests import Stop
 from pirate_sm.showing import panels
 from pirate_sm.showing.body_panel import travelled
@@ -148,7 +140,7 @@ class Console(OperatorActions, App[None]):
         yield Footer(show_command_palette=False, compact=True)
 
     def on_mount(self) -> None:
-        """The session runs, and is shown."""
+        """Start the session and show it."""
         for name, letter in self.letters.items():
             known = name in self._rows
             action = f"command('{name}')" if known else f"word('{name}')"
@@ -163,7 +155,7 @@ class Console(OperatorActions, App[None]):
         self.query_one(Picture).restyle()
 
     def on_resize(self, event: Resize) -> None:
-        """Everything is visible, or one page of it."""
+        """Show everything, or one page where the terminal is too small."""
         self._lay_out(event.size.width, event.size.height)
 
     def _lay_out(self, width: int, height: int) -> None:
@@ -176,7 +168,7 @@ class Console(OperatorActions, App[None]):
     # --- what it shows ------------------------------------------------------------------------
 
     def show(self) -> None:
-        """The newest snapshot is on the screen."""
+        """Show the newest snapshot."""
         snapshot = self.session.latest
         if not is_whole(self, _SHOWN):
             return
@@ -190,7 +182,7 @@ class Console(OperatorActions, App[None]):
             self.exit()
 
     def show_words(self, snapshot: Snapshot) -> None:
-        """Everything but the picture."""
+        """Show everything but the picture."""
         self.on_base(Lines, "header").show([panels.header(snapshot, self.size.width)])
         alarm = panels.alarm(snapshot, self.seen)
         self._show_bar("alarm", [alarm] if alarm is not None else [])
@@ -233,17 +225,17 @@ class Console(OperatorActions, App[None]):
         bar.show(lines)
 
     def on_base(self, kind: type[_W], name: str) -> _W:
-        """A widget of the console itself, also while a dialog lies over it."""
+        """Return a widget of the console itself, also while a dialog lies over it."""
         return self.screen_stack[0].query_one(f"#{name}", kind)
 
     def is_visible(self, selector: str) -> bool:
-        """Whether there is room for it on the screen."""
+        """Return whether there is room for a widget on the screen."""
         return bool(self.screen_stack[0].query_one(selector).size)
 
     # --- what does not move the robot ---------------------------------------------------------
 
     def action_page(self, by: int) -> None:
-        """Another page is shown, where there is not room for all."""
+        """Show another page, where there is not room for all."""
         if len(self.screen_stack) > 1:
             (self.screen.focus_next if by > 0 else self.screen.focus_previous)()
             return
@@ -251,7 +243,7 @@ class Console(OperatorActions, App[None]):
         self._lay_out(*self.size)
 
     def action_look_back(self, pages: int) -> None:
-        """The log shows earlier or later lines."""
+        """Show earlier or later lines of the log."""
         self.on_base(EventLog, "log").look_back(pages)
 
     def action_other_theme(self) -> None:
@@ -263,7 +255,7 @@ class Console(OperatorActions, App[None]):
         self.push_screen(Help(help_lines(self.letters, self.session.latest)))
 
     def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
-        """The command palette knows everything that the keys do."""
+        """Return the commands of the palette: everything that the keys do."""
         yield from self.palette()
         yield SystemCommand("Help", "Every key and sign", self.action_help)
         yield SystemCommand("Light or dark", "The other theme", self.action_other_theme)
@@ -272,13 +264,13 @@ class Console(OperatorActions, App[None]):
     # --- when something breaks ----------------------------------------------------------------
 
     def _handle_exception(self, error: Exception) -> None:
-        """The robot is on its way to its safe state before anybody looks at what broke."""
+        """Send the robot to its safe state before the error is shown."""
         self.session.quit(CRASHED)
         self.failure = self.failure or error
         super()._handle_exception(error)
 
     def _fatal_error(self) -> None:
-        """The console closes; what broke is told in a sentence by whoever opened it."""
+        """Close the console; the caller reports the error in one sentence."""
         self._close_messages_no_wait()
 
 

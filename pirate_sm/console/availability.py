@@ -1,4 +1,4 @@
-"""What the operator may ask for now, and why not the rest: the engine's words, collected."""
+"""Tell what the operator may ask for now, and why not the rest, in the engine's words."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Situation(NamedTuple):
 
 
 def situation_of(snapshot: Snapshot) -> Situation | None:
-    """The situation, while nothing is under way; None where there is no question."""
+    """Return the situation while nothing is under way; None where nothing can be handed back."""
     state = snapshot.state
     program = snapshot.scene.loaded.program
     if state is None or not snapshot.scene.mission:
@@ -58,7 +58,7 @@ def situation_of(snapshot: Snapshot) -> Situation | None:
 
 
 def look_at_entries(scene: Scene, body: RobotState) -> Entries:
-    """Where the mission can be handed back, phase by phase; takes some milliseconds each."""
+    """Return why the mission cannot start at each phase; takes some milliseconds each."""
     document, phases = Path(scene.loaded.documents[0].name), scene.loaded.program.phases
     return {
         phase: without_path(why_not_from(scene.loaded, phase, body), document) for phase in phases
@@ -81,7 +81,7 @@ def without_path(reason: str, document: Path) -> str:
 
 
 def command_reason(snapshot: Snapshot, command: str) -> str:
-    """Why the engine would refuse the command now; empty: it would not."""
+    """Return why the engine would refuse the command now; empty: it would not."""
     if snapshot.over:
         return OVER
     if snapshot.state is None:
@@ -91,7 +91,7 @@ def command_reason(snapshot: Snapshot, command: str) -> str:
 
 
 def phase_reason(snapshot: Snapshot, phase: str, entries: Entries | None) -> str:
-    """Why the mission cannot be handed back at the phase now; empty: it can."""
+    """Return why the mission cannot be handed back at the phase now; empty: it can."""
     state = snapshot.state
     if snapshot.over or state is None:
         return OVER if snapshot.over else OPENING
@@ -102,21 +102,21 @@ def phase_reason(snapshot: Snapshot, phase: str, entries: Entries | None) -> str
 
 
 def untouched(snapshot: Snapshot) -> bool:
-    """Whether the mission has not begun."""
+    """Return whether the mission has not begun."""
     state = snapshot.state
     start = snapshot.scene.loaded.program.start
     return state is not None and state.mission.pc == start and not state.mission.begun
 
 
 def hand_back(snapshot: Snapshot, phase: str) -> GoTo:
-    """The event that hands the mission back there, as the robot is in this snapshot."""
+    """Return the event that hands the mission back there, as the robot is in this snapshot."""
     assert snapshot.state is not None
     change = state_change(snapshot.scene.robot, snapshot.state.robot)
     return GoTo(phase, change.states, change.unconfirmed)
 
 
 def going_on(snapshot: Snapshot) -> GoTo | Resume:
-    """The event that starts the mission, or lets it go on."""
+    """Return the event that starts the mission, or lets it go on."""
     program = snapshot.scene.loaded.program
     if untouched(snapshot):
         return hand_back(snapshot, program.phase_of[program.start])
@@ -124,7 +124,7 @@ def going_on(snapshot: Snapshot) -> GoTo | Resume:
 
 
 def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[Control, ...]:
-    """Everything that can be done with a mission, in the order of its keys."""
+    """Return everything that can be done with a mission, in the order of its keys."""
     fresh = untouched(snapshot)
     return (
         _control("go", "Start" if fresh else "Resume", _why_not_go(snapshot, entries)),
@@ -199,7 +199,7 @@ def _why_not_abort(snapshot: Snapshot) -> str:
 
 
 def why_not_mission(snapshot: Snapshot, loaded: LoadedMission) -> str:
-    """Why the mission cannot be taken up with the robot as it is; empty: it can."""
+    """Return why the mission cannot be taken up with the robot as it is; empty: it can."""
     scene, state = snapshot.scene, snapshot.state
     if loaded.loaded_robot.folder != scene.loaded.loaded_robot.folder:
         return f"it is for another robot, {loaded.robot.name}"

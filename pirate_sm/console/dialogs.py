@@ -51,7 +51,7 @@ class Confirm(ModalScreen[bool]):
         self._yes = yes
 
     def compose(self) -> ComposeResult:
-        """The question and two buttons; the careful one has the focus."""
+        """Lay out the question and two buttons; the careful one has the focus."""
         with Vertical(classes="dialog"):
             yield Static(self._question, markup=False, classes="question")
             with Horizontal(classes="buttons"):
@@ -64,11 +64,11 @@ class Confirm(ModalScreen[bool]):
         self.query_one("#no").focus()
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
-        """The button answers."""
+        """Answer by the button."""
         self.dismiss(event.button.id == "yes")
 
     def action_answer(self, yes: bool) -> None:
-        """The key answers."""
+        """Answer by the key."""
         self.dismiss(yes)
 
 
@@ -96,7 +96,7 @@ class Pick(ModalScreen[str | None]):
         self._choices = list(choices)
 
     def compose(self) -> ComposeResult:
-        """The list, and what one can do with it."""
+        """Lay out the list and its keys."""
         with Vertical(classes="dialog pick"):
             listed = OptionList(*(Option(self._text(each), each.name) for each in self._choices))
             listed.border_title = self._title
@@ -105,7 +105,7 @@ class Pick(ModalScreen[str | None]):
         yield last_line()
 
     def on_resize(self) -> None:
-        """The lines are as wide as there is room for."""
+        """Fit the lines to the new width."""
         self._draw(range(len(self._choices)))
 
     def _text(self, choice: Choice) -> Content:
@@ -132,7 +132,7 @@ class Pick(ModalScreen[str | None]):
         self._draw(changed)
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """It is chosen, or why it cannot be is shown whole."""
+        """Choose the line, or show in full why it cannot be chosen."""
         choice = self._choices[event.option_index]
         if choice.reason:
             text = f"{choice.label}: {choice.reason}"
@@ -153,7 +153,7 @@ class HelpDialog(ModalScreen[None]):
         self._lines = lines
 
     def compose(self) -> ComposeResult:
-        """A page that scrolls."""
+        """Lay out a page that scrolls."""
         with VerticalScroll(classes="dialog help") as page:
             page.border_title = "Help"
             page.border_subtitle = "Esc leaves"
@@ -162,6 +162,6 @@ class HelpDialog(ModalScreen[None]):
 
 
 class Help(HelpDialog):
-    """The same where there is a robot to be stopped."""
+    """A help page where there is a robot to be stopped."""
 
     BINDINGS: ClassVar[list[BindingType]] = [_STOP]

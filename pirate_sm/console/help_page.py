@@ -47,7 +47,7 @@ _SIGNS = (
 
 
 def help_lines(letters: Mapping[str, str], snapshot: Snapshot) -> list[Content]:
-    """The page."""
+    """Return the help page of the console."""
     robot = snapshot.scene.robot
     commands = snapshot.scene.loaded.loaded_robot.profile.commands
     lines = [line(("Always", STRONG))]
@@ -66,7 +66,7 @@ def help_lines(letters: Mapping[str, str], snapshot: Snapshot) -> list[Content]:
 
 
 def recording_lines() -> list[Content]:
-    """The page of a recording that is looked at."""
+    """Return the help page of the viewer of a recording."""
     return [
         line(("A recording", STRONG)),
         *(_row(key, text) for key, text in _LOOKING_BACK),

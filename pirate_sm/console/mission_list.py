@@ -1,4 +1,4 @@
-"""The missions that the operator can choose from, and what must be known before there is one."""
+"""List and load the missions that the operator can choose from."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pirate_sm.wiring import Order, load
 
 
 class ListedMission(NamedTuple):
-    """A mission's file as far as a list tells of it."""
+    """A mission's file as the list shows it."""
 
     path: Path
     name: str
@@ -30,7 +30,7 @@ class ListedMission(NamedTuple):
 
 
 def listed_missions(folder: Path | None = None) -> list[ListedMission]:
-    """The missions in a folder, then the shipped ones; what is no mission is left out."""
+    """Return the missions in a folder, then the shipped ones; other files are left out."""
     own = sorted(folder.glob("*.yaml")) if folder is not None else []
     found = {each.resolve(): each for each in (*own, *library.missions())}
     return [listed for path in found.values() if (listed := _listed(path)) is not None]
@@ -49,7 +49,7 @@ def _listed(path: Path) -> ListedMission | None:
 
 
 def load_listed(order: Order, path: Path) -> LoadedMission:
-    """The mission in this file, for the robot and pipe that the console has.
+    """Return the mission in this file, for the robot and pipe that the console has.
 
     Raises:
         LoadError: Everything that is wrong with it.
@@ -63,7 +63,7 @@ def load_listed(order: Order, path: Path) -> LoadedMission:
 
 
 def without_mission(order: Order) -> LoadedMission:
-    """The robot by hand: the one that was named or the first shipped, in the pipe named.
+    """Return a robot without a mission: the one named or the first shipped, in the pipe named.
 
     Without a pipe it is the one that most missions of this robot are written for.
 

@@ -1,4 +1,4 @@
-"""Why what is grey cannot be asked for: each reason once, with the keys that it holds for."""
+"""Show why keys are grey: each reason once, with the keys that it holds for."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def obstacles(
 
 
 def _grouped(asked: Mapping[str, Sequence[Request]]) -> dict[str, str]:
-    """The keys of each reason."""
+    """Return the keys of each reason."""
     found: dict[str, list[str]] = {}
     for name, each in asked.items():
         reasons = {key: reason for key, reason in each if reason}
@@ -71,7 +71,7 @@ def _said(reason: str, robot: RobotSpec) -> str:
 
 
 def _fitting(texts: Sequence[str], width: int, rows: int) -> list[list[str]]:
-    """Each text wrapped; while there are too many lines, the longest text loses its last one."""
+    """Wrap each text; while there are too many lines, drop the last one of the longest text."""
     most = [len(_wrapped(text, width, rows)) for text in texts]
     while sum(most) > rows and max(most) > 1:
         most[most.index(max(most))] -= 1

@@ -1,4 +1,4 @@
-"""A recording as the console draws it: one snapshot after the other, made by the engine again."""
+"""Make the snapshots of a recording again by the engine, to be drawn by the console."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class RecordedSnapshots:
         self._frames = frames
 
     def at(self, time_s: float) -> Snapshot:
-        """The newest moment that is not later than the time; the first one before it."""
+        """Return the newest snapshot that is not later than the time, else the first one."""
         frames = self._frames(max(bisect_right(self._starts_s, time_s) - 1, 0))
         return frames[max(bisect_right(frames, time_s, key=lambda frame: frame.now_s) - 1, 0)]
 
@@ -77,7 +77,7 @@ class _Window(NamedTuple):
 
 
 def recorded_snapshots(recording: Recording) -> RecordedSnapshots:
-    """The recording's moments.
+    """Return the snapshots of a recording.
 
     Raises:
         RecordingError: It is damaged, or nothing was recorded in it.
@@ -95,7 +95,7 @@ def recorded_snapshots(recording: Recording) -> RecordedSnapshots:
 
 
 def _windows(recording: Recording, loaded: LoadedMission) -> tuple[list[_Window], list[float]]:
-    """From each checkpoint on there is a window; also when each phase was entered."""
+    """Return a window from each checkpoint on, and when each phase was entered."""
     memory = Memory(loaded.robot, nominal=recording.header.nominal)
     windows, phases_s = [_Window(None, memory.twin(), 0.0)], [0.0]
     checkpoints = recording.checkpoints()
@@ -113,7 +113,7 @@ def _windows(recording: Recording, loaded: LoadedMission) -> tuple[list[_Window]
 def _frames(
     recording: Recording, loaded: LoadedMission, windows: list[_Window], number: int
 ) -> Iterator[Snapshot]:
-    """The moments of a window; what is followed is looked at since the one before it."""
+    """Yield the snapshots of a window; trends are followed from the window before."""
     begin, window = windows[max(number - 1, 0)], windows[number]
     last = number + 1 == len(windows)
     until_s = recording.until_s if last else windows[number + 1].start_s
@@ -150,7 +150,7 @@ def _frames(
 
 
 class _RecordedPlaces:
-    """Where the robot was, as the recording tells viewers."""
+    """Reads where the robot was from what the recording holds for viewers."""
 
     def __init__(self, recording: Recording, loaded: LoadedMission) -> None:
         body = loaded.loaded_robot.profile.body
@@ -166,12 +166,12 @@ class _RecordedPlaces:
         self.known = False
 
     def begin(self, since_s: float) -> None:
-        """Places from this time on are asked for."""
+        """Begin to read places at this time."""
         self._shown = self._recording.shown(_PLACES, since_s=since_s)
         self._next = next(self._shown, None)
 
     def at(self, time_s: float) -> Truth | None:
-        """The newest place, asked for in the order of time; None where none was told."""
+        """Return the newest place, asked for in the order of time; None where none is recorded."""
         while self._next is not None and self._next.at_s <= time_s:
             content = self._next.content
             self.known = bool(content.get("known"))

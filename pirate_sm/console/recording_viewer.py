@@ -76,7 +76,7 @@ class RecordingViewer(App[None]):
         self._page = 0
 
     def compose(self) -> ComposeResult:
-        """The console's panels without those that steer."""
+        """Lay out the console's panels without those that steer."""
         yield Lines(id="header")
         yield Lines(id="alarm")
         with Horizontal(id="main"):
@@ -95,19 +95,19 @@ class RecordingViewer(App[None]):
         yield Footer(show_command_palette=False, compact=True)
 
     def on_mount(self) -> None:
-        """The first moment is shown."""
+        """Show the first moment."""
         self.set_interval(1 / FRAMES_PER_S, self._tick)
         self.call_after_refresh(self.show)
 
     def on_resize(self, event: Resize) -> None:
-        """Everything is visible, or one page of it."""
+        """Show everything, or one page where the terminal is too small."""
         base = self.screen_stack[0]
         base.set_class(event.size.width < _WIDE or event.size.height < _HIGH, "-paged")
         self._turn(0)
         self.call_after_refresh(self.show)
 
     def show(self) -> None:
-        """The moment of ``time_s`` is on the screen."""
+        """Show the moment of ``time_s``."""
         if not is_whole(self, _SHOWN):
             return
         snapshot = self.reel.at(self.time_s)
@@ -162,7 +162,7 @@ class RecordingViewer(App[None]):
         self.show()
 
     def action_by(self, seconds: float) -> None:
-        """So much later, or earlier."""
+        """Move so many seconds on, or back where negative."""
         self._move(self.time_s + seconds)
 
     def action_to(self, share: float) -> None:
@@ -184,6 +184,6 @@ class RecordingViewer(App[None]):
         self.push_screen(HelpDialog(recording_lines()))
 
     def action_page(self) -> None:
-        """Another page of a small terminal."""
+        """Show another page of a small terminal."""
         self._turn(1)
         self.call_after_refresh(self.show)

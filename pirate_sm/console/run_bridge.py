@@ -1,4 +1,4 @@
-"""Stands between the run, in its own thread, and the console: snapshots out, events in."""
+"""Pass snapshots from the run, in its own thread, to the console, and events back."""
 
 from __future__ import annotations
 
@@ -50,13 +50,13 @@ class RunBridge:
     # --- from the console's thread ------------------------------------------------------------
 
     def tell(self, event: Event) -> None:
-        """The engine will be given the event at the next turn of the loop."""
+        """Give the engine the event at the next turn of the loop."""
         self._waiting.append(event)
 
     # --- from the run's thread ----------------------------------------------------------------
 
     def begin(self, scene: Scene, prepared: Prepared, run: MissionRun) -> None:
-        """Another run begins; what was told stays to be read."""
+        """Follow another run; the log keeps its earlier lines."""
         self._waiting.clear()
         came_m = self._snapshot(self.latest.now_s).odometry_m
         self._before_m += 0.0 if isnan(came_m) else came_m
@@ -67,20 +67,20 @@ class RunBridge:
             self._memory.tell(Line("console", notice), self.latest.now_s)
 
     def end(self, now_s: float) -> None:
-        """Nothing can happen any more."""
+        """Note that the last run is over."""
         self._over = True
         self.latest = self._snapshot(now_s)
 
     @property
     def due_s(self) -> float:
-        """At once when the operator wants something."""
+        """When it speaks next: at once where the operator has asked for something."""
         return -inf if self._waiting else self._due_s
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """What has happened is noted by :meth:`see`."""
+        """Do nothing: :meth:`see` notes what has happened."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """There is a new snapshot; an answer is told, with who gave it."""
+        """Make a new snapshot; return a line for each answer of the operator's."""
         self._due_s = now_s + LOOK_EVERY_S
         self._trends.look(self._scene, state, now_s)
         self.latest = self._snapshot(now_s)
@@ -91,7 +91,7 @@ class RunBridge:
         ]
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """What the operator wants."""
+        """Return the operator's events."""
         said = []
         while self._waiting:
             said.append(self._waiting.popleft())
@@ -99,11 +99,11 @@ class RunBridge:
         return said
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
-        """It has taken note."""
+        """Note the effects for the log and the story of the run."""
         self._memory.see(effects, now_s)
 
     def pulse(self, now_s: float) -> None:
-        """There is a new snapshot, also while mission time stands still."""
+        """Make a new snapshot, also while mission time stands still."""
         self.latest = self._snapshot(now_s)
 
     def _snapshot(self, now_s: float) -> Snapshot:

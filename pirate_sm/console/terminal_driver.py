@@ -20,11 +20,11 @@ class Stoppable(Protocol):
     """Can be stopped from any thread."""
 
     def stop_now(self) -> None:
-        """The robot is on its way to its safe state."""
+        """Send the robot to its safe state."""
         ...
 
     def leave_now(self) -> None:
-        """So it is, and the console is about to end, for nobody sees it any more."""
+        """Send the robot to its safe state and leave, because the terminal has gone."""
         ...
 
 
@@ -37,7 +37,7 @@ class StopDriver(LinuxDriver):
         self._file: TextIO = Lossy(self._file, self._gone)  # type: ignore[assignment]
 
     def process_message(self, message: Message) -> None:
-        """The message has been passed on, or has stopped the robot."""
+        """Pass the message on; the stop key stops the robot instead."""
         if (
             isinstance(message, Key)
             and message.key == STOP_KEY
@@ -69,12 +69,12 @@ class Lossy:
         return getattr(self._file, name)
 
     def write(self, text: str) -> int:
-        """It is written, or lost."""
+        """Write the text, or drop it."""
         self._try(lambda: self._file.write(text))
         return len(text)
 
     def flush(self) -> None:
-        """So is what was held back."""
+        """Flush the file, if it can still be written."""
         self._try(self._file.flush)
 
     def _try(self, work: Callable[[], object]) -> None:

@@ -83,7 +83,7 @@ class Row(Static):
         self.update(themed(shown))
 
     def on_click(self, event: Click) -> None:
-        """It is asked for."""
+        """Ask for what the row stands for."""
         self.post_message(self.Asked(self.asks))
 
 
@@ -98,14 +98,14 @@ class Picture(Widget):
         self._styles: dict[str, Style] = {}
 
     def show(self, snapshot: Snapshot) -> None:
-        """The snapshot is drawn."""
+        """Draw the snapshot."""
         self._snapshot = snapshot
         self._draw()
         self.frames += 1
         self.refresh()
 
     def restyle(self) -> None:
-        """The colours are those of the theme."""
+        """Take the colours of the theme."""
         colours = self.app.theme_variables
         self._styles = {
             name: Style(color=_colour(colours, variable)) for name, variable in _COLOURS.items()
@@ -116,11 +116,11 @@ class Picture(Widget):
             self.refresh()
 
     def on_mount(self) -> None:
-        """It is in the colours of the theme."""
+        """Take the colours of the theme."""
         self.restyle()
 
     def on_resize(self) -> None:
-        """It fills its new size."""
+        """Draw again in the new size."""
         if self._snapshot is not None:
             self._draw()
 
@@ -141,7 +141,7 @@ class Picture(Widget):
 
 
 def _colour(variables: Mapping[str, str], name: str) -> str:
-    """A colour of the theme; ``quiet`` is halfway between its foreground and background."""
+    """Return a colour of the theme; ``quiet`` is between its foreground and background."""
     if name != _QUIET:
         return Color.parse(variables[name]).hex6
     return Color.parse(variables["foreground"]).blend(Color.parse(variables["surface"]), 0.5).hex6
@@ -160,7 +160,7 @@ class EventLog(Lines):
         self._back = max(0, self._back + pages * max(self.content_size.height - 1, 1))
 
     def tell(self, snapshot: Snapshot) -> None:
-        """The lines that there is room for."""
+        """Show as many lines as there is room for."""
         rows, recent = self.content_size.height, snapshot.story.recent
         self._back = min(self._back, max(len(recent) - rows, 0))
         end = len(recent) - self._back
@@ -187,7 +187,7 @@ def is_whole(app: App[None], names: Set[str]) -> bool:
 
 
 def show_robot(app: App[None], snapshot: Snapshot) -> None:
-    """The panels of the robot and its mission show the snapshot, as far as there is room."""
+    """Show the snapshot in the panels of the robot and its mission, as far as there is room."""
     base = app.screen_stack[0]
     states, body, phases = (
         base.query_one(f"#{name}", Lines) for name in ("states", "body", "phases")

@@ -22,7 +22,7 @@ class LineError(ValueError):
 
 
 def read_line(line: bytes, words: Sequence[str], valid_for_s: float) -> DetectorWord:
-    """What a line says.
+    """Return the word that a line says.
 
     Args:
         line: ``{"word": "...", "valid_for_s": 1.0}`` in UTF-8; the second field may be left out.

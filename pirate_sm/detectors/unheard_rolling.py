@@ -65,7 +65,7 @@ class Rolling:
 
 
 def _slower(own: float, robots: float) -> float:
-    """The slower of two speeds; 0 where they differ in sign, the other where one is unknown."""
+    """Return the slower of two speeds; 0 where signs differ, the other where one is unknown."""
     if isnan(own):
         return robots
     return min(own, robots, key=abs) if own * robots > 0.0 else 0.0

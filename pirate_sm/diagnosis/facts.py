@@ -217,7 +217,7 @@ class Facts:
 
 
 def shown(value: float, dimension: Dimension) -> str:
-    """The value with its unit as people read it."""
+    """Return the value with its unit as people read it."""
     if dimension in _SHOWN_IN:
         unit, decimals = _SHOWN_IN[dimension]
         return f"{value / UNITS[unit].value:z.{decimals}f} {unit}"

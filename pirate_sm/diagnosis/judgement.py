@@ -1,4 +1,4 @@
-"""What the facts about a connected robot mean: go or no-go, and why, in sentences."""
+"""Judge the facts about a connected robot: go or no-go, and why, in sentences."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _ERROR = 3
 
 
 def judged(facts: Facts, subject: Subject) -> Facts:
-    """The facts with what is wrong with each sensor, and with all findings, worst first."""
+    """Return the facts with what is wrong with each sensor, and all findings, worst first."""
     boards = tuple(judge_board(board, subject) for board in facts.boards)
     facts = replace(facts, boards=boards)
     findings = [

@@ -1,4 +1,4 @@
-"""A port is opened, its device asked for its topics, and everything that it says taken in."""
+"""Open a port, ask its device for its topics, and take in everything that it says."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from pirate_sm.backends.serial.link.connection_errors import unanswered
 from pirate_sm.backends.serial.link.exchange import Exchange
 from pirate_sm.backends.serial.link.link_plan import STATE
 from pirate_sm.backends.serial.ports.protocol import Port
-from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject, TopicFact
+from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject
 from pirate_sm.diagnosis.records import Records
+from pirate_sm.diagnosis.topic_facts import topic_facts
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import FaultReport, SensorFrame, SubmitResult
 from pirate_sm.model.fault_codes import BuiltInFault
@@ -71,7 +72,7 @@ class Listening:
     # --- connecting -------------------------------------------------------------------------
 
     def __enter__(self) -> Self:
-        """The device has introduced its topics, as far as it does.
+        """Open the port, and wait until the device has introduced its topics.
 
         Raises:
             BackendError: There is no port, or nobody who speaks rosserial behind it.
@@ -90,7 +91,7 @@ class Listening:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """The device has been told to be quiet, the port is free."""
+        """Tell the device to be quiet, and free the port."""
         stopped = self.exchange.stopped.confirmed
         with suppress(BackendError):
             if stopped:
@@ -116,7 +117,7 @@ class Listening:
     # --- listening --------------------------------------------------------------------------
 
     def listen(self, seconds: float, watch: Watch = lambda listening: None) -> None:
-        """So much time has been listened to; counting began with it.
+        """Count anew, and listen for so long.
 
         Args:
             seconds: How long.
@@ -136,7 +137,7 @@ class Listening:
             watch(self)
 
     def turn(self, until_s: float) -> None:
-        """What was due has been written, and what came by then has been taken in."""
+        """Write what is due, and take in what comes by then."""
         while True:
             now = self.port.now()
             while data := self._due(now):
@@ -154,7 +155,7 @@ class Listening:
 
     @property
     def _may_write(self) -> bool:
-        """Whether the conversation may ask: one that is not understood does not ask for ever."""
+        """Whether the conversation may ask; one that is not understood stops asking."""
         conversation = self.exchange.conversation
         return not self._connected or conversation.known or conversation.due_s == -inf
 
@@ -162,7 +163,7 @@ class Listening:
         return self.exchange.write(now) if self._may_write else b""
 
     def _ask(self, now: float) -> None:
-        """The topics have been asked for once more, to see how long the answer takes."""
+        """Ask for the topics once more, to see how long the answer takes."""
         self._asked_s = now
         self.port.write(encode(REQUEST_TOPICS))
 
@@ -188,7 +189,7 @@ class Listening:
                 self._resets += event.code == BuiltInFault.FIRMWARE_RESET.code
 
     def _meet(self, topic: int, payload: bytes) -> None:
-        """A board that nobody expects is noticed."""
+        """Count the messages of boards that the profile does not listen to."""
         state = self._plan.wanted[STATE]
         offer = self.exchange.conversation.offered.get((state.direction, state.name.lstrip("/")))
         if offer is None or offer.number != topic or offer.md5 != state.md5:
@@ -211,7 +212,7 @@ class Listening:
     # --- what came of it --------------------------------------------------------------------
 
     def facts(self) -> Facts:
-        """Everything that has been found out so far, not judged."""
+        """Return everything that has been found out so far, not judged."""
         now = self.port.now()
         conversation, counts = self.exchange.conversation, self.exchange.counts
         dropped, before = self._base
@@ -233,7 +234,12 @@ class Listening:
             robot=self.subject.profile.robot,
             baud=self._baud,
             listened_s=now - self._began_s,
-            topics=self._topics(max(now - self._began_s, 1e-3)),
+            topics=topic_facts(
+                self._plan.wanted,
+                conversation.offered,
+                self._counts,
+                max(now - self._began_s, 1e-3),
+            ),
             boards=self.records.facts(now),
             # Damage that its sum does not show makes up a board now and then, not often.
             strangers=tuple(sorted(b for b, count in self._strangers.items() if count > 2)),
@@ -241,28 +247,3 @@ class Listening:
             words=tuple((line.level, line.text) for line in conversation.words),
             refused=tuple(self.exchange.refused),
         )
-
-    def _topics(self, elapsed_s: float) -> tuple[TopicFact, ...]:
-        offered = dict(self.exchange.conversation.offered)
-        found: list[TopicFact] = []
-        for wanted in self._plan.wanted:
-            name = wanted.name.lstrip("/")
-            info = offered.pop((wanted.direction, name), None)
-            found.append(
-                TopicFact(
-                    name,
-                    wanted.direction,
-                    info.number if info else None,
-                    info.type if info else "",
-                    wanted.type,
-                    info.md5 if info else "",
-                    wanted.md5,
-                    self._counts[info.number] / elapsed_s if info else 0.0,
-                )
-            )
-        for info in offered.values():
-            rate = self._counts[info.number] / elapsed_s
-            found.append(
-                TopicFact(info.name, info.direction, info.number, info.type, "", info.md5, "", rate)
-            )
-        return tuple(found)

@@ -130,11 +130,11 @@ class Records:
             self.boards[frame.board].take(frame, now)
 
     def last(self, board: int, place: int) -> float:
-        """The last count of a channel; NaN where none came."""
+        """Return the last count of a channel; NaN where none came."""
         return self.boards[board].channels[place].last if board in self.boards else nan
 
     def facts(self, now: float) -> tuple[BoardFact, ...]:
-        """What has been counted until now."""
+        """Return what has been counted until now."""
         profile = self._subject.profile
         turns = len(self.boards)
         if profile.serial is not None and profile.serial.state.layout == "value":

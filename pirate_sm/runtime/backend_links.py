@@ -7,10 +7,7 @@ from math import inf
 
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import (
-    Effect,
-    Log,
-)
+from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Event
 
 

@@ -7,11 +7,7 @@ from math import inf
 from typing import Literal
 
 from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import (
-    Ask,
-    Effect,
-    Log,
-)
+from pirate_sm.model.effects import Ask, Effect, Log
 from pirate_sm.model.events import Answer, Event
 
 

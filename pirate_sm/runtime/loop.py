@@ -52,7 +52,7 @@ class MissionRun:
         paused: bool = False,
         keep_open: bool = False,
     ) -> None:
-        """Nothing has begun.
+        """Prepare a run; nothing begins yet.
 
         Args:
             engine: What decides.
@@ -177,7 +177,7 @@ class MissionRun:
                 self._lose_output(error)
 
     def _lose_output(self, error: OSError) -> None:
-        """A run that nobody can follow any more has been asked to stop."""
+        """Ask a run to stop that nobody can follow any more."""
         self._output_lost = True
         self._requests.ask(Stop(f"the output cannot be written: {error.strerror}", OUTPUT_LOST))
 
@@ -191,7 +191,7 @@ class MissionRun:
                 self._lose_output(error)
 
     def _look_up(self) -> bool:
-        """Whether a wait of the pacer must be cut short; meanwhile the view lives on."""
+        """Return whether the pacer must stop waiting; keep the view up to date meanwhile."""
         if self._watchers and self._clock.now() >= self._pulse_s:
             self._pulse()
         return self._requests.stop is not None

@@ -6,12 +6,7 @@ from collections.abc import Callable, Sequence
 from math import inf
 
 from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import (
-    Ask,
-    Effect,
-    Log,
-    WaitArmed,
-)
+from pirate_sm.model.effects import Ask, Effect, Log, WaitArmed
 from pirate_sm.model.events import Abort, Event
 
 

@@ -8,14 +8,7 @@ from typing import NamedTuple
 
 from pirate_sm.engine.mission.program import Program, Wait
 from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import (
-    Effect,
-    Ended,
-    Log,
-    PhaseChange,
-    TriggerFired,
-    WaitArmed,
-)
+from pirate_sm.model.effects import Effect, Ended, Log, PhaseChange, TriggerFired, WaitArmed
 from pirate_sm.model.events import Event, Skip
 
 FIRST_TRIGGER_AFTER_S = 1.0

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from threading import Event
 from typing import Any
 
@@ -61,6 +63,16 @@ async def choose(me: Operator, phase: str) -> None:
     assert isinstance(me.app.screen, Confirm)
 
 
+@asynccontextmanager
+async def choosing(phase: str, **options: Any) -> AsyncIterator[Operator]:
+    """Someone has paused the mission and braked, and chosen a phase; the question is open."""
+    async with operator(with_mission("mitre_bend", backend="trace"), **options) as me:
+        await paused_and_braked(me)
+        await listed(me)
+        await choose(me, phase)
+        yield me
+
+
 def asked(me: Operator) -> str:
     """What the open question says."""
     return str(me.app.screen.query_one(".question", Static).content)
@@ -86,10 +98,7 @@ def test_the_list_says_which_commands_restore_a_phase_and_which_would_let_go() -
 
 def test_on_one_key_they_are_given_one_by_one_and_the_mission_goes_on() -> None:
     async def story() -> None:
-        async with operator(with_mission("mitre_bend", backend="trace")) as me:
-            await paused_and_braked(me)
-            await listed(me)
-            await choose(me, "pass")
+        async with choosing("pass") as me:
             assert "Give RelaxFront, BendInto," in asked(me)
             assert me.latest.state.robot.motion is None  # nothing before a yes
 
@@ -134,10 +143,7 @@ def test_a_hand_back_that_needs_no_commands_asks_where_waits_were_not_passed() -
 
 def test_the_question_before_a_hand_back_is_as_in_the_documents() -> None:
     async def story() -> None:
-        async with operator(with_mission("mitre_bend", backend="trace"), size=(120, 36)) as me:
-            await paused_and_braked(me)
-            await listed(me)
-            await choose(me, "pass")
+        async with choosing("pass", size=(120, 36)) as me:
             await me.look()
             found, file = picture_of(me), PICTURES / "console_hand_back.svg"
             if os.environ.get("GOLDEN") == "write":
@@ -253,10 +259,7 @@ def test_a_wait_that_the_mission_has_passed_is_not_named() -> None:
 @pytest.mark.parametrize("key", ["escape", "brake"])
 def test_the_operator_stops_them_by_any_other_wish(key: str) -> None:
     async def story() -> None:
-        async with operator(with_mission("mitre_bend", backend="trace")) as me:
-            await paused_and_braked(me)
-            await listed(me)
-            await choose(me, "pass")
+        async with choosing("pass") as me:
             await me.press("y")
             me.until(lambda: me.session.giver.series.done == 1)
             await me.press(me.app.letters["Brake"] if key == "brake" else key)
@@ -275,10 +278,7 @@ def test_the_operator_stops_them_by_any_other_wish(key: str) -> None:
 
 def test_the_stop_stops_them_too() -> None:
     async def story() -> None:
-        async with operator(with_mission("mitre_bend", backend="trace")) as me:
-            await paused_and_braked(me)
-            await listed(me)
-            await choose(me, "pass")
+        async with choosing("pass") as me:
             await me.press("y")
             me.until(lambda: me.session.giver.series.done == 1)
             await me.press("space")
@@ -308,10 +308,7 @@ def test_nothing_is_given_after_a_stop_nor_in_the_run_that_follows() -> None:
 
 def test_a_no_gives_nothing() -> None:
     async def story() -> None:
-        async with operator(with_mission("mitre_bend", backend="trace")) as me:
-            await paused_and_braked(me)
-            await listed(me)
-            await choose(me, "pass")
+        async with choosing("pass") as me:
             await me.press("n")
             me.wait(2.0)
             assert me.session.giver.series is None

@@ -22,8 +22,8 @@ from math import inf, isnan, nan
 from pirate_sm.engine.sensing.motion_plausibility import after_motion
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.engine.sensing.sensor_memory import Channel, Numbers, Reading, Record
+from pirate_sm.engine.sensing.value_plausibility import believed, reach, weigh, weigh_jumped
 from pirate_sm.model.events import FaultReport
-from pirate_sm.model.fault_codes import BuiltInFault
 
 
 def unseen(watched: WatchedSpec) -> Record:
@@ -138,10 +138,10 @@ def _believe(
         return channel._replace(calm=False, held=channel.held if channel.jumped else ())
     if value == channel.stuck:
         return channel
-    weigh = _weigh_jumped if channel.jumped else _weigh
     if not channel.jumped and _snapped(watch, channel, value, shown, reading):
-        return _believed(channel)
-    channel, shown[watch.number] = weigh(spec, watch, channel, value, reading, reports)
+        return believed(channel)
+    judge = weigh_jumped if channel.jumped else weigh
+    channel, shown[watch.number] = judge(spec, watch, channel, value, reading, reports)
     return channel
 
 
@@ -155,7 +155,7 @@ def _snapped(
     if not watch.low <= value <= watch.high:
         return False
     step = value - channel.good
-    if abs(step) <= _reach(watch, channel, reading):
+    if abs(step) <= reach(watch, channel, reading):
         return False
     motor = step + (_torque(watch, numbers) - channel.wound) / watch.stiffness
     elapsed_s = max(reading.now_s - channel.good_s, reading.elapsed_s)
@@ -164,110 +164,3 @@ def _snapped(
 
 def _torque(watch: WatchSpec, numbers: Numbers) -> float:
     return numbers[watch.torque] if watch.torque >= 0 else nan
-
-
-def _weigh(
-    spec: PlausibilitySpec,
-    watch: WatchSpec,
-    channel: Channel,
-    value: float,
-    reading: Reading,
-    reports: list[FaultReport],
-) -> tuple[Channel, float]:
-    """Return the channel after this value, and the value that is shown."""
-    now_s = reading.now_s
-    possible = watch.low <= value <= watch.high
-    step = value - channel.good
-    if possible and not abs(step) > _reach(watch, channel, reading):  # or nothing to go by
-        return _believed(_count_spike(spec, watch, channel, now_s, reports)), value
-    if possible and _goes_on(watch, channel, step):
-        return channel._replace(
-            calm=False, good=value, good_s=now_s, wound=nan, held=(), running=step
-        ), value
-    held = (*channel.held, value)[-spec.hold_back - 1 :]
-    channel = channel._replace(calm=False, held=held)
-    if len(held) <= spec.hold_back and not isnan(channel.good):
-        return channel, channel.good
-    if not possible:
-        if not channel.outside and len(held) > spec.hold_back:
-            reports.append(BuiltInFault.SENSOR_RANGE.report(_outside(watch, value)))
-            channel = channel._replace(outside=True)
-        return channel, nan
-    if not watch.joint or channel.seen <= spec.hold_back:
-        return _believed(channel), value
-    where = f"from {watch.in_words(channel.good)} to {watch.in_words(value)}"
-    message = f"{watch.name} has jumped {where}, faster than its motor can turn"
-    reports.append(
-        BuiltInFault.SENSOR_JUMPED.report(f"{message}: it is unknown until it jumps back")
-    )
-    return channel._replace(jumped=True, held=(value,)), nan
-
-
-def _believed(channel: Channel) -> Channel:
-    """Return the channel when its last reading is believed and nothing is pending."""
-    channel = channel._replace(calm=True, good=nan, good_s=-inf, wound=nan, held=())
-    return channel._replace(running=0.0, outside=False, jumped=False, stuck=nan)
-
-
-def _reach(watch: WatchSpec, channel: Channel, reading: Reading) -> float:
-    """Return how far the value can be from the last believed one."""
-    return watch.rate * max(reading.now_s - channel.good_s, reading.elapsed_s) + watch.slack
-
-
-def _goes_on(watch: WatchSpec, channel: Channel, step: float) -> bool:
-    """Return whether the value goes on the way of a trend, or of the readings held back."""
-    if channel.held:
-        before = channel.held[-1] - channel.good
-        if before * step > 0 and abs(step) - abs(before) > watch.slack / 2:
-            return True
-    return channel.running * step > 0
-
-
-def _weigh_jumped(
-    spec: PlausibilitySpec,
-    watch: WatchSpec,
-    channel: Channel,
-    value: float,
-    reading: Reading,
-    reports: list[FaultReport],
-) -> tuple[Channel, float]:
-    """Return the channel of a joint that has jumped, believed again once it has jumped back.
-
-    With time a joint could have turned to almost any angle, so it is not enough that it is near
-    the last believed one.
-    """
-    again = abs(value - channel.held[-1]) > watch.rate * reading.elapsed_s + watch.slack
-    near = abs(value - channel.good) <= _reach(watch, channel, reading)
-    if again and near and watch.low <= value <= watch.high:
-        return _believed(channel), value
-    return channel._replace(held=(value,)), nan
-
-
-def _count_spike(
-    spec: PlausibilitySpec,
-    watch: WatchSpec,
-    channel: Channel,
-    now_s: float,
-    reports: list[FaultReport],
-) -> Channel:
-    """Return the channel after the readings held back turned out to be a spike, if there are any.
-
-    A sensor that spikes often is reported.
-    """
-    if not channel.held:
-        return channel
-    spikes = (*channel.spikes, now_s)[-spec.spikes :]
-    channel = channel._replace(spikes=spikes, hidden=channel.hidden + 1)
-    within_s = now_s - spikes[0]
-    often = len(spikes) == spec.spikes and within_s <= spec.spikes_within_s
-    if not often or now_s - channel.spiking_s <= spec.spikes_within_s:
-        return channel
-    message = f"{watch.name} has spiked {spec.spikes} times in {within_s:.1f} s"
-    reports.append(BuiltInFault.SENSOR_SPIKING.report(message))
-    return channel._replace(spiking_s=now_s)
-
-
-def _outside(watch: WatchSpec, value: float) -> str:
-    low = f"{watch.low / watch.per_unit:.3g}"
-    where = f"{low} to {watch.in_words(watch.high)}"
-    return f"{watch.name} reports {watch.in_words(value)}, outside {where}"

@@ -20,12 +20,7 @@ from math import inf
 from typing import NamedTuple
 
 from pirate_sm.backends.serial.link.line_quality import NEVER, LineQuality, Refreshing
-from pirate_sm.backends.serial.link.wire_slots import (
-    Integers,
-    WireSlot,
-    to_counts,
-    why_refused,
-)
+from pirate_sm.backends.serial.link.wire_slots import Integers, WireSlot, to_counts, why_refused
 from pirate_sm.model.events import FaultReport, SubmitResult, SubmitStatus
 from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.rosserial.messages import Array

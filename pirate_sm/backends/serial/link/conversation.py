@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Iterator, Sequence
-from math import inf, isnan, nan
 
 from pirate_sm.backends.serial.link.silence_timer import SilenceTimer
+from pirate_sm.backends.serial.link.time_answers import TimeAnswers
 from pirate_sm.backends.serial.link.wanted_topics import (
     Heard,
     TopicPayload,
@@ -33,7 +33,6 @@ from pirate_sm.rosserial.topics import (
     TopicInfo,
     read_log,
     read_topic,
-    time_payload,
 )
 
 ASK_EVERY_S = 0.1
@@ -42,14 +41,8 @@ ASK_EVERY_S = 0.1
 SILENT_AFTER_S = 0.4
 """After a reset a device waits to be asked; 25 frames of a healthy one would have come by then."""
 
-TIME_PERIOD_S = 2.5
-"""A configured device asks for the time so often, and falls silent when 11 s bring no answer."""
-
 _LOOKS = 4
 """How often a device that says nothing is looked at before it counts as silent."""
-
-_TIME_COPIES = 3
-_TIME_AGAIN_S = 0.4
 
 _WORDS_KEPT = 20
 
@@ -89,7 +82,6 @@ class Conversation:
                 which this program stood still does not count.
         """
         self._wanted = tuple(wanted)
-        self._epoch_s = epoch_s
         self._silent_s = silent_s
         self._patience = SilenceTimer(silent_s / _LOOKS)
         self._patience.hear(now)
@@ -98,9 +90,7 @@ class Conversation:
         self._rooms: dict[int, int] = {}
         self._unproven: Counter[TopicInfo] = Counter()
         self._refused: set[int] = set()
-        self._time_asked_s = nan
-        self._time_s = inf
-        self._time_copies = 0
+        self._time = TimeAnswers(epoch_s)
         self._ask_s = now + boot_s
         self._known = False
         self._again = False
@@ -138,13 +128,13 @@ class Conversation:
     def due_s(self) -> float:
         """When there is something to write, if nothing comes before."""
         due = self._ask_s if self.asking else self._patience.due_s(self._silent_s)
-        return min(due, self._time_s)
+        return min(due, self._time.due_s)
 
     def write(self, now: float) -> bytes:
         """Return the next frame to be written at this time; empty when there is none."""
         silent = self._patience.look(now) >= self._silent_s
-        if now >= self._time_s:
-            return self._tell_time()
+        if now >= self._time.due_s:
+            return self._time.answer()
         if self._known and not self._again and silent:
             self._again = True
             self._fresh.clear()
@@ -189,21 +179,6 @@ class Conversation:
         published = (each.longest for each in self._wanted if each.direction == "publishes")
         return max((_ROOM_FOR_WORDS, *published))
 
-    def _tell_time(self) -> bytes:
-        """Return the answer about the time, as of the device's request; it adds what has passed.
-
-        It is told more than once, and also when a request must have been lost: a device that
-        is not answered for long stops publishing.
-        """
-        asked_s = self._time_asked_s
-        self._time_copies += 1
-        if self._time_copies < _TIME_COPIES:
-            self._time_s = asked_s + self._time_copies * _TIME_AGAIN_S
-        else:
-            self._time_asked_s, self._time_copies = asked_s + TIME_PERIOD_S, 0
-            self._time_s = self._time_asked_s + _TIME_AGAIN_S  # unless it asks before
-        return encode(TIME, time_payload(self._epoch_s + asked_s))
-
     def _take(self, frame: Frame, now: float) -> Iterator[Heard]:
         topic, payload = frame
         at = self._numbers.get(topic)
@@ -224,11 +199,10 @@ class Conversation:
             yield TopicPayload(at, payload)
         elif topic in {PUBLISHER, SUBSCRIBER}:
             yield from self._meet(read_topic(topic, payload))
-            if self._known and isnan(self._time_asked_s):
-                self._time_asked_s = self._time_s = now  # it did ask, and that was lost
+            if self._known and not self._time.requested:
+                self._time.request(now)  # it did ask, and that was lost
         elif topic == TIME:
-            self._time_asked_s = self._time_s = now
-            self._time_copies = 0
+            self._time.request(now)
         else:
             line = read_log(payload)
             if line is not None:
