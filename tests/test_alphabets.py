@@ -122,8 +122,13 @@ ALPHABETS = {
     "loop": Alphabet(
         "engine/control/loops.py",
         "| VelocityLoop",
-        "NewLoop(NamedTuple)",
-        ("engine/control/loops.py",),
+        "NewLoop",
+        (
+            "engine/control/loops.py",
+            "engine/control/sending.py",
+            "engine/control/stages.py",
+            "engine/robot/commands.py",
+        ),
     ),
     "origin of a fault": Alphabet(
         "model/fault_codes.py",

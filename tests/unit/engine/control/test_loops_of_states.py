@@ -279,6 +279,21 @@ def test_an_end_stops_them(newt, event):
     assert driver.ended
 
 
+REST_SOON = "{rule: rest_soon, after: command == GoAhead, expect: command == Rest, within_steps: 1}"
+
+
+def test_a_command_that_would_break_a_rule_stops_them(newt):
+    driver = driving(newt(DRIVE, ("rules:\n", f"rules:\n  - {REST_SOON}\n")))
+
+    driver.give(ev.Answer("light"))
+
+    assert driver.faults == [("rule.violated", "stop")]
+    assert duties(driver) == (0, 0, 0, 0)
+    safe = driver.setpoints
+    driver.run(driver.now + 0.3, **SLOW)
+    assert driver.setpoints == safe
+
+
 def test_in_the_safe_state_a_worm_gets_zero_and_another_motor_its_last_duty(newt):
     engine = newt(DRIVE).engine
     drive_c, drive_d = (
