@@ -54,18 +54,11 @@ class GuardedPort:
         self._silence_s = instructions.silence_s
         self._pipe: socket.socket | None = None
         self._process: subprocess.Popen[bytes] | None = None
-        self._reader = NoteReader()
-        self._data: deque[bytes] = deque()
         self._acknowledged = SilenceTimer(_HUNG_AFTER_S / BEATS)
         self._heard_s = -inf
-        self._beat_s = -inf
         self._safe_frame = b""
-        self._lost = ""
-        self._opened = False
-        self._refused = ""
-        self._overruled = False
-        self._stopped = False
         self._remark = ""
+        self._forget()
 
     now = staticmethod(time.monotonic)
 
@@ -125,7 +118,7 @@ class GuardedPort:
 
     def _forget(self) -> None:
         self._reader = NoteReader()
-        self._data.clear()
+        self._data: deque[bytes] = deque()
         self._opened, self._refused, self._lost = False, "", ""
         self._overruled = self._stopped = False
         self._beat_s = -inf
@@ -175,7 +168,7 @@ class GuardedPort:
         remark, self._remark = self._remark, ""
         return remark
 
-    def _leave(self, dismissed: bool = False) -> str:
+    def _leave(self, dismissed: bool) -> str:
         """End the connection to the guardian; return what a person must know if it stays.
 
         Args:
