@@ -53,6 +53,12 @@ def files_of(places: tuple[str, ...]) -> list[str]:
     return found
 
 
+def mirrored(path: str) -> list[str]:
+    """Return the file of tests of its own that a file has: what runs elsewhere is tried by that."""
+    tests = Path("tests", "unit", *Path(path).parts[1:-1], f"test_{Path(path).name}")
+    return [str(tests)] if (ROOT / tests).exists() else []
+
+
 def sample(number: int, seed: int, only: str | None) -> dict[str, list[Mutant]]:
     """Return a seeded choice of mutants by package, as many as its share of all there are."""
     every = {
@@ -83,7 +89,8 @@ def try_all(
     def attempt(mutant: Mutant) -> Fate:
         copy = copies.get()
         try:
-            fate = copy.fate(mutant, coverage.tests(mutant.path, mutant.line))
+            tests = coverage.tests(mutant.path, mutant.line) or mirrored(mutant.path)
+            fate = copy.fate(mutant, tests)
         finally:
             copies.put(copy)
         if fate != "killed":
