@@ -339,3 +339,23 @@ ends: {e: {succeed: ok}}
 """
     )
     assert driver.ended.message == "the phases go round without ever waiting"
+
+
+@pytest.mark.parametrize("accepted", [False, True])
+def test_the_mission_gives_no_command_while_one_of_the_operator_is_under_way(drive, accepted):
+    driver = drive(
+        "start: a\nphases: {a: {wait: [{after: 1 s, go: b}]}, b: {do: [ToggleLighting], go: e}}\n"
+        "ends: {e: {succeed: ok}}\n",
+        states=BOTH_CLAMPED,
+    )
+    driver.report_all(0.1)
+    command(driver, "DriveForward")
+    if accepted:
+        driver.accept()
+
+    driver.run(1.1)
+    assert driver.phases == ["a", "b"]
+    assert ("ToggleLighting", "sent") not in driver.statuses
+
+    driver.until_sent("ToggleLighting")
+    assert ("DriveForward", "done") in driver.statuses
