@@ -200,8 +200,7 @@ def _weigh(
 
 def _believed(channel: Channel) -> Channel:
     """Return the channel when its last reading is believed and nothing is pending."""
-    channel = channel._replace(calm=True, good=nan, good_s=-inf, wound=nan, held=())
-    return channel._replace(running=0.0, outside=False, jumped=False, stuck=nan)
+    return channel._replace(calm=True, held=(), running=0.0, outside=False, jumped=False, stuck=nan)
 
 
 def _reach(watch: WatchSpec, channel: Channel, reading: Reading) -> float:
