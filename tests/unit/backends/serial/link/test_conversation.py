@@ -175,3 +175,15 @@ def test_after_a_silence_every_topic_is_introduced_anew() -> None:
     assert conversation.asking
     list(conversation.receive(offer(TAKES, TAKEN, 64) * 2, 1.1))
     assert not conversation.asking
+
+
+def test_an_introduction_is_no_request_for_the_time() -> None:
+    conversation = short_frames()
+    told: list[float] = []
+    for turn in range(250):
+        now = 0.2 + turn / 100
+        list(conversation.receive(introduction() if turn == 150 else encode(NUMBER, b"x"), now))
+        said = Decoder().feed(conversation.write(now))
+        told += [now for frame in said if frame.topic == TIME]
+
+    assert told == pytest.approx([0.2, 0.5, 0.9], abs=0.011), "of the first request"
