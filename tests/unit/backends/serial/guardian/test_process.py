@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from pirate_sm.backends.serial.guardian import guarded_port
 from pirate_sm.backends.serial.guardian.guarded_port import GuardedPort
 from pirate_sm.backends.serial.guardian.notes import Instructions
 from pirate_sm.backends.serial.ports.protocol import PortLostError
@@ -446,3 +447,12 @@ def _write_on(port: GuardedPort) -> None:
     """More has been written than the pipe to the guardian takes."""
     for _ in range(1000):
         port.write(bytes(4096))
+
+
+def test_a_guardian_that_does_not_answer_has_not_opened_the_port(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(guarded_port, "_STARTS_WITHIN_S", 0.0)  # no process starts so quickly
+
+    with pytest.raises(BackendError, match="the guardian of the serial port does not answer"):
+        GuardedPort(bench.name, 57600, PATIENT).open()
