@@ -54,7 +54,7 @@ def files_of(places: tuple[str, ...]) -> list[str]:
 
 
 def mirrored(path: str) -> list[str]:
-    """Return the file of tests of its own that a file has: what runs elsewhere is tried by that."""
+    """Return the file of tests that mirrors a file; what no recorded test runs is tried by it."""
     tests = Path("tests", "unit", *Path(path).parts[1:-1], f"test_{Path(path).name}")
     return [str(tests)] if (ROOT / tests).exists() else []
 
@@ -126,7 +126,7 @@ def main() -> None:
         for name, mutants in sample(options.number, options.seed, options.only).items():
             print(f"{name}: {len(mutants)} mutants", flush=True)
             real = [m for m in mutants if (m.path, m.function, m.before, m.after) not in reasons]
-            fates = defaultdict(int)
+            fates: dict[Fate, int] = defaultdict(int)
             for fate in try_all(real, coverage, copies, options.at_once):
                 fates[fate] += 1
             killed = fates["killed"] / max(len(real), 1)

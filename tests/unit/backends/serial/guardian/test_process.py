@@ -456,3 +456,14 @@ def test_a_guardian_that_does_not_answer_has_not_opened_the_port(
 
     with pytest.raises(BackendError, match="the guardian of the serial port does not answer"):
         GuardedPort(bench.name, 57600, PATIENT).open()
+
+
+def test_whoever_writes_to_a_guardian_that_has_died_is_told_so(bench: Bench) -> None:
+    port = GuardedPort(bench.name, 57600, PATIENT)
+    port.open()
+    assert port.guardian_pid is not None
+    os.kill(port.guardian_pid, signal.SIGKILL)
+    assert _gone(port.guardian_pid)
+
+    with pytest.raises(PortLostError, match="guardian of the port has died"):
+        port.write(DRIVE)
