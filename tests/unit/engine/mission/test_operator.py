@@ -359,3 +359,22 @@ def test_the_mission_gives_no_command_while_one_of_the_operator_is_under_way(dri
 
     driver.until_sent("ToggleLighting")
     assert ("DriveForward", "done") in driver.statuses
+
+
+def test_a_command_that_the_end_interrupts_has_failed_for_that_reason(drive):
+    driver = drive(MISSION)
+    driver.accept()
+    driver.give(ev.Abort("enough"))
+
+    assert (driver.last_status.status, driver.last_status.reason) == ("failed", "the mission ended")
+
+
+def test_a_failure_that_is_passed_over_is_not_the_cause(drive):
+    driver = drive(
+        "start: a\nphases:\n  a: {do: [Brake], on_failure: h, go: e}\n"
+        "  h: {do: [{command: DriveForward, on_failure: continue}], go: e}\n"
+        'ends: {e: {fail: "After {cause}"}}\n'
+    )
+
+    assert driver.ended.message.startswith("After Brake (")
+    assert "DriveForward" not in driver.ended.message
