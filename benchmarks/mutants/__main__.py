@@ -54,6 +54,12 @@ def files_of(places: tuple[str, ...]) -> list[str]:
     return found
 
 
+def mirrored(path: str) -> list[str]:
+    """Return the file of tests that mirrors a file; what no recorded test runs is tried by it."""
+    tests = Path("tests", "unit", *Path(path).parts[1:-1], f"test_{Path(path).name}")
+    return [str(tests)] if (ROOT / tests).exists() else []
+
+
 def sample(number: int, seed: int, only: str | None) -> dict[str, list[Mutant]]:
     """Return a seeded choice of mutants by package, as many as its share of all there are."""
     every = {
@@ -84,7 +90,8 @@ def try_all(
     def attempt(mutant: Mutant) -> Fate:
         copy = copies.get()
         try:
-            fate = copy.fate(mutant, coverage.tests(mutant.path, mutant.line))
+            tests = coverage.tests(mutant.path, mutant.line) or mirrored(mutant.path)
+            fate = copy.fate(mutant, tests)
         finally:
             copies.put(copy)
         if fate != "killed":
@@ -120,7 +127,7 @@ def main() -> None:
         for name, mutants in sample(options.number, options.seed, options.only).items():
             print(f"{name}: {len(mutants)} mutants", flush=True)
             real = [m for m in mutants if (m.path, m.function, m.before, m.after) not in reasons]
-            fates = defaultdict(int)
+            fates: dict[Fate, int] = defaultdict(int)
             for fate in try_all(real, coverage, copies, options.at_once):
                 fates[fate] += 1
             killed = fates["killed"] / max(len(real), 1)

@@ -213,7 +213,7 @@ class _Walk:
         moment: Moment,
     ) -> None:
         sure = moment.answer.sure and (source < 0 or self.found.nodes[source].sure)
-        if sure or (source >= 0 and not self.found.nodes[source].sure):
+        if sure:
             self._enter(source, move, state, effects, moment, sure)
         else:  # until all that is sure is known
             self._held_back.append((source, move, state, effects, moment))

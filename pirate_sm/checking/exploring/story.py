@@ -13,7 +13,6 @@ from pirate_sm.model.effects import (
     Effect,
     Ended,
     Fault,
-    Log,
     PhaseChange,
     TriggerFired,
 )
@@ -94,10 +93,8 @@ def _consequences(effects: Iterable[Effect], written: Written) -> Iterable[str]:
                 yield effect.message
             case Ended():
                 yield f"the mission has ended: {effect.message}"
-            case Log(level="warning"):
-                continue
             case _:
-                continue
+                pass
 
 
 def _shown(

@@ -186,3 +186,14 @@ def test_no_text_raises_anything_but_an_expression_error(text: str) -> None:
         offsets = []
         expression.evaluate((float("nan"), 1.0, 0.0), (None, "Off"))
     assert all(0 <= offset <= len(text) for offset in offsets)
+
+
+def test_a_change_counts_from_the_beginning_of_a_wait_and_stands_nowhere_else() -> None:
+    (fault,) = refused("change(path) > 1 m").faults
+
+    assert fault.message.startswith("'change' counts from the beginning of a wait")
+
+
+@pytest.mark.parametrize("part", ["not false", "path > -1 m", "(true)"])
+def test_parts_that_stand_side_by_side_are_not_nested(part: str) -> None:
+    assert compile_condition(" and ".join([part] * 40), VOCABULARY).text.count(part) == 40

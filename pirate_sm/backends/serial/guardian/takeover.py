@@ -48,8 +48,7 @@ class LeftBehind(NamedTuple):
 
     def holds(self, url: str) -> bool:
         """Return whether it holds this port, by whatever name."""
-        real = os.path.realpath(url)
-        return url == self.url or real in (self.device, os.path.realpath(self.url))
+        return os.path.realpath(url) in (self.device, os.path.realpath(self.url))
 
 
 class Registration:

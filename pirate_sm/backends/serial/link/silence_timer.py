@@ -24,9 +24,7 @@ class SilenceTimer:
 
     def __init__(self, nap_s: float) -> None:
         self._nap_s = nap_s
-        self._looked_s = -inf
-        self._waited_s = 0.0
-        self._spared = False
+        self.hear(-inf)
 
     def hear(self, now: float) -> None:
         """Begin the measurement: the other side has been heard."""

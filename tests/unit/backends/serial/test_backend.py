@@ -704,3 +704,20 @@ def test_one_value_at_a_time_makes_whole_boards(plan: LinkPlan, tmp_path: Path) 
     assert {f.board: f.values for f in frames} == {
         b: tuple(values) for b, values in device.boards.items()
     }
+
+
+def test_what_was_never_opened_leaves_nothing_unconfirmed(backend: SerialBackend) -> None:
+    backend.close()
+
+    assert backend.confirmed
+
+
+def test_the_trouble_with_a_port_that_is_gone_is_told_in_its_own_words(
+    backend: SerialBackend, port: VirtualPort
+) -> None:
+    backend.open()
+    run(backend, 1.0)
+    port.plugged = False
+    run_port(backend, port, 1.0)
+
+    assert backend.health.trouble == "unplugged"

@@ -58,3 +58,9 @@ def test_at_a_tie_the_conditions_listed_before_are_rivals(tmp_path: Path) -> Non
 
 def test_at_a_tie_the_conditions_listed_after_are_no_rivals(tmp_path: Path) -> None:
     assert outcomes(tmp_path, APART, KNOWN, UNKNOWN, within="2 s") == [-1, 2]
+
+
+def test_a_limit_does_not_outlast_a_condition_that_cannot_break(tmp_path: Path) -> None:
+    always = ("known(neck) or not known(neck)", "2 s")
+
+    assert outcomes(tmp_path, KNOWN, always, within="3 s") == []

@@ -115,3 +115,12 @@ def test_a_comparison_of_numbers_alone_is_not_free() -> None:
     assert not possible("1 > 2", undecided)
     assert not possible(f"1 > 2 and {undecided}")
     assert possible(f"2 > 1 and {undecided}")
+
+
+def test_what_is_divided_by_something_that_may_be_zero_may_be_unknown() -> None:
+    answer = conditions().ask(
+        facts_of([("known(a)", True), ("known(1 / (a * a - 1.7))", False)]), STATES[0]
+    )
+
+    assert answer.possible
+    assert not answer.sure

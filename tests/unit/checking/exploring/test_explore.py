@@ -222,3 +222,14 @@ phases:
     assert [(each.code, each.severity.word) for each in check.findings
             if each.code.startswith("step.")] == [("step.unneeded", "possible")]  # fmt: skip
     assert not any(each.course for each in check.findings if each.severity.word == "possible")
+
+
+def test_a_way_that_leads_back_to_where_it_began_is_known_too(tmp_path: Path) -> None:
+    body = """
+start: p
+phases:
+  p:
+    wait: [{operator: again, go: p}, {operator: enough, go: good}]
+    within: {time: 5 s, go: bad}
+"""
+    assert set(wait_of(explored(tmp_path, body)).fired) == {"p", "good", "within"}

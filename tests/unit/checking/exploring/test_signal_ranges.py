@@ -10,6 +10,7 @@ import pytest
 from checking.robots import changed
 from checking.small_missions import NEWT
 from pirate_sm.checking.exploring.signal_ranges import ranges
+from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.loading.robot import load_robot
 
 PIRATE = NEWT.parents[2] / "hardware_profiles" / "pirate_ii"
@@ -71,3 +72,10 @@ def test_a_torque_has_a_range_whatever_the_sign_of_its_scale(tmp_path: Path) -> 
     found = ranges(loaded.profile, loaded.oriented("normal"))["wheel_torque_1"]
 
     assert found.low < 0 < found.high
+
+
+def test_a_signal_changes_by_the_width_of_its_range_at_most() -> None:
+    loaded = load_robot(NEWT)
+    found = ranges(loaded.profile, loaded.oriented("normal"))
+
+    assert found[change_of("neck")] == pytest.approx((-radians(260), radians(260)))

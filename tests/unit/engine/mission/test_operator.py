@@ -346,3 +346,42 @@ ends: {e: {succeed: ok}}
 """
     )
     assert driver.ended.message == "the phases go round without ever waiting"
+
+
+@pytest.mark.parametrize("accepted", [False, True])
+def test_the_mission_gives_no_command_while_one_of_the_operator_is_under_way(drive, accepted):
+    driver = drive(
+        "start: a\nphases: {a: {wait: [{after: 1 s, go: b}]}, b: {do: [ToggleLighting], go: e}}\n"
+        "ends: {e: {succeed: ok}}\n",
+        states=BOTH_CLAMPED,
+    )
+    driver.report_all(0.1)
+    command(driver, "DriveForward")
+    if accepted:
+        driver.accept()
+
+    driver.run(1.1)
+    assert driver.phases == ["a", "b"]
+    assert ("ToggleLighting", "sent") not in driver.statuses
+
+    driver.until_sent("ToggleLighting")
+    assert ("DriveForward", "done") in driver.statuses
+
+
+def test_a_command_that_the_end_interrupts_has_failed_for_that_reason(drive):
+    driver = drive(MISSION)
+    driver.accept()
+    driver.give(ev.Abort("enough"))
+
+    assert (driver.last_status.status, driver.last_status.reason) == ("failed", "the mission ended")
+
+
+def test_a_failure_that_is_passed_over_is_not_the_cause(drive):
+    driver = drive(
+        "start: a\nphases:\n  a: {do: [Brake], on_failure: h, go: e}\n"
+        "  h: {do: [{command: DriveForward, on_failure: continue}], go: e}\n"
+        'ends: {e: {fail: "After {cause}"}}\n'
+    )
+
+    assert driver.ended.message.startswith("After Brake (")
+    assert "DriveForward" not in driver.ended.message

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from pirate_sm.engine.robot import command_needs
 from pirate_sm.engine.robot.command_needs import changes, needs, taken_in
 from pirate_sm.engine.robot.command_outcome import refusal
 from pirate_sm.engine.robot.robot_state import at_rest_in
@@ -121,3 +122,21 @@ def test_what_only_happens_to_some_is_told_so(pirate):
         (("DrivingBackward",), False),
         (("Fixed",), True),
     }
+
+
+def test_groups_of_states_that_make_no_box_are_told_one_by_one(monkeypatch):
+    newt = load_robot(ROOT / "tests" / "robots" / "newt").normal
+    grip, lamp = newt.regions.index("Grip"), newt.regions.index("Lamp")
+    groups = {("NoseHeld", "Lit"), ("TailHeld", "Dark")}
+    taken = tuple(
+        number
+        for number, states in enumerate(newt.table.configurations)
+        if (states[grip], states[lamp]) in groups
+    )
+    monkeypatch.setattr(command_needs, "taken_in", lambda *_: taken)
+
+    found = needs(newt, 0)
+
+    assert (len(found.any_of), found.unless, found.partly) == (2, None, False)
+    for number, states in enumerate(newt.table.configurations):
+        assert any(fits(states, need) for need in found.any_of) is (number in taken)

@@ -169,6 +169,7 @@ def test_each_plan_can_be_followed_and_none_without_hindrance_lets_go(loaded):
         here = begin
         for step in plan.steps:
             assert refusal(spec, here, step.command) == ""
+            assert (step.body.motion, step.body.flight) == (None, None), "it is done"
             assert not opened(spec, here, step.body.configuration)
             assert spec.held[step.body.configuration] or not spec.held[here.configuration]
             here = step.body

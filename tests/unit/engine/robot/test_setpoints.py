@@ -278,3 +278,22 @@ def test_a_board_of_another_robot_says_nothing(drive):
     driver.give(ev.SensorFrame(99, (1.0,) * 9), 0.1)
 
     assert repr(driver.engine.signals(driver.state)) == repr(before)
+
+
+def test_the_next_command_waits_for_the_last_array_of_the_one_before(drive):
+    driver = drive(
+        "start: a\nphases: {a: {do: [BendBack, ToggleLighting], go: e}}\n"
+        "ends: {e: {succeed: ok}}\n",
+        states=FRONT_CLAMPED,
+    )
+    driver.show(0.1, gamma_3=0.0, gamma_4=0.0)
+    driver.accept()
+    driver.signals |= {"gamma_3": math.radians(-30), "gamma_4": math.radians(-30)}
+    driver.report_all(0.2)
+    while ("BendBack", "done") not in driver.statuses:
+        driver.accept()
+        driver.report_all(driver.now + 0.1)
+
+    assert driver.statuses[-1] == ("BendBack", "done")
+    driver.accept()
+    assert driver.statuses[-1] == ("ToggleLighting", "sent")

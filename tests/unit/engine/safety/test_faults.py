@@ -594,3 +594,27 @@ def test_a_fault_that_denies_the_only_clamp_while_wheels_are_driven_is_handled(d
 
     assert driver.faults == [("clamp.lost", "rescue")]
     assert driver.statuses.count(("Brake", "done")) == 1
+
+
+def test_what_lasts_is_told_again_only_if_it_was_not_seen_for_a_while(drive):
+    def silent(board: int) -> None:
+        until = driver.now + 1.5
+        while driver.now < until:
+            driver.now += 0.1
+            for each in driver.robot.boards:
+                if each != board:
+                    driver.report(each)
+
+    driver = driving(drive)
+    driver.signals["bend_current_1"] = 0.3
+    driver.run(25.0, **ROLLING)
+    hot = ("motor.hot", "continue")
+    assert driver.faults.count(hot) == 1
+
+    silent(next(board for board in driver.robot.boards if board != 22))
+    driver.run(50.0, **ROLLING)
+    assert driver.faults.count(hot) == 1
+
+    silent(22)
+    driver.run(80.0, **ROLLING)
+    assert driver.faults.count(hot) == 2

@@ -129,6 +129,11 @@ def test_what_the_operator_commands_is_told_and_the_mission_goes_on(
     driver = driver_of(write_mission(tmp_path, body, robot), nominal=True)
     command(driver, "HoldNose")
     driver.accept()
-
     assert any("by hand, violates rule one" in each.message for each in driver.of(fx.Log))
     assert driver.ended is None
+
+    driver.tick(driver.wake_at)
+    assert ("HoldNose", "done") in driver.statuses
+    told = len(driver.of(fx.Log))
+    command(driver, "SwitchLamp")
+    assert len(driver.of(fx.Log)) == told, "it is another command that has broken it"

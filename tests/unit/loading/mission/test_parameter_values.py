@@ -118,6 +118,8 @@ def test_an_argument_that_is_handed_on_must_be_of_the_kind_and_within_the_limits
          ["7:49: cannot compare a length and a bare number"]),
         ("{type: duration, default: -5 s}", "{command: Brake, timeout: $p}",
          ["7:45: expected at least 16 ms, one cycle of the robot's bus, got -5 s"]),
+        ("{type: duration, default: -1.5 s}", "{command: Brake, timeout: $p}",
+         ["7:45: expected at least 16 ms, one cycle of the robot's bus, got -1.5 s"]),
     ],
 )  # fmt: skip
 def test_a_fault_of_a_parameter_is_told_once_and_where_it_stands(

@@ -6,7 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.engine.mission.program import STOP, Do, Enter, Finish, Question, Raise, Require, Wait
+from pirate_sm.engine.mission.program import (
+    STOP,
+    Branch,
+    Do,
+    Enter,
+    Finish,
+    Question,
+    Raise,
+    Require,
+    Wait,
+)
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.mission.assembler import Assembly
 from pirate_sm.loading.problems import LoadError
@@ -260,3 +270,46 @@ def test_calls_that_double_are_counted_before_they_are_written_out(
         load_mission(tmp_path / "m0.yaml")
 
     assert [each.code for each in raised.value.problems] == ["mission.too_long"]
+
+
+def test_a_mission_for_another_robot_is_not_read_with_the_names_of_this_one(faults):
+    called = CALLED.replace("robot: pirate_ii", f"robot: {NEWT}")
+    body = "start: a\nphases: {a: {do: [{call: called}], go: e}}\nends: {e: {succeed: ok}}\n"
+
+    (said,) = faults(mission(body), {"called.yaml": called.replace("ToggleLighting", "SwitchLamp")})
+
+    assert "'called' is for the robot" in said
+
+
+def test_only_the_condition_of_a_wait_may_count_from_its_beginning(faults):
+    (said,) = faults(
+        mission(
+            "start: a\nphases: {a: {do: [{command: Brake, if: change(odometry) > 1 mm}], go: e}}\n"
+            "ends: {e: {succeed: ok}}\n"
+        )
+    )
+
+    assert "'change' counts from the beginning of a wait" in said
+
+
+def test_a_choice_with_nothing_to_do_is_a_choice(load):
+    program = load(
+        mission(
+            "start: a\nphases:\n  a:\n    do:\n"
+            "      - choose: [{if: known(odometry), do: []}]\n        else: [Brake]\n"
+            "    go: e\nends: {e: {succeed: ok}}\n"
+        )
+    ).program
+    nothing = program.instructions[one(program, Branch).if_true]
+
+    assert isinstance(nothing, Require)
+    assert isinstance(program.instructions[nothing.next], Finish)
+
+
+def test_a_program_has_as_many_instructions_as_are_allowed_and_no_more():
+    assembly = Assembly()
+    for _ in range(MOST_INSTRUCTIONS):
+        assembly.emit(Enter, "a", ())
+
+    with pytest.raises(TooLongError):
+        assembly.emit(Enter, "a", ())

@@ -235,3 +235,13 @@ def test_a_runner_that_dies_after_it_was_overruled_leaves_a_robot_that_is_safe_a
     guard.receive(ECHOED, 0.35)
 
     assert guard.bereave(1.0) == [ToPort(STOP), EndGuardian()]
+
+
+def test_a_confirmed_stop_counts_no_more_once_the_runner_drives_again() -> None:
+    guard = beating()
+    until(guard, 0.31)
+    guard.receive(ECHOED, 0.35)
+    guard.hear(Note(Kind.HEED), 0.4)
+    guard.hear(Note(Kind.WRITE, DRIVE), 0.5)
+
+    assert guard.bereave(1.0) == [ToPort(SAFE)]

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from pirate_sm.backends.serial.guardian import guarded_port
 from pirate_sm.backends.serial.guardian.guarded_port import GuardedPort
 from pirate_sm.backends.serial.guardian.notes import Instructions
 from pirate_sm.backends.serial.ports.protocol import PortLostError
@@ -446,3 +447,23 @@ def _write_on(port: GuardedPort) -> None:
     """More has been written than the pipe to the guardian takes."""
     for _ in range(1000):
         port.write(bytes(4096))
+
+
+def test_a_guardian_that_does_not_answer_has_not_opened_the_port(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(guarded_port, "_STARTS_WITHIN_S", 0.0)  # no process starts so quickly
+
+    with pytest.raises(BackendError, match="the guardian of the serial port does not answer"):
+        GuardedPort(bench.name, 57600, PATIENT).open()
+
+
+def test_whoever_writes_to_a_guardian_that_has_died_is_told_so(bench: Bench) -> None:
+    port = GuardedPort(bench.name, 57600, PATIENT)
+    port.open()
+    assert port.guardian_pid is not None
+    os.kill(port.guardian_pid, signal.SIGKILL)
+    assert _gone(port.guardian_pid)
+
+    with pytest.raises(PortLostError, match="guardian of the port has died"):
+        port.write(DRIVE)

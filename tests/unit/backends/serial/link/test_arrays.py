@@ -9,7 +9,7 @@ from itertools import pairwise
 import pytest
 
 from pirate_sm.backends.serial.link.arrays import SetpointLink
-from pirate_sm.backends.serial.link.line_quality import NEVER, Refreshing
+from pirate_sm.backends.serial.link.line_quality import NEVER, LineQuality, Refreshing
 from pirate_sm.backends.serial.link.wire_slots import WireSlot
 
 SPACING_S = 0.05
@@ -286,3 +286,12 @@ def test_more_bytes_at_once_than_noise_is_taken_over_count_as_their_share(
     line.link.quality.listened(10_000, round(10_000 * damaged))
 
     assert copies_at_once(line) == copies
+
+
+def test_a_line_that_loses_no_more_than_a_quarter_is_not_bad() -> None:
+    quality = LineQuality(0.15)
+    quality.lose(0.5)  # the first of two counts half
+
+    assert not quality.bad
+    quality.lose(1.0)
+    assert quality.bad

@@ -152,3 +152,38 @@ def test_a_standstill_of_this_program_is_not_counted_as_silence_of_the_device() 
 
     assert conversation.write(2.2) != encode(REQUEST_TOPICS)
     assert quiet_until(conversation, 2.2, 3.0)[0] == pytest.approx(2.6, abs=0.01)
+
+
+def test_after_each_request_the_time_is_told_three_times() -> None:
+    conversation = short_frames()
+    told: list[float] = []
+    for turn in range(300):
+        now = 1.0 + turn / 100
+        list(conversation.receive(encode(TIME) if turn in {0, 50} else encode(NUMBER, b"x"), now))
+        said = Decoder().feed(conversation.write(now))
+        told += [now for frame in said if frame.topic == TIME]
+
+    assert [each for each in told if each >= 1.5] == pytest.approx([1.5, 1.9, 2.3], abs=0.011)
+
+
+def test_after_a_silence_every_topic_is_introduced_anew() -> None:
+    conversation = Conversation([STATE, TAKES], now=0.0)
+    list(conversation.receive((introduction() + offer(TAKES, TAKEN, 64)) * 2, 0.1))
+    assert quiet_until(conversation, 0.1, 1.0)
+
+    list(conversation.receive(introduction() * 2, 1.0))
+    assert conversation.asking
+    list(conversation.receive(offer(TAKES, TAKEN, 64) * 2, 1.1))
+    assert not conversation.asking
+
+
+def test_an_introduction_is_no_request_for_the_time() -> None:
+    conversation = short_frames()
+    told: list[float] = []
+    for turn in range(250):
+        now = 0.2 + turn / 100
+        list(conversation.receive(introduction() if turn == 150 else encode(NUMBER, b"x"), now))
+        said = Decoder().feed(conversation.write(now))
+        told += [now for frame in said if frame.topic == TIME]
+
+    assert told == pytest.approx([0.2, 0.5, 0.9], abs=0.011), "of the first request"

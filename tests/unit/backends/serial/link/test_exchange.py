@@ -144,3 +144,12 @@ def test_nothing_is_written_or_counted_as_written_without_a_port(talk: Talk) -> 
     talk.run(0.1)
     assert len(talk.arrays) == 1
     assert talk.results == [SubmitResult(1, "accepted")]
+
+
+def test_an_array_is_accepted_in_the_moment_in_which_its_echo_is_heard(talk: Talk) -> None:
+    talk.echoing = False
+    talk.submit(1, CLAMPING)
+    talk.run(0.02)
+    talk.exchange.receive(encode(NUMBERS["echo"], talk.arrays[-1]), talk.now)
+
+    assert talk.exchange.take() == [SubmitResult(1, "accepted")]
