@@ -1,1 +1,1 @@
-"""From files to models: every fault of a file at once, each with its place."""
+"""Read YAML files into models: every fault of a file at once, each with line and column."""

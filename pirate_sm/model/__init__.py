@@ -1,1 +1,1 @@
-"""Frozen data that everything else speaks in: robot profile, mission, pipe, events, effects."""
+"""Frozen data that all other parts share: robot profile, mission, pipe, events, effects."""

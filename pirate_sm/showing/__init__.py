@@ -1,1 +1,1 @@
-"""What every view of a run shares: words for people, a canvas of characters. No view itself."""
+"""What every view of a run shares: snapshots, panels, the robot in its pipe, words for people."""
