@@ -164,6 +164,7 @@ def test_all_recipes_together_pass_the_linter(changed: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(600)
 def test_all_recipes_together_pass_the_type_checker(changed: Path) -> None:
     result = run(f"python -m mypy --cache-dir={changed / 'types'}", changed)
 
