@@ -1,1 +1,1 @@
-"""What an array of setpoints can be handed to: a tracer, a simulator, later the real robot."""
+"""Backends take arrays of setpoints and report events: a trace, a simulator, a serial link."""

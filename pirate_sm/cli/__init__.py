@@ -1,1 +1,1 @@
-"""The command line: what it reads, what it shows, what it answers to the shell."""
+"""The command line: options, commands, output, exit codes."""

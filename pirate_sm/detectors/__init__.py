@@ -1,1 +1,1 @@
-"""Who says a detector's words when no simulator knows them: reckoning, a person, a program."""
+"""Detectors say where the robot is: the simulator, odometry, a person, another program."""

@@ -1,1 +1,1 @@
-"""Load files into models: every fault of a file is reported at once, with its place."""
+"""Read YAML files into models: every fault of a file at once, each with line and column."""

@@ -1,1 +1,1 @@
-"""Frozen data that all layers share: robot profile, mission, pipe, events, effects."""
+"""Frozen data that all other parts share: robot profile, mission, pipe, events, effects."""

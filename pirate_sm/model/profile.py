@@ -129,9 +129,10 @@ class Slot(Frozen):
     limit: Angle | None = None
 
 
-Sense: TypeAlias = Literal[
-    "angle", "torque", "current", "turned", "acc_x", "acc_y", "acc_z", "mag_x", "mag_y", "mag_z"
-]
+SlotSense: TypeAlias = Literal["angle", "torque", "current", "turned"]
+"""What is measured of a slot's joint, wheel or roll joint; all else is measured of the body."""
+
+Sense: TypeAlias = Literal[SlotSense, "acc_x", "acc_y", "acc_z", "mag_x", "mag_y", "mag_z"]
 
 
 class Channel(Frozen):

@@ -1,4 +1,4 @@
-"""What performs the engine's effects: the loop, its clock, who stands beside it, the way out.
+"""Run the engine on a backend: one step, the loop, clocks, companions, the safe stop.
 
 Only this package lets time pass and a backend move. :mod:`pirate_sm.runtime.loop` is the door.
 """

@@ -1,1 +1,1 @@
-"""What all views of a run share: snapshots, lines of text, panels, a canvas of characters."""
+"""What every view of a run shares: snapshots, panels, the robot in its pipe, words for people."""

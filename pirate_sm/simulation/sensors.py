@@ -90,7 +90,7 @@ def _channel(profile: Profile, channel: Channel, chain: ChainBody) -> tuple[floa
         source, gain = _current(profile, channel, slot, layout, at)
         return (source, gain / per_count, 0.0, noise.current / per_count, 1.0)
     if slot.wheel is not None:
-        return (layout.at("wheel" if senses == "angle" else "turned", at), 1.0 / per_count, 0, 0, 0)
+        return (layout.at("wheel" if senses == "angle" else senses, at), 1.0 / per_count, 0, 0, 0)
     if slot.joint is None:
         return (layout.at("roll"), 1.0 / per_count, 0, 0, 0)
     sigma = noise.angle

@@ -1,1 +1,1 @@
-"""What the commands do once their options are read: one module for each."""
+"""What each command does once its options are read: one module for each."""

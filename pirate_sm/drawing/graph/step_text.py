@@ -41,13 +41,7 @@ def _lines(step: model.Step, indent: str) -> Iterator[str]:
             yield f"{indent}{amount(step.repeat.times)} times:{_leads(step)}"
             yield from step_lines(step.repeat.do, deeper)
         case model.ChooseStep():
-            for number, choice in enumerate(step.choose):
-                word = "else if" if number else "if"
-                yield f"{indent}{word} {choice.condition}:{'' if number else _leads(step)}"
-                yield from step_lines(choice.do, deeper)
-            if step.otherwise:
-                yield f"{indent}else:"
-                yield from step_lines(step.otherwise, deeper)
+            yield from _choice_lines(step, indent, deeper)
         case model.CommandStep():
             yield f"{indent}{_command(step)}"
         case model.CallStep():
@@ -61,6 +55,16 @@ def _lines(step: model.Step, indent: str) -> Iterator[str]:
             yield f"{indent}wait for {triggers}{limit}{_leads(step)}"
         case model.LogStep():
             yield f"{indent}log “{step.log}”"
+
+
+def _choice_lines(step: model.ChooseStep, indent: str, deeper: str) -> Iterator[str]:
+    for number, choice in enumerate(step.choose):
+        word = "else if" if number else "if"
+        yield f"{indent}{word} {choice.condition}:{'' if number else _leads(step)}"
+        yield from step_lines(choice.do, deeper)
+    if step.otherwise:
+        yield f"{indent}else:"
+        yield from step_lines(step.otherwise, deeper)
 
 
 def _command(step: model.CommandStep) -> str:

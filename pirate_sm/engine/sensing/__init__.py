@@ -1,1 +1,1 @@
-"""From raw values to signals in SI, which of them can be believed, and the pipe they show."""
+"""Make SI signals of raw values, decide which to believe, derive the pipe around the robot."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import get_args
 
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.model import profile as model
@@ -26,9 +27,6 @@ DEFECT_NEEDS = {
     "lost_messages": ("share",),
 }
 """Without these, a defect of this kind would do nothing."""
-
-MEASURED_BY_SLOT = {"angle", "torque", "current", "turned"}
-"""What is measured of a slot's joint, wheel or roll joint, not of the body."""
 
 
 def check_body(profile: model.Profile, problems: Problems) -> None:
@@ -141,10 +139,10 @@ def _check_channels(profile: model.Profile, problems: Problems) -> None:
             if channel.slot is not None:
                 _must_be(channel.slot, slots, "slot", (*path, "slot"), problems)
             slot = slots.get(channel.slot or "")
-            if channel.senses in MEASURED_BY_SLOT and channel.slot is None:
+            if channel.senses in get_args(model.SlotSense) and channel.slot is None:
                 message = f"whose {channel.senses} is it? `slot` must say"
                 problems.add("robot.channel", (*path, "senses"), message)
-            elif channel.senses in MEASURED_BY_SLOT and slot and not _drives(slot):
+            elif channel.senses in get_args(model.SlotSense) and slot and not _drives(slot):
                 message = f"'{slot.name}' drives nothing that could be measured"
                 problems.add("robot.channel", (*path, "slot"), message)
             elif channel.senses == "torque" and slot and slot.joint is None:

@@ -18,7 +18,7 @@ from pirate_sm.engine.mission.program import (
     Wait,
 )
 from pirate_sm.loading.mission import load_mission
-from pirate_sm.loading.mission.assembler import Assembly
+from pirate_sm.loading.mission.assembler import MOST_INSTRUCTIONS, Assembly, TooLongError
 from pirate_sm.loading.problems import LoadError
 
 ROOT = Path(__file__).resolve().parents[4]
