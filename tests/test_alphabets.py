@@ -117,7 +117,7 @@ ALPHABETS = {
         "model/actuation.py",
         '| Literal["keep"]',
         "NewSetpoint(NamedTuple)",
-        ("loading/robot_actuation.py", "model/actuation.py"),
+        ("loading/robot/actuation.py", "model/actuation.py"),
     ),
     "loop": Alphabet(
         "engine/control/loops.py",

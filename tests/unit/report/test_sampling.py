@@ -80,7 +80,7 @@ def test_a_long_curve_is_as_fine_all_along():
 def test_what_is_told_is_noted_and_so_is_what_changes_untold(rows: list[tuple[float, float]]):
     samples = Samples(2)
     for number, row in enumerate(rows):
-        samples.take(float(number), row, told=(0,))
+        samples.take(float(number), row, measured=(0,))
 
     told, other = samples.series(0, "told"), samples.series(1, "other")
 

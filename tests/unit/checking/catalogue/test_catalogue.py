@@ -17,7 +17,7 @@ from ..robots import ROOT
 
 PACKAGE = ROOT / "pirate_sm"
 SOURCES = [
-    *sorted((PACKAGE / "loading").glob("*.py")),
+    *sorted((PACKAGE / "loading").rglob("*.py")),
     *sorted((PACKAGE / "checking").rglob("*.py")),
     *sorted(set((PACKAGE / "model").glob("*.py")) - {PACKAGE / "model" / "fault_codes.py"}),
     PACKAGE / "cli" / "order.py",
@@ -25,7 +25,16 @@ SOURCES = [
 ENTRIES = catalogue.entries()
 GROUPS = {code.partition(".")[0] for code in ENTRIES if "." in code}
 DOTTED = re.compile(rf"({'|'.join(sorted(GROUPS))})\.[a-z_]+")
-FORM = {"add", "Problem", "Fault", "_fault", "_refusal", "Wording", "ScalarError"}
+FORM = {
+    "add",
+    "add_unknown",
+    "Problem",
+    "YamlFault",
+    "_fault",
+    "_refusal",
+    "Wording",
+    "ScalarError",
+}
 """What takes the code of a faulty form as one of its first arguments."""
 
 COMPOSED = {
@@ -64,7 +73,7 @@ def codes_in(node: ast.AST) -> Iterator[str]:
 def form_codes_in(file: Path) -> Iterator[str]:
     """Codes without a group, which only loading raises."""
     for node in ast.walk(ast.parse(file.read_text("utf-8"))):
-        if file.parent.name == "loading" and isinstance(node, ast.Call) and _name(node) in FORM:
+        if "loading" in file.parts and isinstance(node, ast.Call) and _name(node) in FORM:
             first = (each.value for each in node.args[:3] if isinstance(each, ast.Constant))
             yield from [text for text in first if isinstance(text, str)][:1]
 

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from pirate_sm.cli.entry import only_run
 from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.recording.write import recorder
+from pirate_sm.recording.write import piece_maker, recorder
 
 ROOT = Path(__file__).resolve().parents[4]
 PIPE = "sequences/pipes/mitre_90.yaml"
@@ -109,10 +109,10 @@ def test_where_nothing_was_executed_nothing_came_out_the_same(pirate: Any, run: 
 
 
 def test_a_state_that_differs_without_an_effect_is_told(pirate: Any, tmp_path: Path) -> None:
-    right = recorder.state_to_text
+    right = piece_maker.state_to_text
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(recorder, "CHECKPOINT_S", 2.0)
-        patch.setattr(recorder, "state_to_text", lambda it: right(it._replace(wake_at_s=1e6)))
+        patch.setattr(piece_maker, "state_to_text", lambda it: right(it._replace(wake_at_s=1e6)))
         path = tmp_path / "other.mcap"
         CliRunner().invoke(only_run, ["mitre_bend", "--quiet", "--record", str(path)])
     result = pirate("replay", path)

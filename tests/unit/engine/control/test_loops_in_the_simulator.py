@@ -10,8 +10,8 @@ from rolling_newt import rolling_newt
 from pirate_sm import run
 from pirate_sm.model.effects import Setpoints
 from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.recording.replay import replay
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.replay.replay import replay
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from recording_runs import record
 from pirate_sm.recording.replay.parallel_replay import _stretches, replay_shared
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import replay
-from pirate_sm.recording.write import recorder
+from pirate_sm.recording.write import piece_maker, recorder
 from pirate_sm.wiring import Order
 
 
@@ -24,7 +24,7 @@ def run(tmp_path_factory):
 @pytest.fixture(scope="module")
 def wrong(tmp_path_factory):
     """A run of which one checkpoint says something else."""
-    right, calls = recorder.state_to_text, 0
+    right, calls = piece_maker.state_to_text, 0
 
     def changed(state):
         nonlocal calls
@@ -33,7 +33,7 @@ def wrong(tmp_path_factory):
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(recorder, "CHECKPOINT_S", 2.0)
-        patch.setattr(recorder, "state_to_text", changed)
+        patch.setattr(piece_maker, "state_to_text", changed)
         return record(tmp_path_factory.mktemp("runs") / "run.mcap", Order("mitre_bend", seed=2))
 
 

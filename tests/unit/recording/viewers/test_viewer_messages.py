@@ -49,8 +49,8 @@ def recording(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathF
     kept = record_with_viewers(path, RUNS[request.param])
     assert kept.tap is not None
     assert kept.tap.failure == ""
-    assert kept.side is not None
-    assert kept.side.failure == ""
+    assert kept.recording is not None
+    assert kept.recording.side.failure == ""
     return path
 
 
