@@ -14,6 +14,7 @@ from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.spelling import nearest, one_of
 from pirate_sm.wiring import Order, Prepared
 
 Mission: TypeAlias = str | PathLike[str] | LoadedMission
@@ -71,7 +72,7 @@ def load(
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.
         UsageError: An argument does not fit.
     """
-    return wiring.load(Order(fspath(mission), robot=robot, pipe=pipe, settings=texts(set)))
+    return wiring.load(Order(path_of(mission), robot=robot, pipe=pipe, settings=texts(set)))
 
 
 def check(
@@ -99,7 +100,7 @@ def check(
         files = {document.name: document.text for document in mission.documents}
         return tuple(f for f in settle(check_loaded(mission).findings, files) if not f.allowed)
     wishes = Wishes(robot=robot, pipe=pipe, settings=texts(set), keep_going=False)
-    return check_paths([fspath(mission)], wishes).open
+    return check_paths([path_of(mission)], wishes).open
 
 
 def prepared(
@@ -145,6 +146,7 @@ def _order(
         UsageError: The mission is loaded already and an option would have to change that.
     """
     rest: dict[str, Any] = dict(options)
+    _refuse_unknown(rest)
     settings, defects = texts(rest.pop("set", None)), rest.pop("defects", ())
     if isinstance(mission, LoadedMission):
         _refuse_options(robot=rest.get("robot"), pipe=rest.get("pipe"), set=settings)
@@ -152,9 +154,17 @@ def _order(
             raise UsageError("start_phase and states need the mission by its name or file")
         name = mission.documents[0].name
     else:
-        name = fspath(mission)
+        name = path_of(mission)
     defects = (defects,) if isinstance(defects, str) else tuple(defects)
-    return Order(name, backend, seed=seed, settings=settings, defects=defects, check=check, **rest)
+    return Order(
+        name,
+        backend,
+        seed=whole(seed, "seed", 0),
+        settings=settings,
+        defects=defects,
+        check=check,
+        **rest,
+    )
 
 
 def loaded_once(mission: Mission, **options: Unpack[Options]) -> tuple[Mission, Options]:
@@ -169,6 +179,37 @@ def loaded_once(mission: Mission, **options: Unpack[Options]) -> tuple[Mission, 
     rest: dict[str, Any] = dict(options)
     of_loading = {name: rest.pop(name, None) for name in _OF_LOADING}
     return load(mission, **of_loading), cast(Options, rest)
+
+
+def path_of(name: object) -> str:
+    """Return the name or path of a file as text.
+
+    Raises:
+        UsageError: It is something else.
+    """
+    if not isinstance(name, str | PathLike):
+        raise UsageError(f"expected a name or a path, got {name!r}")
+    return str(fspath(name))
+
+
+def whole(number: object, what: str, least: int) -> int:
+    """Return the number, if it is an integer that is not too small.
+
+    Raises:
+        UsageError: It is something else.
+    """
+    if not isinstance(number, int) or isinstance(number, bool) or number < least:
+        raise UsageError(f"{what}: expected a whole number from {least} on, got {number!r}")
+    return number
+
+
+def _refuse_unknown(options: Mapping[str, object]) -> None:
+    known = Options.__annotations__
+    for name in options:
+        if name not in known:
+            close = nearest(name, known)
+            hint = f"did you mean '{close}'?" if close else f"expected {one_of(sorted(known))}"
+            raise UsageError(f"there is no option '{name}': {hint}")
 
 
 _OF_LOADING = ("robot", "pipe", "set")

@@ -19,8 +19,9 @@ from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.read.steps import Step
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import rerun_steps
-from pirate_sm.recording.tables.table_rows import SIGNALS, TableRow, rows_of
+from pirate_sm.recording.tables.table_rows import SIGNALS, TABLES, TableRow, rows_of
 from pirate_sm.report.poses import Poses
+from pirate_sm.spelling import nearest, one_of
 
 Columns: TypeAlias = dict[str, list[Any]]
 """A table: values by the name of their column, which says the unit. Unknown numbers are NaN.
@@ -118,7 +119,14 @@ class Run:
         """Return one table by its name, as ``pirate export --csv`` names its files.
 
         It has no columns where nothing of the kind has happened.
+
+        Raises:
+            UsageError: There is no such table in any run.
         """
+        if name not in TABLES:
+            close = nearest(str(name), TABLES)
+            hint = f"did you mean '{close}'?" if close else f"expected {one_of(sorted(TABLES))}"
+            raise UsageError(f"there is no table '{name}': {hint}")
         return self._tables.get(name, {})
 
     @property

@@ -167,9 +167,10 @@ class Session:
             True when it has come; False when time ran out or the run has ended before.
 
         Raises:
-            ExpressionError: The condition has a fault.
+            UsageError: It is no time and no condition, or the condition has a fault.
             BackendError: The backend has failed; the safe setpoints were its last.
         """
+        _refuse_time(until, within_s)
         pump = self._opened
         limit_s = pump.now_s + within_s if isinstance(until, str | None) else float(until)
         robot = self._ready.engine.robot
@@ -201,6 +202,8 @@ class Session:
 
     def _name(self, command: str) -> str:
         """Return the name of a command that may be given by its alias."""
+        if not isinstance(command, str):
+            raise UsageError(f"expected the name of a command, got {command!r}")
         name = self._ready.loaded.loaded_robot.profile.aliases.get(command, command)
         known = self._ready.engine.robot.table.command_index
         if name not in known:
@@ -221,6 +224,18 @@ class Session:
         if state is None:
             raise UsageError("the backend has not been opened")
         return state
+
+
+def _refuse_time(until: object, within_s: object) -> None:
+    if not (isinstance(until, str | None) or _is_time(until)):
+        raise UsageError(f"expected a time in s or a condition as text, got {until!r}")
+    if not _is_time(within_s):
+        raise UsageError(f"within_s: expected a time in s, got {within_s!r}")
+
+
+def _is_time(value: object) -> bool:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return number and value == value  # noqa: PLR0124 - NaN is not equal to itself
 
 
 def session(

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from multiprocessing.reduction import ForkingPickler
 from os import cpu_count
 from types import MappingProxyType
 from typing import Any, NamedTuple, Unpack
 
-from pirate_sm.api.arguments import Mission, Options, loaded_once, prepared
+from pirate_sm.api.arguments import Mission, Options, loaded_once, prepared, whole
 from pirate_sm.api.result import Columns
+from pirate_sm.errors import UsageError
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
@@ -69,12 +70,21 @@ def sweep(
         CheckError: The mission is refused; ``findings`` has why, each with its place.
         UsageError: An argument does not fit, or an extra is not installed.
     """
-    wanted = list(seeds)
+    given: object = seeds
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise UsageError(f"seeds: expected whole numbers such as range(100), got {seeds!r}")
+    wanted = [whole(seed, "seeds", 0) for seed in seeds]
+    count = cpu_count() or 1 if workers is None else whole(workers, "workers", 1)
+    count = min(count, len(wanted))
+    if count > 1 and parent_process() is not None:
+        raise UsageError(
+            "a process of a sweep has come to a sweep itself: put the script's own work under "
+            "`if __name__ == '__main__':`, for every process imports the script"
+        )
     loaded, rest = loaded_once(mission, **options)
     # Compiles the simulator before the others need it, and finds whatever does not fit.
     prepared(loaded, backend, 0, check=check, yes=False, **rest)
     one = partial(_run, loaded, backend, rest)
-    count = min(workers or cpu_count() or 1, len(wanted))
     if count <= 1:
         ended = [one(seed) for seed in wanted]
     else:

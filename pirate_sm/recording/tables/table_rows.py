@@ -17,6 +17,12 @@ from pirate_sm.recording.replay.replay import Rerun
 SIGNALS = "signals"
 """The table of what the engine made of the boards' raw values, one row for each frame."""
 
+TABLES = (
+    *(SIGNALS, "setpoints", "states", "commands", "phases", "waits", "triggers", "detector"),
+    *("environment", "faults", "log", "questions", "end"),
+)
+"""Every table that the events of a run can fill."""
+
 TIME = "time_s"
 """The first column of every table."""
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -51,3 +52,37 @@ def test_a_loaded_mission_takes_no_options_of_loading(patrol: pirate_sm.LoadedMi
         pirate_sm.check(patrol, pipe="straight_113")
     with pytest.raises(pirate_sm.UsageError, match="by its name or file"):
         pirate_sm.run(patrol, start_phase="look")
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: pirate_sm.load(None), "expected a name or a path, got None"),
+        (lambda: pirate_sm.check(3), "expected a name or a path, got 3"),
+        (lambda: pirate_sm.run(PATROL, "trace", seed=-1), "seed: expected a whole number from 0"),
+        (lambda: pirate_sm.run(PATROL, "trace", pip="x"), "no option 'pip': did you mean 'pipe'"),
+        (lambda: pirate_sm.sweep(PATROL, "12", backend="trace"), "seeds: expected whole numbers"),
+        (lambda: pirate_sm.sweep(PATROL, [1.5], backend="trace"), "seeds: expected a whole number"),
+        (lambda: pirate_sm.sweep(PATROL, backend="trace", workers="2"), "workers: expected"),
+        (lambda: pirate_sm.sweep(PATROL, backend="trace", workers=0), "workers: expected"),
+        (
+            lambda: pirate_sm.sweep(PATROL, [1], backend="trace", record="a.mcap"),
+            "no option 'record'",
+        ),
+    ],
+)
+def test_an_argument_that_does_not_fit_is_an_error_of_the_package(
+    call: Callable[[], object], words: str
+) -> None:
+    with pytest.raises(pirate_sm.UsageError) as caught:
+        call()
+
+    assert words in str(caught.value)
+
+
+def test_a_table_that_no_run_has_is_refused() -> None:
+    run = pirate_sm.run(PATROL, "trace")
+
+    assert run.table("faults") == {}
+    with pytest.raises(pirate_sm.UsageError, match="did you mean 'signals'"):
+        run.table("signal")

@@ -27,7 +27,7 @@ def test_tables_are_columns_of_one_length_with_units(patrolled: pirate_sm.Run) -
         assert len({len(column) for column in patrolled.table(name).values()}) == 1
     assert {"time_s", "way_m"} <= patrolled.signals.keys()
     assert patrolled.states["Grip"][-1]
-    assert patrolled.table("nothing") == {}
+    assert patrolled.table("questions") == {}
 
 
 def test_pandas_takes_every_table(patrolled: pirate_sm.Run) -> None:

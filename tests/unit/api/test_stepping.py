@@ -167,3 +167,14 @@ def test_a_session_that_has_not_been_entered_says_so() -> None:
         session.submit("HoldNose")
     with session, pytest.raises(pirate_sm.UsageError, match="once"), session:
         pass
+
+
+@pytest.mark.parametrize("until", [float("nan"), True, []])
+def test_what_is_neither_a_time_nor_a_condition_is_refused(until: object) -> None:
+    with pirate_sm.session(PATROL, "trace") as session:
+        with pytest.raises(pirate_sm.UsageError, match="expected a time in s or a condition"):
+            session.advance(until)  # type: ignore[arg-type]
+        with pytest.raises(pirate_sm.UsageError, match="within_s: expected a time"):
+            session.advance(within_s=float("nan"))
+        with pytest.raises(pirate_sm.UsageError, match="expected the name of a command"):
+            session.why_not(3)  # type: ignore[arg-type]
