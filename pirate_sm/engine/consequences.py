@@ -79,7 +79,9 @@ def _go_on(moment: Moment, state: EngineState) -> EngineState:
     if state.mission.pause_wanted:
         state = pausing.begin_if_wanted(moment, state)
     if state.robot.loops and not moment.nominal:  # what is commanded now comes first
-        state = state._replace(robot=sending.stream(moment, state.robot, state.sensing))
+        robot = sending.stream(moment, state.robot, state.sensing)
+        if robot is not state.robot:
+            state = state._replace(robot=robot)
     return state
 
 
