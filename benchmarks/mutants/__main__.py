@@ -36,7 +36,9 @@ PACKAGES = {
     ),
     "program": tuple(
         f"pirate_sm/loading/mission/{name}.py"
-        for name in ("program_writer", "wait_writer", "assembler", "called_missions", "scope")
+        for name in (
+            *("program", "program_writer", "wait_writer", "assembler", "called_missions", "scope"),
+        )
     ),
     "exploration": ("pirate_sm/checking/exploring",),
 }
