@@ -286,5 +286,7 @@ class Pump:
 
 def described(error: BaseException | None) -> str:
     """Return one line about an error: its words alone where they are meant for people."""
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted by Ctrl-C"
     text = " ".join(str(error).split())
     return text if isinstance(error, BackendError) else f"{type(error).__name__}: {text}"

@@ -116,11 +116,19 @@ def test_however_the_block_is_left_the_wheels_stop(
 
 
 @pytest.mark.parametrize(
-    ("error", "raised"),
+    ("error", "raised", "why"),
     [
-        (pirate_sm.BackendError("the line is cut"), pirate_sm.BackendError),
-        (OSError("gone"), pirate_sm.BackendError),
-        (KeyboardInterrupt(), KeyboardInterrupt),
+        (
+            pirate_sm.BackendError("the line is cut"),
+            pirate_sm.BackendError,
+            "the trace backend failed: the line is cut",
+        ),
+        (
+            OSError("gone"),
+            pirate_sm.BackendError,
+            "the trace backend failed: OSError: gone",
+        ),
+        (KeyboardInterrupt(), KeyboardInterrupt, "interrupted by Ctrl-C"),
     ],
 )
 def test_a_step_that_breaks_sends_the_safe_array_and_closes(
@@ -128,7 +136,9 @@ def test_a_step_that_breaks_sends_the_safe_array_and_closes(
     monkeypatch: pytest.MonkeyPatch,
     error: BaseException,
     raised: type[BaseException],
+    why: str,
 ) -> None:
+    opened: list[pirate_sm.Session] = []
     closed: list[bool] = []
 
     def broken(backend: TraceBackend, until_s: float) -> tuple[float, Sequence[Event]]:
@@ -136,6 +146,7 @@ def test_a_step_that_breaks_sends_the_safe_array_and_closes(
 
     def drive_until_it_breaks() -> None:
         with pirate_sm.session(PATROL, "trace") as session:
+            opened.append(session)
             drive(session)
             monkeypatch.setattr(TraceBackend, "close", lambda backend: closed.append(True))
             monkeypatch.setattr(TraceBackend, "advance", broken)
@@ -148,6 +159,8 @@ def test_a_step_that_breaks_sends_the_safe_array_and_closes(
 
     assert not any(sent[-1][slot] for slot in wheels)
     assert closed == [True]
+    assert opened[0].ended is not None
+    assert opened[0].ended.message == why
 
 
 def test_a_session_is_recorded_and_has_tables(tmp_path: Path) -> None:
