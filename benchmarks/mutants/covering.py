@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from coverage import CoverageData
 
 TIMES = "MUTANTS_TIMES"
 """The environment variable that names the file for the durations of the tests."""
@@ -63,6 +62,8 @@ def measure(
 
 
 def _read(root: Path, files: Iterable[str], data: Path, times: Path) -> Coverage:
+    from coverage import CoverageData  # of the extra `mutants`, which the tests do not need
+
     took: dict[str, float] = {}
     for line in times.read_text().splitlines():
         seconds, name = line.split(" ", 1)
