@@ -70,6 +70,8 @@ def send_if_new(
     """Submit an array of the command under way if it differs from the newest."""
     if values != state.latest:
         return send(moment, state, motion, values, loops, "loop")
+    if motion is state.motion and loops is state.loops:
+        return state
     return state._replace(motion=motion, loops=loops)
 
 

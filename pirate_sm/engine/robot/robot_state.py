@@ -142,6 +142,8 @@ class RobotState(NamedTuple):
     @property
     def seekers(self) -> tuple[PositionLoop, ...]:
         """Return the position loops that run."""
+        if not self.loops:  # asked at every frame, and mostly there are none
+            return ()
         return tuple([each for each in self.loops if isinstance(each, PositionLoop)])
 
     def at_rest(self) -> RobotState:
