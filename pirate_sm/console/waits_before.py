@@ -60,7 +60,7 @@ def _ways(program: Program, at: int, *, fires: bool) -> Iterator[int]:
     match program.instructions[at]:
         case steps.Enter() | steps.Say() as it:
             yield it.next
-        case steps.Do() | steps.Require() as it:
+        case steps.Do() | steps.SwitchControl() | steps.Require() as it:
             yield from (it.next, it.failed)
         case steps.Branch() as it:
             yield from (it.if_true, it.if_false)

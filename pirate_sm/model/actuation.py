@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 
 from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, model_validator
 
-from pirate_sm.model.base import Condition, Frozen, Name
+from pirate_sm.model.base import AlsoWritten, Condition, Frozen, Name
 from pirate_sm.model.criteria import Criterion
 from pirate_sm.model.quantities import Angle
 from pirate_sm.model.quantity_patterns import written, written_ratio
-from pirate_sm.units import ANGLE, DIMENSIONLESS, SPEED, QuantityError, parse_quantity
+from pirate_sm.units import ANGLE, DIMENSIONLESS, SPEED, TORQUE, QuantityError, parse_quantity
 
 
 class Duty(NamedTuple):
@@ -39,15 +39,21 @@ class Speed(NamedTuple):
     value: float
 
 
+class HeldTorque(NamedTuple):
+    """A torque in Nm that a joint or a wheel bears until another state writes its slot."""
+
+    value: float
+
+
 KEEP: Literal["keep"] = "keep"
 
-Setpoint: TypeAlias = Duty | Target | Share | Speed | Literal["keep"]
+Setpoint: TypeAlias = Duty | Target | Share | Speed | HeldTorque | Literal["keep"]
 
 _SHARE = r"^\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*\*\s*([A-Za-z][A-Za-z0-9_]*)\s*$"
 
 
 def _read(value: Any) -> Any:
-    if isinstance(value, (Duty, Target, Share, Speed)) or value == KEEP:
+    if isinstance(value, (Duty, Target, Share, Speed, HeldTorque)) or value == KEEP:
         return value
     if isinstance(value, str):
         if share := re.match(_SHARE, value):
@@ -60,13 +66,16 @@ def _read(value: Any) -> Any:
             return Target(quantity.value)
         if quantity.dimension == SPEED:
             return Speed(quantity.value)
+        if quantity.dimension == TORQUE:
+            return HeldTorque(quantity.value)
         if quantity.dimension == DIMENSIONLESS and value.rstrip().endswith("%"):
             if abs(quantity.value) > 1:
                 raise ValueError(f"a duty cycle lies between -100 % and 100 %, got '{value}'")
             return Duty(quantity.value)
     raise ValueError(
         "expected a duty cycle such as '60 %', an angle such as '-45 deg', a share of a joint's"
-        f" angle such as '-0.5 * elbow', a speed such as '90 mm/s', or keep, got '{value}'"
+        " angle such as '-0.5 * elbow', a speed such as '90 mm/s', a torque such as '350 mNm', or"
+        f" keep, got '{value}'"
     )
 
 
@@ -80,6 +89,8 @@ def _write(value: Setpoint) -> str:
             return f"{factor:g} * {joint}"
         case Speed(speed):
             return f"{speed} m/s"
+        case HeldTorque(torque):
+            return f"{torque} Nm"
         case "keep":
             return value
 
@@ -109,17 +120,34 @@ SlotSetpoint = Annotated[
                     **written(SPEED, {}),
                     "description": "A speed such as '90 mm/s' at which a wheel rolls.",
                 },
+                {
+                    **written(TORQUE, {}),
+                    "description": "A torque such as '350 mNm' that a joint or a wheel bears.",
+                },
             ],
             "description": (
                 "A duty cycle such as '60 %', an angle such as '-45 deg', a share of the angle of"
-                " a joint such as '-0.5 * elbow', a speed such as '90 mm/s', or keep."
+                " a joint such as '-0.5 * elbow', a speed such as '90 mm/s', a torque such as"
+                " '350 mNm', or keep."
             ),
-            "examples": ["60 %", "-45 deg", "-0.5 * elbow", "90 mm/s", KEEP],
+            "examples": ["60 %", "-45 deg", "-0.5 * elbow", "90 mm/s", "350 mNm", KEEP],
         }
     ),
 ]
 
 Stage: TypeAlias = dict[Name, SlotSetpoint]
+
+
+def _one_stage_is_a_list(value: Any) -> Any:
+    return [value] if isinstance(value, dict) else value
+
+
+Stages = Annotated[
+    tuple[Stage, ...],
+    BeforeValidator(_one_stage_is_a_list),
+    Field(min_length=1),
+    AlsoWritten(lambda usual: [usual["items"]]),
+]
 
 
 class PostureCase(Frozen):

@@ -37,6 +37,9 @@ _L = TypeVar("_L", ConditionTrigger, TimeTrigger, OperatorTrigger, Within)
 CONTINUE = "continue"
 FAIL = "fail"
 
+CONTROL_WITHIN_S = 10.0
+"""How long the joints may take to bear the torques of a control [decided]."""
+
 
 class _AnyStep(Frozen):
     """What every step may say: when it is done at all, and where its failure leads.
@@ -150,6 +153,18 @@ class LogStep(_AnyStep):
     level: Literal["info", "warning"] = "info"
 
 
+class ControlStep(_AnyStep):
+    """Another control from now on; done once every joint bears the torque that it names.
+
+    Attributes:
+        control: The control's name, or ``none`` for the robot's usual actuation.
+        timeout: How long the joints may take.
+    """
+
+    control: Annotated[str, Defined("ControlName")]
+    timeout: DurationOrParameter = CONTROL_WITHIN_S
+
+
 class WaitStep(_AnyStep):
     """A wait among the steps, which goes on with the next step unless its trigger says otherwise.
 
@@ -168,7 +183,7 @@ class WaitStep(_AnyStep):
         return self
 
 
-_STEP_KINDS = ("command", "call", "repeat", "choose", "ask", "log", "wait")
+_STEP_KINDS = ("command", "call", "repeat", "choose", "ask", "log", "wait", "control")
 
 
 def _bare_command(value: Any) -> Any:
@@ -183,7 +198,8 @@ Step: TypeAlias = Annotated[
         | Annotated[ChooseStep, Tag("choose")]
         | Annotated[AskStep, Tag("ask")]
         | Annotated[LogStep, Tag("log")]
-        | Annotated[WaitStep, Tag("wait")],
+        | Annotated[WaitStep, Tag("wait")]
+        | Annotated[ControlStep, Tag("control")],
         by_key(
             _STEP_KINDS,
             custom_error_type="step",
@@ -293,6 +309,7 @@ class Mission(Frozen):
         polarity: Which side the wheels touch; else the caller's, else ``normal``.
         parameters: Constants of a run, by name.
         starts_in: The state that each region must be in at the start and at a call.
+        control: The control that the robot's states are actuated by; else the usual one.
         time_limit: Longest time for the whole run.
         allow_unclamp: Why this mission may let go of the pipe; a reason that people read.
         on_failure: The phase or end that a failure leads to; without one, the safe stop.
@@ -311,6 +328,7 @@ class Mission(Frozen):
     polarity: Literal["normal", "mirrored"] | None = None
     parameters: dict[Name, ParameterDefinition] = {}
     starts_in: dict[Name, Name] | None = None
+    control: Annotated[str, Defined("ControlName")] | None = None
     time_limit: DurationOrParameter | None = None
     allow_unclamp: Annotated[str, Field(min_length=1)] | None = None
     on_failure: Name | None = None

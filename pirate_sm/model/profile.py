@@ -6,13 +6,12 @@ to the chart) is checked in :mod:`pirate_sm.loading.robot`, where every fault ha
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
-from pirate_sm.model.actuation import PostureCase, Stage
+from pirate_sm.model.actuation import PostureCase, Stages
 from pirate_sm.model.base import (
-    AlsoWritten,
     Condition,
     FaultCode,
     Format,
@@ -20,6 +19,7 @@ from pirate_sm.model.base import (
     Name,
 )
 from pirate_sm.model.body import Body
+from pirate_sm.model.control import Control
 from pirate_sm.model.criteria import Criterion
 from pirate_sm.model.derived import Conversion, Derived
 from pirate_sm.model.plausibility import Plausibility
@@ -72,6 +72,30 @@ class VelocityLoop(Frozen):
     limit: Annotated[Ratio, Field(gt=0, le=1)] = 1.0
 
 
+class TorqueLoop(Frozen):
+    """A controller that keeps a joint behind a self-locking worm at a torque.
+
+    Attributes:
+        gain: Duty cycle per Nm of error.
+        dead: Error within which the motor stands: the worm holds.
+        within: Error within which the joint counts as settled.
+        least_duty: Duty cycle below which the worm would stand still.
+        limit: Largest duty cycle used.
+    """
+
+    gain: Annotated[Number, Field(gt=0)]
+    dead: Annotated[Torque, Field(gt=0)]
+    within: Annotated[Torque, Field(gt=0)]
+    least_duty: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
+    limit: Annotated[Ratio, Field(gt=0, le=1)] = 1.0
+
+    @model_validator(mode="after")
+    def _can_settle(self) -> TorqueLoop:
+        if self.within < self.dead:
+            raise ValueError("`within` must be at least `dead`: the motor stands inside of that")
+        return self
+
+
 class Motor(Frozen):
     """A kind of motor with what limits it; what a kind needs is checked at loading.
 
@@ -86,6 +110,9 @@ class Motor(Frozen):
         stiffness: Of the series spring.
         position_loop: How a duty slot is brought to an angle.
         velocity_loop: How a wheel is kept at a speed; needs ``no_load_speed``.
+        torque_loop: How a joint is kept at a torque; needs ``kind: sprung_worm`` and
+            ``stall_torque``. A wheel whose motor has ``stall_torque`` and ``no_load_speed`` needs
+            none.
     """
 
     kind: Literal["sprung_worm", "geared", "position", "light", "none"]
@@ -97,11 +124,20 @@ class Motor(Frozen):
     stiffness: Stiffness | None = None
     position_loop: PositionLoop | None = None
     velocity_loop: VelocityLoop | None = None
+    torque_loop: TorqueLoop | None = None
+
+    @property
+    def least_duty(self) -> float:
+        """Return the duty cycle below which the motor stands still, as its loops say."""
+        loops = (self.position_loop, self.torque_loop)
+        return max((loop.least_duty for loop in loops if loop is not None), default=0.0)
 
     @model_validator(mode="after")
     def _knows_its_speed(self) -> Motor:
         if self.velocity_loop is not None and not self.no_load_speed:
             raise ValueError("a `velocity_loop` needs the `no_load_speed` of the motor")
+        if self.torque_loop is not None and (self.kind != "sprung_worm" or not self.stall_torque):
+            raise ValueError("a `torque_loop` needs `kind: sprung_worm` and the `stall_torque`")
         return self
 
 
@@ -198,18 +234,6 @@ class LinkSettings(Frozen):
     silent_after: PositiveDuration
     resend_after: PositiveDuration
     resend_limit: Count
-
-
-def _one_stage_is_a_list(value: Any) -> Any:
-    return [value] if isinstance(value, dict) else value
-
-
-Stages = Annotated[
-    tuple[Stage, ...],
-    BeforeValidator(_one_stage_is_a_list),
-    Field(min_length=1),
-    AlsoWritten(lambda usual: [usual["items"]]),
-]
 
 
 class Command(Frozen):
@@ -320,6 +344,7 @@ class Profile(Frozen):
         conversions: Scales from raw counts to SI, by name.
         derived: Signals that are computed from others, by name.
         actuation: For each region and each of its states, what the slots get.
+        controls: Other ways to actuate the states, by the name that a mission chooses them by.
         postures: What commands bring the joints to first, by name. Of each posture the first
             case counts whose condition holds; where none holds, the command needs no posture.
         commands: One entry for each event of the chart.
@@ -346,6 +371,7 @@ class Profile(Frozen):
     conversions: dict[Name, Conversion]
     derived: dict[Name, Derived]
     actuation: dict[Name, dict[Name, Stages]]
+    controls: dict[Name, Control] = {}
     postures: dict[Name, Annotated[tuple[PostureCase, ...], Field(min_length=1)]] = {}
     commands: dict[Name, Command]
     aliases: dict[Name, Name] = {}

@@ -29,6 +29,10 @@ _TEXTS: Final[dict[str, Schema]] = {
         "type": "string",
         "description": "A command of the robot; short for `{command: …}`.",
     },
+    "ControlName": {
+        "type": "string",
+        "description": "A control of the robot, or `none` for its usual actuation.",
+    },
 }
 """Kinds of text that a robot's own schema narrows down."""
 

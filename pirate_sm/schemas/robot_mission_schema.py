@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from pirate_sm.expressions import EnumType
+from pirate_sm.loading.mission.scope import NO_CONTROL
 from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.units import describe
 
@@ -26,6 +27,7 @@ def narrowed(mission: Schema, robot: LoadedRobot) -> Schema:
         "definitions": {
             **definitions,
             "CommandName": _commands(robot),
+            "ControlName": _controls(robot),
             "Condition": _condition(definitions["Condition"], robot),
             "FaultHandler": _faults(definitions["FaultHandler"], robot),
         },
@@ -38,6 +40,17 @@ def _commands(robot: LoadedRobot) -> Schema:
     return {
         "type": "string",
         "description": f"A command of {robot.profile.robot}.",
+        "enum": list(about),
+        "enumDescriptions": list(about.values()),
+    }
+
+
+def _controls(robot: LoadedRobot) -> Schema:
+    about = {name: control.description for name, control in robot.profile.controls.items()}
+    about[NO_CONTROL] = "The robot's usual actuation."
+    return {
+        "type": "string",
+        "description": f"A control of {robot.profile.robot}.",
         "enum": list(about),
         "enumDescriptions": list(about.values()),
     }

@@ -19,12 +19,18 @@ class SlotRoute(NamedTuple):
         low: Least value that is accepted, duty or rad.
         high: Largest value.
         step: Resolution of the wire.
+        least: Duty cycle below which the motor stands still.
     """
 
     motor: int
     low: float
     high: float
     step: float
+    least: float = 0.0
+
+    def moves(self, duty: float) -> bool:
+        """Whether a duty cycle moves the motor."""
+        return abs(duty) > self.least - 0.5 * self.step
 
 
 def routes_of(profile: Profile, chain: ChainBody) -> tuple[SlotRoute, ...]:
@@ -38,9 +44,9 @@ def _route(profile: Profile, slot: Slot, chain: ChainBody) -> SlotRoute:
         limit = slot.limit if slot.limit is not None else 7.0
         to = ROLL if slot.roll is not None else NOWHERE
         return SlotRoute(to, -limit, limit, link.angle_resolution)
-    to = NOWHERE
+    to, least = NOWHERE, 0.0
     if slot.wheel is not None:
         to = chain.nodes + chain.wheel_index[slot.wheel]
     elif slot.joint is not None:
-        to = chain.joint_index[slot.joint]
-    return SlotRoute(to, -1.0, 1.0, link.duty_resolution)
+        to, least = chain.joint_index[slot.joint], profile.motors[slot.motor].least_duty
+    return SlotRoute(to, -1.0, 1.0, link.duty_resolution, least)

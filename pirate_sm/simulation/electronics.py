@@ -72,7 +72,7 @@ class Electronics:
         """
         for route, value in zip(self._routes, values, strict=True):
             if route.motor >= 0:
-                self.physics.duties[route.motor] = value
+                self.physics.duties[route.motor] = value if route.moves(value) else 0.0
             elif route.motor == ROLL:
                 self.physics.turn_roll_to(value)
 

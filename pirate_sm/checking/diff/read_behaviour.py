@@ -53,6 +53,8 @@ def abilities_of(loaded: LoadedMission) -> Abilities:
 def _facts(loaded: LoadedMission) -> dict[str, str]:
     program, robot = loaded.program, loaded.robot
     first = program.instructions[program.start]
+    while isinstance(first, steps.SwitchControl):
+        first = program.instructions[first.next]
     states = robot.table.configurations[program.start_configuration]
     limit_s = program.time_limit_s
     begun = {f"{each} at the start": at for each, at in zip(robot.regions, states, strict=True)}
@@ -79,6 +81,8 @@ def _said(it: steps.Instruction, robot: RobotSpec) -> Hashable:
     match it:
         case steps.Do():
             return ("do", robot.commands[it.command].name, _terms(it))
+        case steps.SwitchControl():
+            return ("control", robot.controls[it.control].name)
         case steps.Branch():
             return ("if", it.condition.text)
         case steps.Wait():

@@ -148,7 +148,7 @@ class _Follower:
 
     def _targets(self, step: steps.Instruction, configuration: int) -> tuple[int, ...]:
         match step:
-            case steps.Enter() | steps.Say():
+            case steps.Enter() | steps.Say() | steps.SwitchControl():
                 return (step.next,)
             case steps.Require(states=states):
                 current = self.robot.table.configurations[configuration]

@@ -86,6 +86,8 @@ class RobotView:
                     found.append(spec.position.limit if spec.position else 1.0)
                 case "turn":
                     found.append(spec.velocity.limit if spec.velocity else 1.0)
+                case "bear":
+                    found.append(spec.held_torque.limit if spec.held_torque else 1.0)
                 case "keep":
                     found.append(1.0)  # what another state has written
         return max(found)

@@ -53,6 +53,8 @@ def _lines(step: model.Step, indent: str) -> Iterator[str]:
             limit = f", ≤ {amount(step.within.time, 's')}" if step.within is not None else ""
             triggers = " or ".join(map(trigger_text, step.wait))
             yield f"{indent}wait for {triggers}{limit}{_leads(step)}"
+        case model.ControlStep():
+            yield f"{indent}control {step.control}{_leads(step)}"
         case model.LogStep():
             yield f"{indent}log “{step.log}”"
 
@@ -102,6 +104,8 @@ def short(step: model.Step) -> str:
             return "choose"
         case model.WaitStep():
             return "wait"
+        case model.ControlStep():
+            return f"control {step.control}"
         case model.LogStep():
             return "log"
 
@@ -122,6 +126,7 @@ def every_step(steps: Iterable[model.Step]) -> Iterator[model.Step]:
                 | model.CallStep()
                 | model.AskStep()
                 | model.WaitStep()
+                | model.ControlStep()
                 | model.LogStep()
             ):
                 pass

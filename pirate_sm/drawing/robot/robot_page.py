@@ -13,7 +13,7 @@ from pirate_sm.engine.robot.command_needs import Change, Need, changes, needs
 from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.pipe_file import reach
 from pirate_sm.loading.robot import LoadedRobot
-from pirate_sm.model.actuation import Duty, Share, Speed, Stage, Target
+from pirate_sm.model.actuation import Duty, HeldTorque, Share, Speed, Stage, Target
 from pirate_sm.model.profile import Command, Profile, Slot
 
 NOTHING = "–"
@@ -241,6 +241,8 @@ def _value(value: object) -> str:
             return f"to {value.factor:g} × {value.joint}"
         case Speed():
             return f"at {value.value * 1000:g} mm/s"
+        case HeldTorque():
+            return f"bears {value.value * 1000:g} mNm"
         case _:
             return "as it is"
 

@@ -10,12 +10,14 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from pirate_sm.engine.control.position_loop import PositionLoop
+from pirate_sm.engine.control.torque_loop import TorqueLoop
 from pirate_sm.engine.control.velocity_loop import VelocityLoop
+from pirate_sm.engine.control.wheel_torque_loop import WheelTorqueLoop
 from pirate_sm.engine.robot.command_spec import SlotSpec, Write
 from pirate_sm.engine.sensing.board_spec import BoardSpec
 
 Numbers = tuple[float, ...]
-Loop: TypeAlias = PositionLoop | VelocityLoop
+Loop: TypeAlias = PositionLoop | VelocityLoop | TorqueLoop | WheelTorqueLoop
 Loops: TypeAlias = tuple[Loop, ...]
 
 
@@ -44,8 +46,20 @@ def begun(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) 
             new = VelocityLoop(write.slot, slot.velocity, write.value)
             same = isinstance(running, VelocityLoop) and running._replace(integral=0.0) == new
             return running if same else new
+        case "bear":
+            return _bearing(write, slot, numbers, running)
         case "set" | "keep":
             return None
+
+
+def _bearing(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) -> Loop | None:
+    if slot.held_torque is not None:
+        if isinstance(running, TorqueLoop) and running.target_nm == write.value:
+            return running
+        return TorqueLoop(write.slot, slot.held_torque, write.value).heard(numbers)
+    if slot.wheel_torque is not None:
+        return WheelTorqueLoop(write.slot, slot.wheel_torque, write.value).heard(numbers)
+    return None
 
 
 def after_frame(board: BoardSpec, loops: Loops, numbers: Numbers) -> Loops:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from math import isnan
 
 from pirate_sm.engine.control.loops import Loop, Loops, begun, quantised
+from pirate_sm.engine.control.torque_loop import TorqueLoop
 from pirate_sm.engine.robot.command_spec import StageSpec
 from pirate_sm.engine.robot.criteria import CriterionSpec
 from pirate_sm.engine.robot.done import holds
@@ -20,6 +21,7 @@ from pirate_sm.engine.robot.robot_state import (
     RobotState,
     known_values,
     posture_of,
+    states_of,
 )
 from pirate_sm.engine.sensing.known_signals import Sensing
 
@@ -46,9 +48,33 @@ def stage_array(
             _write(robot, sensing, posture.writes, values, loops)
         return tuple(values), tuple(loops.values())
     for region in regions:
-        stages = robot.actuation[region][target[region]]
+        stages = state.stages(robot, region, target[region])
         _write(robot, sensing, stages[min(stage, len(stages) - 1)], values, loops)
     return tuple(values), tuple(loops.values())
+
+
+def switched_array(
+    robot: RobotSpec, state: RobotState, sensing: Sensing, control: int
+) -> tuple[Numbers, Loops]:
+    """Return the array and the loops that actuate the present states by another control.
+
+    Only slots are written to which the two controls write something else.
+    """
+    values = list(known_values(state.latest, sensing.numbers, robot))
+    loops = {each.slot: each for each in state.loops}
+    after = state._replace(control=control)
+    for region, name in enumerate(states_of(robot, state)):
+        before = state.stages(robot, region, name)[-1]
+        stage = after.stages(robot, region, name)[-1]
+        changed = tuple(write for write in stage if write not in before)
+        _write(robot, sensing, changed, values, loops)
+    return tuple(values), tuple(loops.values())
+
+
+def unsettled(state: RobotState, sensing: Sensing) -> list[int]:
+    """Return the slots whose joint does not bear the torque that its torque loop asks for."""
+    loops = [each for each in state.loops if isinstance(each, TorqueLoop)]
+    return [each.slot for each in loops if not each.settled(sensing.numbers)]
 
 
 def unknown_angle(robot: RobotSpec, stage: StageSpec, sensing: Sensing) -> str:
@@ -64,7 +90,7 @@ def is_done(
     robot: RobotSpec, state: RobotState, motion: Motion, done: CriterionSpec, sensing: Sensing
 ) -> bool:
     """Whether the stage in force is done; a posture also needs every joint at its angle."""
-    if motion.blind or not holds(done, sensing.numbers, state.values, state.seekers):
+    if motion.blind or not holds(done, sensing.numbers, state.values, state.loops):
         return False
     return not _away(robot, state, motion, sensing)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import assert_never
 
+from pirate_sm.engine.control.stages import unsettled
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.mission.ending import end, end_by_fault
 from pirate_sm.engine.mission.going_on import fail, go
@@ -18,6 +19,7 @@ from pirate_sm.engine.mission.program import (
     Raise,
     Require,
     Say,
+    SwitchControl,
     Wait,
 )
 from pirate_sm.engine.mission.waiting import question, wait
@@ -55,12 +57,16 @@ def advance(moment: Moment, state: EngineState) -> EngineState:
     return end(moment, state, "failed", ROUND_AND_ROUND)
 
 
-def _execute(moment: Moment, state: EngineState, it: Instruction) -> EngineState:
+def _execute(  # noqa: C901 - one case for each kind of instruction
+    moment: Moment, state: EngineState, it: Instruction
+) -> EngineState:
     match it:
         case Wait():
             return wait(moment, state, it)
         case Do():
             return _do(moment, state, it)
+        case SwitchControl():
+            return _switch_control(moment, state, it)
         case Enter():
             return _enter(moment, state, it)
         case Branch():
@@ -142,6 +148,27 @@ def _awaited(moment: Moment, state: EngineState, it: Do, name: str) -> EngineSta
         return state._replace(mission=again)
     cause = f"{name} ({it.place}) failed: {mission.result.reason}"
     return fail(moment, state, cause, it.failed)
+
+
+def _switch_control(moment: Moment, state: EngineState, it: SwitchControl) -> EngineState:
+    mission, body = state.mission, state.robot
+    if body.awaited is not None or body.motion is not None:
+        return state  # the array in flight is resolved first
+    clock = mission.clock(moment.now_s)
+    if not mission.begun:
+        robot = commands.switch_control(moment, body, state.sensing, it.control)
+        mission = mission._replace(begun=True, armed_s=clock)
+        return state._replace(robot=robot, mission=mission)
+    late = unsettled(body, state.sensing)
+    if moment.nominal or mission.skipped is not None or not late:
+        return go(state, it.next)
+    if has_come(clock, mission.armed_s + it.timeout_s):
+        name = moment.robot.controls[it.control].name
+        slots = ", ".join(moment.robot.slots[slot].name for slot in late)
+        limit = f"{it.timeout_s:g} s"
+        cause = f"control {name} ({it.place}): {slots} did not bear the torque within {limit}"
+        return fail(moment, state, cause, it.failed)
+    return state
 
 
 def _branch(moment: Moment, state: EngineState, it: Branch) -> EngineState:

@@ -50,6 +50,22 @@ class Do(NamedTuple):
     handled: bool = False
 
 
+class SwitchControl(NamedTuple):
+    """Actuates the robot's states by another control, and awaits the torques of its joints.
+
+    Attributes:
+        control: Index of the control among the robot's.
+        timeout_s: How long the joints may take to bear their torques.
+        failed: Where a failure leads; ``place``: where it stands, ``file:line:col``.
+    """
+
+    control: int
+    timeout_s: float
+    next: int
+    failed: int
+    place: str
+
+
 class Branch(NamedTuple):
     """Goes one way or the other; an unknown condition goes the false way and says so."""
 
@@ -147,7 +163,9 @@ class Finish(NamedTuple):
     end: str
 
 
-Instruction: TypeAlias = Enter | Do | Branch | Require | Wait | Question | Say | Raise | Finish
+Instruction: TypeAlias = (
+    Enter | Do | SwitchControl | Branch | Require | Wait | Question | Say | Raise | Finish
+)
 
 
 class RuleSpec(NamedTuple):

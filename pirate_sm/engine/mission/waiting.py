@@ -6,7 +6,7 @@ from math import inf, isnan, nan
 
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.mission.going_on import fail, go, moved
-from pirate_sm.engine.mission.program import Question, TriggerSpec, Wait
+from pirate_sm.engine.mission.program import Question, SwitchControl, TriggerSpec, Wait
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.sensing.known_signals import with_changes
 from pirate_sm.engine.state import EngineState, MissionState, Words
@@ -31,7 +31,7 @@ def next_deadline(moment: Moment, state: EngineState) -> float:
                 deadline = min(deadline, mission.armed_s + trigger.after_s)
             elif not isnan(since):
                 deadline = min(deadline, since + trigger.held_s)
-    elif mission.begun and isinstance(instruction, Question):
+    elif mission.begun and isinstance(instruction, Question | SwitchControl):
         deadline = min(deadline, mission.armed_s + instruction.timeout_s)
     return deadline + mission.offset_s
 

@@ -118,7 +118,7 @@ def _moved(
 
 def _left(write: Write) -> tuple[str, float]:
     """Return what is in force once the write's command is done: a value, or a kept speed."""
-    return (write.how, write.value) if write.how in ("set", "turn") else ("set", 0.0)
+    return (write.how, write.value) if write.how in ("set", "turn", "bear") else ("set", 0.0)
 
 
 def _box(robot: RobotSpec, accepted: Collection[int]) -> tuple[States, ...]:

@@ -38,6 +38,42 @@ class VelocitySpec(NamedTuple):
     radius_m: float
 
 
+class TorqueSpec(NamedTuple):
+    """A torque loop of a joint behind a self-locking worm and a series spring.
+
+    Attributes:
+        gain: Duty cycle per Nm of error.
+        dead_nm: Error within which the motor stands.
+        within_nm: Error within which the joint counts as settled.
+        least_duty: Duty cycle below which the worm would stand still.
+        limit: Largest duty cycle used.
+        stall_torque_nm: Torque of the motor at full duty when it stands, at the joint.
+        torque: Number index of the torque that the joint bears.
+    """
+
+    gain: float
+    dead_nm: float
+    within_nm: float
+    least_duty: float
+    limit: float
+    stall_torque_nm: float
+    torque: int
+
+
+class WheelTorqueSpec(NamedTuple):
+    """How a wheel is kept at a torque by its motor's characteristic.
+
+    Attributes:
+        stall_torque_nm: Torque at full duty when it stands.
+        no_load_rad_s: Speed at full duty without load.
+        speed: Number index of the wheel's angular speed.
+    """
+
+    stall_torque_nm: float
+    no_load_rad_s: float
+    speed: int
+
+
 @dataclass(frozen=True)
 class SlotSpec:
     """One setpoint of the wire.
@@ -47,6 +83,8 @@ class SlotSpec:
         rate: Number index of that angle's rate; ``torque`` that of the joint's torque; -1 without.
         position: How a duty slot is brought to an angle, None where it cannot be.
         velocity: How a duty slot is kept at a speed, None where it cannot be.
+        held_torque: How a joint's duty slot is kept at a torque, None where it cannot be.
+        wheel_torque: How a wheel's duty slot is kept at a torque, None where it cannot be.
         self_locking: Whether the motor keeps its place at duty 0, whatever the load.
         low: Least value; ``high`` the largest.
         resolution: Steps of the wire.
@@ -62,6 +100,8 @@ class SlotSpec:
     torque: int = -1
     position: PositionSpec | None = None
     velocity: VelocitySpec | None = None
+    held_torque: TorqueSpec | None = None
+    wheel_torque: WheelTorqueSpec | None = None
     self_locking: bool = False
 
 
@@ -70,21 +110,22 @@ class Write(NamedTuple):
 
     Attributes:
         how: ``set`` a value. ``seek`` an angle by a position loop. ``turn`` at a speed by a
-            velocity loop. ``keep`` what is in force: a value, or the loop of another state.
-        value: The value, the angle in rad, or the speed in rad/s.
+            velocity loop. ``bear`` a torque by a torque loop. ``keep`` what is in force: a
+            value, or the loop of another state.
+        value: The value, the angle in rad, the speed in rad/s, or the torque in Nm.
         share_of: Number index of the angle that ``value`` is multiplied by when the stage begins;
             -1 where ``value`` is the angle itself.
     """
 
     slot: int
-    how: Literal["set", "seek", "turn", "keep"]
+    how: Literal["set", "seek", "turn", "bear", "keep"]
     value: float
     share_of: int = -1
 
     @property
     def turns(self) -> bool:
-        """Whether it turns a motor, by a duty or a speed other than zero."""
-        return self.value != 0 and self.how in ("set", "turn")
+        """Whether it turns a motor, by a duty, a speed or a torque other than zero."""
+        return self.value != 0 and self.how in ("set", "turn", "bear")
 
 
 StageSpec: TypeAlias = tuple[Write, ...]

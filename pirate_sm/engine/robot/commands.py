@@ -17,6 +17,7 @@ from pirate_sm.engine.control.stages import (
     is_done,
     looped_values,
     stage_array,
+    switched_array,
     unknown_angle,
     why_late,
     without_loops,
@@ -44,7 +45,7 @@ from pirate_sm.engine.robot.robot_state import (
     state_change,
 )
 from pirate_sm.engine.sensing.known_signals import Sensing
-from pirate_sm.model.effects import CommandStatus
+from pirate_sm.model.effects import CommandStatus, Log
 from pirate_sm.model.events import SubmitResult
 
 _NOTHING_DENIED: Mapping[int, str] = MappingProxyType({})
@@ -206,6 +207,20 @@ def stop(moment: Moment, state: RobotState, sensing: Sensing) -> RobotState:
     """Stop all loops and send the safe array, whatever else is in flight."""
     values = safe_values(moment.robot, state, sensing.numbers)
     return send(moment, state, state.motion, values, (), "stop")
+
+
+def switch_control(moment: Moment, state: RobotState, sensing: Sensing, control: int) -> RobotState:
+    """Actuate the states in force, and those of later commands, by another control.
+
+    To be called only where no command is under way and no array is awaited.
+    """
+    values, loops = switched_array(moment.robot, state, sensing, control)
+    name = moment.robot.controls[control].name
+    moment.tell(Log("info", f"control {name}" if name else "the usual control"))
+    state = state._replace(control=control)
+    if values == state.latest and loops == state.loops:
+        return state
+    return send(moment, state, None, values, loops, "loop")
 
 
 def reassert(moment: Moment, state: RobotState, values: Numbers, loops: Loops) -> RobotState:

@@ -126,7 +126,7 @@ def accepted(robot: RobotSpec, body: RobotState) -> RobotState:
         for mark in awaiting(robot, body)
         if all(
             write.how != "set" or body.values[write.slot] == write.value
-            for write in robot.actuation[mark.which][names[mark.which]][-1]
+            for write in body.stages(robot, mark.which, names[mark.which])[-1]
         )
     }
     return body._replace(marks=body.marks - held) if held else body

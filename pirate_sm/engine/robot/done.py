@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from math import copysign, isnan
 
+from pirate_sm.engine.control.loops import Loops
 from pirate_sm.engine.control.position_loop import PositionLoop
+from pirate_sm.engine.control.torque_loop import TorqueLoop
 from pirate_sm.engine.robot.criteria import (
     AcceptedSpec,
     AlignedSpec,
@@ -20,16 +22,17 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 Numbers = tuple[float, ...]
 
 
-def holds(
-    criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: tuple[PositionLoop, ...]
-) -> bool:
-    """Whether the criterion is true of this moment; unknown signals never make it true."""
+def holds(criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: Loops) -> bool:
+    """Whether the criterion is true of this moment; unknown signals never make it true.
+
+    A joint under a torque loop bears the torque of its loop instead of the criterion's.
+    """
     match criterion:
         case AcceptedSpec():
             return True
         case StalledSpec():
             return all(abs(numbers[rate]) < criterion.still for rate in criterion.rates) and all(
-                abs(numbers[torque]) > criterion.torque for torque in criterion.torques
+                _bears(torque, criterion.torque, numbers, loops) for torque in criterion.torques
             )
         case ReachedSpec():
             return all(
@@ -39,6 +42,7 @@ def holds(
                     and loop.pushes(numbers, setpoints, criterion.loaded)
                 )
                 for loop in loops
+                if isinstance(loop, PositionLoop)
             )
         case TurningSpec():
             return any(
@@ -55,6 +59,14 @@ def holds(
             )
         case BelowSpec():
             return all(abs(numbers[signal]) < criterion.limit for signal in criterion.signals)
+
+
+def _bears(torque: int, least_nm: float, numbers: Numbers, loops: Loops) -> bool:
+    """Whether a joint bears a torque: that of its torque loop, else at least this one."""
+    for loop in loops:
+        if isinstance(loop, TorqueLoop) and loop.spec.torque == torque:
+            return loop.target_nm == 0 or loop.settled(numbers)
+    return abs(numbers[torque]) > least_nm
 
 
 def still(speeds: tuple[int, ...], numbers: Numbers, below: float) -> bool:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.engine.robot.command_spec import CommandSpec, SlotSpec, StageSpec
@@ -38,12 +38,29 @@ class FaultSpec:
     denies: frozenset[int] = frozenset()
 
 
+Actuation: TypeAlias = tuple[Mapping[str, tuple[StageSpec, ...]], ...]
+"""Per region, the stages of each of its states."""
+
+
+@dataclass(frozen=True)
+class ControlSpec:
+    """A way to actuate the robot's states.
+
+    Attributes:
+        name: Empty for the usual one.
+    """
+
+    name: str
+    actuation: Actuation
+
+
 @dataclass(frozen=True, eq=False)
 class RobotSpec:
     """Everything the engine knows of a robot; no other one is the same.
 
     Attributes:
-        actuation: ``actuation[region][state name]`` is the state's stages.
+        actuation: ``actuation[region][state name]`` is the state's stages under the usual control.
+        overlays: Other ways to actuate the states, see :attr:`controls`.
         held: Per configuration the indexes of the parts that it holds.
         part_regions: Per part the regions that its holding depends on.
         unneeded: Per configuration and command, whether what it asks for is so already.
@@ -58,7 +75,7 @@ class RobotSpec:
     table: ChartTable
     vocabulary: Vocabulary
     slots: tuple[SlotSpec, ...]
-    actuation: tuple[Mapping[str, tuple[StageSpec, ...]], ...]
+    actuation: Actuation
     commands: tuple[CommandSpec, ...]
     parts: tuple[str, ...]
     held: tuple[frozenset[int], ...]
@@ -76,11 +93,17 @@ class RobotSpec:
     words_behind: frozenset[str]
     body: BodySpec
     sight: Sight = field(default_factory=Sight)
+    overlays: tuple[ControlSpec, ...] = ()
 
     @property
     def regions(self) -> tuple[str, ...]:
         """Return the names of the state machines."""
         return self.table.regions
+
+    @cached_property
+    def controls(self) -> tuple[ControlSpec, ...]:
+        """Return the ways to actuate the states; the first is the usual one."""
+        return (ControlSpec("", self.actuation), *self.overlays)
 
     @cached_property
     def wheel_boards(self) -> tuple[int, ...]:

@@ -10,7 +10,7 @@ from pirate_sm.engine.control.loops import Loops
 from pirate_sm.engine.control.position_loop import PositionLoop
 from pirate_sm.engine.records import often_replaced
 from pirate_sm.engine.robot.chart_table import Configuration
-from pirate_sm.engine.robot.command_spec import PostureSpec
+from pirate_sm.engine.robot.command_spec import PostureSpec, StageSpec
 from pirate_sm.engine.robot.criteria import CriterionSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.effects import StateChange
@@ -120,6 +120,7 @@ class RobotState(NamedTuple):
         next_id: Id of the next new array.
         sent: Whether anything has ever been sent.
         overtaken: Arrays of loops whose fate was not known when a newer one was sent.
+        control: Index of the control that actuates the states.
     """
 
     configuration: int
@@ -132,6 +133,11 @@ class RobotState(NamedTuple):
     seeking: frozenset[int] = frozenset()
     sent: bool = False
     overtaken: tuple[Flight, ...] = ()
+    control: int = 0
+
+    def stages(self, robot: RobotSpec, region: int, state: str) -> tuple[StageSpec, ...]:
+        """Return the stages of a region's state under the control in force."""
+        return robot.controls[self.control].actuation[region][state]
 
     @property
     def awaited(self) -> Flight | None:

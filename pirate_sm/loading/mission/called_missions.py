@@ -105,6 +105,7 @@ def _all(steps: Sequence[model.Step]) -> Iterator[model.Step]:
                 | model.CallStep()
                 | model.AskStep()
                 | model.WaitStep()
+                | model.ControlStep()
                 | model.LogStep()
             ):
                 yield step

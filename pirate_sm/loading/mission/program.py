@@ -51,11 +51,13 @@ def build_program(
         (),
         (source.path.resolve(),),
     )
-    start = scope.target(start_phase or mission.start, ("start",))
+    first = start_phase or mission.start
+    start = writer.beginning(scope, first)
     limit = scope.limit(mission.time_limit, ("time_limit",))
     try:
         if writer.calls.least_length(source) > MOST_INSTRUCTIONS:
             raise TooLongError
+        writer.begin(scope, first, start)
         writer.ends(scope)
         writer.phases(scope)
     except TooLongError as error:

@@ -42,6 +42,28 @@ class ProgramWriter:
                 out.Finish, "", scope.outer, outcome=outcome, message=message, end=name
             )
 
+    def beginning(self, scope: Scope, phase: str) -> Label:
+        """Return the label that a mission begins at; :meth:`begin` places it."""
+        start = scope.target(phase, ("start",))
+        return start if scope.source.mission.control is None else Label()
+
+    def begin(self, scope: Scope, phase: str, beginning: Label) -> None:
+        """Write what comes before a mission's first phase: its control, if it names one."""
+        name, path = scope.source.mission.control, ("control",)
+        if name is None:
+            return
+        self.assembly.mark(beginning)
+        self.assembly.emit(
+            out.SwitchControl,
+            replace(scope, phase=phase).full_phase,
+            scope.handlers,
+            control=scope.control(name, path),
+            timeout_s=model.CONTROL_WITHIN_S,
+            next=scope.target(phase, ("start",)),
+            failed=scope.failure(None, path),
+            place=scope.place(path),
+        )
+
     def phases(self, scope: Scope) -> None:
         """Write every phase of the scope's mission."""
         handlers = scope.handlers
@@ -119,6 +141,8 @@ class _PhaseWriter:
                 self._ask(step, path, after)
             case model.WaitStep():
                 self._wait(step, path, after, self._failure(step, path, after))
+            case model.ControlStep():
+                self._switch(step, path, after)
             case model.LogStep():
                 message = self.scope.message(step.log, (*path, "log"))
                 self._emit(out.Say, level=step.level, message=message, next=after)
@@ -144,6 +168,17 @@ class _PhaseWriter:
             place=scope.place(path),
             expected=step.on_failure is not None,
             handled=scope.handles_failures,
+        )
+
+    def _switch(self, step: model.ControlStep, path: Path, after: Label) -> None:
+        scope = self.scope
+        self._emit(
+            out.SwitchControl,
+            control=scope.control(step.control, (*path, "control")),
+            timeout_s=scope.waited(step.timeout, (*path, "timeout")),
+            next=after,
+            failed=self._failure(step, path, after),
+            place=scope.place(path),
         )
 
     def _failure(self, step: model.Step, path: Path, after: Label) -> Label | int:
@@ -257,7 +292,7 @@ class _PhaseWriter:
             phase="",
             inner=None,
         )
-        begin = inside.target(source.mission.start, ("start",))
+        begin = self.compiler.beginning(inside, source.mission.start)
         self._emit(
             out.Require,
             states=required_states(source, scope.robot.table, inside.problems),
@@ -268,6 +303,7 @@ class _PhaseWriter:
             expected=step.on_failure is not None,
             handled=scope.handles_failures,
         )
+        self.compiler.begin(inside, source.mission.start, begin)
         for name, end in source.mission.ends.items():
             self.compiler.assembly.mark(inside.targets[name])
             message = (

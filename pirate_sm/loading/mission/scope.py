@@ -21,6 +21,8 @@ from pirate_sm.units import DIMENSIONLESS, TIME, Quantity, describe
 
 _FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 CAUSE = "cause"
+NO_CONTROL = "none"
+"""The name by which a mission takes the robot's usual actuation."""
 ROUND, ROUNDS = "round", "rounds"
 _MEANINGS = {
     CAUSE: "why something failed",
@@ -167,6 +169,15 @@ class Scope:
         self._unknown("command", name, names, path, "mission.command")
         meant = nearest(name, names)
         return None if meant is None else table.command_index[profile.aliases.get(meant, meant)]
+
+    def control(self, name: str, path: Path) -> int:
+        """Return the index of a control, 0 for ``none``; 0 too after reporting an unknown one."""
+        names = [each.name for each in self.robot.controls[1:]]
+        if name in names:
+            return names.index(name) + 1
+        if name != NO_CONTROL:
+            self._unknown("control", name, [*names, NO_CONTROL], path, "mission.control")
+        return 0
 
     def condition(self, text: str, path: Path, *, in_wait: bool = False) -> Expression | None:
         """Return a compiled condition, or None after saying what is wrong with it.

@@ -11,7 +11,7 @@ from pirate_sm.engine.robot.command_spec import SlotSpec, StageSpec, Write
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.loading.robot.slots import Slots
-from pirate_sm.model.actuation import Duty, Setpoint, Share, Speed, Target
+from pirate_sm.model.actuation import Duty, HeldTorque, Setpoint, Share, Speed, Target
 from pirate_sm.model.profile import Profile
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE
@@ -108,6 +108,8 @@ def _write(
             return Write(index, "set", sign * value + 0.0)
         case Speed(value):
             return _speed(index, slot, sign * value, path, problems)
+        case HeldTorque(value):
+            return _torque(index, slot, sign * value + 0.0, path, problems)
         case Target(angle_rad):
             return _target(index, slot, sign * angle_rad + 0.0, path, problems)
         case Share(factor):
@@ -130,6 +132,27 @@ def _speed(index: int, slot: SlotSpec, value: float, path: Path, problems: Probl
         )
         problems.add("robot.setpoint", path, message)
     return Write(index, "turn", value / spec.radius_m + 0.0)
+
+
+def _torque(index: int, slot: SlotSpec, value: float, path: Path, problems: Problems) -> Write:
+    """Return what keeps the slot's joint or wheel at a torque in Nm."""
+    loop = slot.held_torque or slot.wheel_torque
+    if loop is None:
+        message = (
+            f"'{slot.name}' cannot be kept at a torque: that takes a joint with a torque sensor"
+            " and a motor with a `torque_loop`, or a wheel's motor with `stall_torque` and"
+            " `no_load_speed`"
+        )
+        problems.add("robot.setpoint", path, message)
+        return Write(index, "keep", 0.0)
+    most = loop.stall_torque_nm * (slot.held_torque.limit if slot.held_torque else 1.0)
+    if abs(value) > most:
+        message = (
+            f"{abs(value) * 1000:.4g} mNm is more than '{slot.name}' can bear at its limit,"
+            f" {most * 1000:.4g} mNm"
+        )
+        problems.add("robot.setpoint", path, message)
+    return Write(index, "bear", value)
 
 
 def _target(index: int, slot: SlotSpec, angle_rad: float, path: Path, problems: Problems) -> Write:

@@ -22,6 +22,7 @@ from pirate_sm.loading.robot.boards import resolve_boards
 from pirate_sm.loading.robot.body_chain import resolve_chain, words_behind
 from pirate_sm.loading.robot.body_check import check_body
 from pirate_sm.loading.robot.commands import resolve_commands, resolve_faults, resolve_parts
+from pirate_sm.loading.robot.controls import resolve_controls
 from pirate_sm.loading.robot.postures import resolve_postures
 from pirate_sm.loading.robot.safety_rules import resolve_rules
 from pirate_sm.loading.robot.sensor_limits import thresholds
@@ -219,4 +220,5 @@ def _resolve(
         words_behind=words_behind(profile),
         body=resolve_chain(signals),
         sight=resolve_sight(table, slots.specs, actuation, signals),
+        overlays=resolve_controls(profile, table, signals, slots, actuation, polarity, problems),
     )

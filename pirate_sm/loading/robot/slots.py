@@ -5,7 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from pirate_sm.engine.robot.command_spec import PositionSpec, SlotSpec, VelocitySpec
+from pirate_sm.engine.robot.command_spec import (
+    PositionSpec,
+    SlotSpec,
+    TorqueSpec,
+    VelocitySpec,
+    WheelTorqueSpec,
+)
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import profile as model
@@ -69,12 +75,14 @@ def _slot(
             1.0,
             link.duty_resolution,
             velocity=velocity,
+            wheel_torque=_wheel_torque(profile, signals, slot, motor, path),
             self_locking=self_locking,
         )
     joints = profile.body.joints
     place = next((n for n, joint in enumerate(joints) if joint.name == slot.joint), -1)
-    torque = joints[place].torque if place >= 0 else None
+    name = joints[place].torque if place >= 0 else None
     torque_path: Path = ("body", "joints", place, "torque")
+    torque = signals.number(name, torque_path, TORQUE) if name else -1
     loop, settings = None, motor.position_loop
     if settings is not None:
         loop = PositionSpec(
@@ -92,8 +100,9 @@ def _slot(
         link.duty_resolution,
         angle=signals.number(slot.joint, (*path, "joint"), ANGLE) if known else -1,
         rate=signals.rate_of(slot.joint),
-        torque=signals.number(torque, torque_path, TORQUE) if torque else -1,
+        torque=torque,
         position=loop,
+        held_torque=_held_torque(motor, torque),
         self_locking=self_locking,
     )
 
@@ -110,6 +119,26 @@ def _velocity(
     no_load_rad_s = motor.no_load_speed or inf
     radius_m = profile.body.wheel_radius
     return VelocitySpec(settings.gain, settings.limit, no_load_rad_s, speed, radius_m)
+
+
+def _wheel_torque(
+    profile: model.Profile, signals: Signals, slot: model.Slot, motor: model.Motor, path: Path
+) -> WheelTorqueSpec | None:
+    """Return how the slot's wheel is kept at a torque; None where it cannot be."""
+    wheel = next((each for each in profile.body.wheels if each.name == slot.wheel), None)
+    if wheel is None or not motor.stall_torque or not motor.no_load_speed:
+        return None
+    speed = signals.number(wheel.speed, (*path, "wheel"), ANGULAR_SPEED)
+    return WheelTorqueSpec(motor.stall_torque, motor.no_load_speed, speed)
+
+
+def _held_torque(motor: model.Motor, torque: int) -> TorqueSpec | None:
+    """Return how a joint is kept at a torque; None without a loop, or without its sensor."""
+    loop = motor.torque_loop
+    if loop is None or motor.stall_torque is None or torque < 0:
+        return None
+    duties = loop.least_duty, loop.limit
+    return TorqueSpec(loop.gain, loop.dead, loop.within, *duties, motor.stall_torque, torque)
 
 
 _SAID = {"joint": "joint", "wheel": "wheel", "roll": "roll joint"}

@@ -1,0 +1,67 @@
+"""A torque loop, which keeps a joint behind a self-locking worm at a torque by its duty.
+
+The series spring is the sensor and the worm is the memory: at duty 0 it keeps the torque without a
+current. A motor that winds the spring needs the duty that bears the torque, and one for the error.
+"""
+
+from __future__ import annotations
+
+from math import isnan
+from typing import NamedTuple
+
+from pirate_sm.engine.robot.command_spec import TorqueSpec
+
+Numbers = tuple[float, ...]
+
+
+class TorqueLoop(NamedTuple):
+    """A running torque loop.
+
+    Attributes:
+        slot: Whose duty it sets.
+        target_nm: The torque that the joint shall bear.
+        output: The duty cycle until the next frame.
+        pushing: Whether that is a push, after which the loop waits for one frame.
+    """
+
+    slot: int
+    spec: TorqueSpec
+    target_nm: float
+    output: float = 0.0
+    pushing: bool = False
+
+    @property
+    def ends_with_command(self) -> bool:
+        """Return that it runs until another state writes the slot."""
+        return False
+
+    @property
+    def signal(self) -> int:
+        """Return the number index of the signal that it controls."""
+        return self.spec.torque
+
+    def heard(self, numbers: Numbers) -> TorqueLoop:
+        """Return the loop after a fresh frame of the joint's board.
+
+        The duty is ``gain * error``, and ``torque / stall torque`` more while the motor winds the
+        spring. In place of a duty that is too small to move the worm comes a push of one frame,
+        then 0 until the frame after that shows what the push did. The duty is 0 where the error
+        is small or the torque is unknown: the worm holds.
+        """
+        spec, torque = self.spec, numbers[self.spec.torque]
+        error = self.target_nm - torque
+        if isnan(error) or abs(error) <= spec.dead_nm or self.pushing:
+            return self._replace(output=0.0, pushing=False)
+        way = 1.0 if error > 0 else -1.0
+        winds = way * torque >= 0
+        wanted = abs(error) * spec.gain + (way * torque / spec.stall_torque_nm if winds else 0.0)
+        size = min(max(wanted, spec.least_duty), spec.limit)
+        return self._replace(output=way * size, pushing=wanted < spec.least_duty)
+
+    def duty(self, numbers: Numbers, loss: float = 0.0) -> float:
+        """Return the duty cycle; neither the signals nor lost reports matter between frames."""
+        return self.output
+
+    def settled(self, numbers: Numbers) -> bool:
+        """Whether the joint bears its torque; an unknown torque is not it."""
+        return abs(self.target_nm - numbers[self.spec.torque]) <= self.spec.within_nm

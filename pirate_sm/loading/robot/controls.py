@@ -1,0 +1,110 @@
+"""Resolve the controls of a robot: overlays of its actuation."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.robot.command_spec import StageSpec
+from pirate_sm.engine.robot.robot_spec import Actuation, ControlSpec
+from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.robot.actuation import resolve_stage
+from pirate_sm.loading.robot.signals import Signals
+from pirate_sm.loading.robot.slots import Slots
+from pirate_sm.model.actuation import Share, Target
+from pirate_sm.model.control import Control
+from pirate_sm.model.profile import Profile
+
+
+def resolve_controls(
+    profile: Profile,
+    table: ChartTable,
+    signals: Signals,
+    slots: Slots,
+    usual: Actuation,
+    polarity: Literal["normal", "mirrored"],
+    problems: Problems,
+) -> tuple[ControlSpec, ...]:
+    """Return the robot's controls in the order of the profile, or report what is wrong.
+
+    A control says how a state actuates its motors, not what the state is: each overlaid state keeps
+    its slots, its number of stages and the wheels that it drives, and waits for no angle.
+    """
+    found: dict[str, Actuation] = {}
+    for name, control in profile.controls.items():
+        base = _base(name, control, found, usual, problems)
+        overlaid = [dict(states) for states in base]
+        for region, states in control.actuation.items():
+            at: Path = ("controls", name, "actuation", region)
+            if region not in table.regions:
+                problems.add_unknown("robot.control", at, "region", region, table.regions, key=True)
+                continue
+            place = table.regions.index(region)
+            for state, stages in states.items():
+                path: Path = (*at, state)
+                if state not in usual[place]:
+                    known = list(usual[place])
+                    problems.add_unknown("robot.control", path, "state", state, known, key=True)
+                    continue
+                resolved = []
+                for number, stage in enumerate(stages):
+                    here: Path = (*path, number) if len(stages) > 1 else path
+                    for slot, setpoint in stage.items():
+                        if isinstance(setpoint, Target | Share):
+                            message = "a control takes duty cycles, speeds and torques, no angles"
+                            problems.add("robot.control", (*here, slot), message)
+                    resolved.append(
+                        resolve_stage(stage, profile, signals, slots, polarity, here, problems)
+                    )
+                _check(usual[place][state], tuple(resolved), slots, path, problems)
+                overlaid[place][state] = tuple(resolved)
+        found[name] = tuple(overlaid)
+    return tuple(ControlSpec(name, actuation) for name, actuation in found.items())
+
+
+def _base(
+    name: str,
+    control: Control,
+    found: dict[str, Actuation],
+    usual: Actuation,
+    problems: Problems,
+) -> Actuation:
+    """Return the actuation that the control changes; its base stands before it in the file."""
+    if control.extends is None:
+        return usual
+    if control.extends not in found:
+        problems.add_unknown(
+            "robot.control",
+            ("controls", name, "extends"),
+            "control before this one",
+            control.extends,
+            found,
+            none="no control before this one",
+        )
+    return found.get(control.extends, usual)
+
+
+def _check(
+    usual: tuple[StageSpec, ...],
+    given: tuple[StageSpec, ...],
+    slots: Slots,
+    path: Path,
+    problems: Problems,
+) -> None:
+    """Report where a control makes something else of a state than another way to actuate it."""
+    if len(usual) != len(given):
+        message = f"the state has {len(usual)} stages, under this control {len(given)}"
+        problems.add("robot.control", path, message)
+        return
+    for before, after in zip(usual, given, strict=True):
+        wanted, got = ({write.slot for write in stage} for stage in (before, after))
+        names = ", ".join(slots.specs[slot].name for slot in sorted(wanted ^ got))
+        if names:
+            problems.add("robot.control", path, f"write the same slots as `actuation`, not {names}")
+        driven = {write.slot for write in before if write.turns}
+        now = {write.slot for write in after if write.turns}
+        wheels = {slot for slot in (driven ^ now) & wanted if slots.specs[slot].angle < 0}
+        if wheels and not names:
+            names = ", ".join(slots.specs[slot].name for slot in sorted(wheels))
+            message = f"drive the same wheels as `actuation` does: {names}"
+            problems.add("robot.control", path, message)
