@@ -126,6 +126,11 @@ class SimulatorBackend:
         return self._robot.arcs_m
 
     @property
+    def moved_until_s(self) -> float:
+        """Until when the robot has moved: the end of the last cycle."""
+        return self._cycles * self._cycle_s
+
+    @property
     def crossings_m(self) -> tuple[float, ...]:
         """Where the axes of the pipe cross, along the pipe."""
         return self._robot.crossings_m

@@ -37,6 +37,7 @@ def order_of(options: RunOptions | ConsoleOptions) -> Order:
         baud=options.baud,
         guard_for_s=read_duration("--guard-for", options.guard_for),
         calibration=options.calibration,
+        ruler=options.ruler,
         check=options.check,
         detector=options.detector,
         start_at_m=read_length("--start-at", options.start_at),

@@ -141,6 +141,8 @@ def _take(moment: Moment, state: EngineState, event: events.Event) -> EngineStat
             return inputs.word(moment, state, event)
         case events.EnvironmentReport():
             return surroundings.hear(moment, state, event)
+        case events.OutsideNumber():
+            return inputs.outside_number(moment, state, event)
         case events.FaultReport():
             return inputs.fault_report(moment, state, event)
         case events.CommandFailed():

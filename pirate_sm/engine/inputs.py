@@ -8,9 +8,16 @@ from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands
 from pirate_sm.engine.safety.faults import ANEW, Found, begin_anew, look, unsettle
 from pirate_sm.engine.sensing.conversion import observe
+from pirate_sm.engine.sensing.traction import with_traction
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Detected
-from pirate_sm.model.events import DetectorWord, FaultReport, SensorFrame, SubmitResult
+from pirate_sm.model.events import (
+    DetectorWord,
+    FaultReport,
+    OutsideNumber,
+    SensorFrame,
+    SubmitResult,
+)
 from pirate_sm.model.fault_codes import BuiltInFault
 
 
@@ -23,6 +30,9 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
     sensing, reports = observe(
         robot, state.sensing, event, body.values, body.latest, now_s, sent=body.sent
     )
+    if robot.traction is not None or sensing.outside_until_s:
+        held, around = robot.held[body.configuration], state.surveyed.reported
+        sensing = with_traction(robot, sensing, board, body.values, held, around, now_s)
     if body.loops:
         body = sending.hear(board, body, sensing)
     words = state.obeyed_words(robot)
@@ -52,6 +62,20 @@ def word(moment: Moment, state: EngineState, event: DetectorWord) -> EngineState
         return state
     moment.tell(Detected(event.word))
     return state._replace(words=(*state.words[:-2], event.word, state.words[-1]))
+
+
+def outside_number(moment: Moment, state: EngineState, event: OutsideNumber) -> EngineState:
+    """Take a number in that was measured outside; it counts for a time."""
+    if event.signal not in moment.robot.outside:
+        moment.warn(f"'{event.signal}' was measured outside, an unknown signal")
+        return state
+    index, valid_for_s = moment.robot.outside[event.signal]
+    numbers = list(state.sensing.numbers)
+    numbers[index] = event.value
+    others = tuple(each for each in state.sensing.outside_until_s if each[0] != index)
+    until_s = (*others, (index, moment.now_s + valid_for_s))
+    sensing = state.sensing._replace(numbers=tuple(numbers), outside_until_s=until_s)
+    return state._replace(sensing=sensing)
 
 
 def submitted(moment: Moment, state: EngineState, event: SubmitResult) -> EngineState:

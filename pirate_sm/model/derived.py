@@ -7,6 +7,7 @@ from typing import Annotated, TypeAlias
 from pydantic import Field, Tag
 
 from pirate_sm.model.base import Frozen, Name, by_key
+from pirate_sm.model.quantities import Duration, Speed
 
 
 class Conversion(Frozen):
@@ -103,9 +104,100 @@ class SpeedOf(Frozen):
     speed_of: Annotated[tuple[Name, ...], Field(min_length=1)]
 
 
+class BodySpeedOf(Frozen):
+    """Speed of the body: as measured from outside, else the median of the wheels that agree.
+
+    Attributes:
+        body_speed_of: The wheels.
+        measured: The outside signal that measures it.
+        agreeing: How far a wheel's rim speed may differ from the median of all.
+    """
+
+    body_speed_of: Annotated[tuple[Name, ...], Field(min_length=1)]
+    measured: Name
+    agreeing: Annotated[Speed, Field(gt=0)] = 0.010
+
+
+class SlipSpeedOf(Frozen):
+    """Speed of a wheel's rim less that of the body (thesis fig. 6-7).
+
+    Attributes:
+        slip_speed_of: The wheel.
+        speed: The body speed that is measured from outside, or the signal that falls back from it.
+    """
+
+    slip_speed_of: Name
+    speed: Name
+
+
+class SlipOf(Frozen):
+    """Slip ratio of a wheel, (v - r d omega) / v (thesis eq. 2-1).
+
+    Attributes:
+        slip_of: The wheel.
+        speed: The body speed, see ``slip_speed_of``.
+        unknown_below: Body speed below which the ratio means nothing.
+    """
+
+    slip_of: Name
+    speed: Name
+    unknown_below: Annotated[Speed, Field(gt=0)]
+
+
+class NormalForceOf(Frozen):
+    """How hard a wheel presses on its wall, by the statics of the chain.
+
+    Attributes:
+        normal_force_of: The wheel.
+    """
+
+    normal_force_of: Name
+
+
+class FrictionUsedOf(Frozen):
+    """Force of a wheel along the wall over its normal force: a lower bound of the friction.
+
+    Attributes:
+        friction_used_of: The wheel.
+    """
+
+    friction_used_of: Name
+
+
+class FrictionOf(Frozen):
+    """Coefficient of kinetic friction of a wheel, known while it slips the way it is driven.
+
+    Attributes:
+        friction_of: The wheel.
+        slip_above: Slip speed from which on it is estimated.
+        steady: For how long the wheel must have slipped.
+    """
+
+    friction_of: Name
+    slip_above: Annotated[Speed, Field(gt=0)]
+    steady: Annotated[Duration, Field(ge=0)]
+
+
+class LeastOf(Frozen):
+    """The least of the signals that are known.
+
+    Attributes:
+        least_of: The signals, all of one kind.
+    """
+
+    least_of: Annotated[tuple[Name, ...], Field(min_length=1)]
+
+
+Traction: TypeAlias = (
+    BodySpeedOf | SlipSpeedOf | SlipOf | NormalForceOf | FrictionUsedOf | FrictionOf | LeastOf
+)
+"""Signals of slip, normal force and friction, which are made of all boards."""
+
+
 DERIVED_KINDS = (
     "rate_of", "torque_of", "roll_of", "pitch_of", "norm_of", "diameter_of", "odometry_of",
-    "speed_of",
+    "speed_of", "body_speed_of", "slip_speed_of", "slip_of", "normal_force_of", "friction_used_of",
+    "friction_of", "least_of",
 )  # fmt: skip
 
 
@@ -117,7 +209,14 @@ Derived: TypeAlias = Annotated[
     | Annotated[NormOf, Tag("norm_of")]
     | Annotated[DiameterOf, Tag("diameter_of")]
     | Annotated[OdometryOf, Tag("odometry_of")]
-    | Annotated[SpeedOf, Tag("speed_of")],
+    | Annotated[SpeedOf, Tag("speed_of")]
+    | Annotated[BodySpeedOf, Tag("body_speed_of")]
+    | Annotated[SlipSpeedOf, Tag("slip_speed_of")]
+    | Annotated[SlipOf, Tag("slip_of")]
+    | Annotated[NormalForceOf, Tag("normal_force_of")]
+    | Annotated[FrictionUsedOf, Tag("friction_used_of")]
+    | Annotated[FrictionOf, Tag("friction_of")]
+    | Annotated[LeastOf, Tag("least_of")],
     by_key(
         DERIVED_KINDS,
         custom_error_type="derived",

@@ -11,7 +11,10 @@ from __future__ import annotations
 from math import inf
 from typing import Literal, NamedTuple, TypeAlias
 
-ALPHABET_VERSION = 5
+ALPHABET_VERSION = 6
+
+READABLE_ALPHABETS = (5, 6)
+"""Recordings of these are read: 6 has an event more than 5."""
 
 SubmitStatus: TypeAlias = Literal["accepted", "superseded", "rejected", "unknown"]
 
@@ -58,6 +61,18 @@ class EnvironmentReport(NamedTuple):
     pitch_rad: float
     diameter_m: float
     valid_for_s: float = inf
+
+
+class OutsideNumber(NamedTuple):
+    """Somebody outside the robot has measured one of its outside signals.
+
+    Attributes:
+        signal: Its name in the profile.
+        value: In SI; NaN is unknown.
+    """
+
+    signal: str
+    value: float
 
 
 class SubmitResult(NamedTuple):
@@ -168,6 +183,7 @@ Event: TypeAlias = (
     | SensorFrame
     | DetectorWord
     | EnvironmentReport
+    | OutsideNumber
     | SubmitResult
     | FaultReport
     | SignalReport

@@ -328,6 +328,18 @@ class Detector(Frozen):
     words: Annotated[dict[Name, DetectorDefinition], Field(min_length=1)]
 
 
+class OutsideSignal(Frozen):
+    """A number that somebody outside the robot measures, such as a ruler or a camera.
+
+    Attributes:
+        unit: Its unit, such as ``m/s``; it is reported in SI.
+        valid_for: How long a value counts unless a newer one comes; then it is unknown.
+    """
+
+    unit: str
+    valid_for: PositiveDuration
+
+
 class Profile(Frozen):
     """A whole robot.
 
@@ -343,6 +355,7 @@ class Profile(Frozen):
         plausibility: Limits beyond which a sensor is wrong.
         conversions: Scales from raw counts to SI, by name.
         derived: Signals that are computed from others, by name.
+        outside: Signals that are measured outside the robot.
         actuation: For each region and each of its states, what the slots get.
         controls: Other ways to actuate the states, by the name that a mission chooses them by.
         postures: What commands bring the joints to first, by name. Of each posture the first
@@ -370,6 +383,7 @@ class Profile(Frozen):
     plausibility: Plausibility = Plausibility()
     conversions: dict[Name, Conversion]
     derived: dict[Name, Derived]
+    outside: dict[Name, OutsideSignal] = {}
     actuation: dict[Name, dict[Name, Stages]]
     controls: dict[Name, Control] = {}
     postures: dict[Name, Annotated[tuple[PostureCase, ...], Field(min_length=1)]] = {}

@@ -16,6 +16,7 @@ from pirate_sm.model.quantities import (
     Length,
     Number,
     Ratio,
+    Speed,
     Torque,
 )
 
@@ -52,6 +53,20 @@ class Noise(Frozen):
     current: Annotated[Current, Field(ge=0)] = 0.0
     acceleration: Annotated[Acceleration, Field(ge=0)] = 0.0
     detector: Annotated[Length, Field(ge=0)] = 0.0
+
+
+class RulerSettings(Frozen):
+    """A ruler outside the robot, which a run may switch on.
+
+    Attributes:
+        signal: The outside signal that it measures: the speed of the robot along the pipe.
+        every: The time between two measurements.
+        noise: Standard deviation of a measurement.
+    """
+
+    signal: Name
+    every: Annotated[Duration, Field(gt=0)]
+    noise: Annotated[Speed, Field(ge=0)] = 0.0
 
 
 Kind = Literal[
@@ -110,9 +125,11 @@ class Simulation(Frozen):
     Attributes:
         friction: Between wheel and wall.
         noise: On what the sensors see.
+        ruler: A ruler outside the robot; ``--ruler`` switches it on.
         defects: Known defects by name; ``--defect`` switches one on.
     """
 
     friction: Friction
     noise: Noise = Noise()
+    ruler: RulerSettings | None = None
     defects: dict[Name, Defect] = {}

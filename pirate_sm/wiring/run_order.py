@@ -28,6 +28,7 @@ class Order:
         course: What happens in a trace, everything and in order.
         detector: Name of the detector with its argument, ``odometry`` or ``socket:ADDRESS``;
             None for what is usual on the backend.
+        ruler: Whether a simulated ruler measures the speed of the robot from outside.
         start_at_m: Where odometry takes the first wheel to begin, in place of the pipe's own.
         port: Where the real robot is, a device or a URL of pyserial; ``baud`` in place of the
             robot's own rate.
@@ -52,6 +53,7 @@ class Order:
     firings: tuple[Firing, ...] = ()
     course: tuple[Happening, ...] = ()
     detector: str | None = None
+    ruler: bool = False
     start_at_m: float | None = None
     port: str | None = None
     baud: int | None = None

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 from pirate_sm.detectors.registry import Places
+from pirate_sm.detectors.ruler import Ruler
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
@@ -56,11 +59,29 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     )
     return Equipment(
         backend=backend,
+        companions=_ruler(order, loaded, lambda: (backend.moved_until_s, backend.arcs_m)),
         usual_detector="sim",
         places=Places(backend.crossings_m, lambda: backend.arcs_m),
         truth=lambda: backend.truth,
         wheels=lambda: backend.wheels,
     )
+
+
+def _ruler(
+    order: Order, loaded: LoadedMission, places: Callable[[], tuple[float, Sequence[float]]]
+) -> tuple[Ruler, ...]:
+    """Return the ruler, if the run has one.
+
+    Raises:
+        UsageError: The robot's profile describes no ruler.
+    """
+    if not order.ruler:
+        return ()
+    settings = loaded.loaded_robot.profile.simulation.ruler
+    if settings is None:
+        message = f"the profile of {loaded.robot.name} describes no ruler"
+        raise UsageError(message, option_hint=": --ruler needs `simulation: {ruler: …}` in it")
+    return (Ruler(settings, places, order.seed),)
 
 
 def start_values(loaded: LoadedMission) -> tuple[float, ...] | None:

@@ -97,6 +97,8 @@ class RobotView:
         """Indexes of the numbers that a fitted board tells, or that follow from what it tells."""
         robot = self.loaded.normal
         told = {index for board in robot.boards.values() for index in board.numbers}
+        told |= {index for index, _ in robot.outside.values()}
+        told |= set(robot.traction.targets if robot.traction else ())
         return frozenset(told | {robot.odometry, robot.speed})
 
     @cached_property

@@ -100,6 +100,10 @@ Detector = Annotated[
         help="Who says where the robot is. For sim: sim, for serial: odometry.",
     ),
 ]
+Ruler = Annotated[
+    bool,
+    typer.Option("--ruler", help="In sim: a ruler outside measures the robot's speed, for slip."),
+]
 StartAt = Annotated[
     str | None,
     typer.Option(metavar="LENGTH", help="Where odometry takes the first wheel to begin."),

@@ -54,6 +54,7 @@ class RunOptions:
     baud: common.Baud = None
     guard_for: common.GuardFor = None
     detector: common.Detector = None
+    ruler: common.Ruler = False
     start_at: common.StartAt = None
     calibration: common.Calibration = True
     check: common.Check = True
@@ -105,6 +106,7 @@ class ConsoleOptions:
     baud: common.Baud = None
     guard_for: common.GuardFor = None
     detector: common.Detector = None
+    ruler: common.Ruler = False
     start_at: common.StartAt = None
     calibration: common.Calibration = True
     check: common.Check = True

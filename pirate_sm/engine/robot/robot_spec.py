@@ -18,6 +18,7 @@ from pirate_sm.engine.robot.confirmation_spec import Sight
 from pirate_sm.engine.sensing.board_spec import BoardSpec, LinkSpec, WheelSpec
 from pirate_sm.engine.sensing.body_spec import BodySpec
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec
+from pirate_sm.engine.sensing.traction_spec import TractionSpec
 from pirate_sm.expressions import Expression, Vocabulary
 from pirate_sm.model.fault_codes import BuiltInFault
 
@@ -61,6 +62,8 @@ class RobotSpec:
     Attributes:
         actuation: ``actuation[region][state name]`` is the state's stages under the usual control.
         overlays: Other ways to actuate the states, see :attr:`controls`.
+        traction: Its signals of slip, normal force and friction; None where it has none.
+        outside: Of each signal that is measured outside, its number index and how long it counts.
         held: Per configuration the indexes of the parts that it holds.
         part_regions: Per part the regions that its holding depends on.
         unneeded: Per configuration and command, whether what it asks for is so already.
@@ -94,6 +97,8 @@ class RobotSpec:
     body: BodySpec
     sight: Sight = field(default_factory=Sight)
     overlays: tuple[ControlSpec, ...] = ()
+    traction: TractionSpec | None = None
+    outside: Mapping[str, tuple[int, float]] = field(default_factory=dict)
 
     @property
     def regions(self) -> tuple[str, ...]:

@@ -64,7 +64,8 @@ def observe(
     stale = sensing.stale - {board.position} if sensing.stale else sensing.stale
     loss = loss_after(sensing.loss, elapsed_s, robot.link.period_s)
     values = tuple(numbers), tuple(heard), sensing.checked_s, stale
-    return Sensing(*values, shares, angles, records, asked, loss), reports
+    memory = sensing.told, sensing.traction, sensing.outside_until_s
+    return Sensing(*values, shares, angles, records, asked, loss, *memory), reports
 
 
 def _derive(
@@ -129,6 +130,10 @@ def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
         if sensing.heard_s[board.position] <= limit and board.position not in stale:
             stale.add(board.position)
             for index in board.numbers:
+                numbers[index] = nan
+    if robot.traction is not None:
+        for wheel in robot.traction.wheels:
+            for index in wheel.targets if wheel.board in stale else ():
                 numbers[index] = nan
     if robot.speed >= 0 and all(isnan(numbers[wheel.speed]) for wheel in robot.wheels):
         numbers[robot.speed] = nan

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing import plausibility
 from pirate_sm.engine.sensing.sensor_memory import Record
+from pirate_sm.engine.sensing.traction_memory import Traction, nothing_estimated
 
 Numbers = tuple[float, ...]
 
@@ -44,6 +45,9 @@ class Sensing(NamedTuple):
         loss: Share of the boards' reports that is lost, lately.
         told: In place of ``numbers``, what a script says that conditions see; empty without one.
             Changes of signals may follow, see :func:`with_changes`.
+        traction: What is remembered of the wheels' slip and normal forces.
+        outside_until_s: Per outside signal that is known its number index, and until when it
+            counts.
     """
 
     numbers: Numbers
@@ -56,6 +60,8 @@ class Sensing(NamedTuple):
     asked: MotorRequest = MotorRequest()
     loss: float = 0.0
     told: Numbers = ()
+    traction: Traction = Traction()
+    outside_until_s: tuple[tuple[int, float], ...] = ()
 
     @property
     def shown(self) -> Numbers:
@@ -98,4 +104,5 @@ def nothing_known(robot: RobotSpec, *, blind: bool = False) -> Sensing:
         shares=(0.0,) * count,
         angles=(nan,) * count,
         records=tuple(plausibility.unseen(board.watched) for board in robot.boards.values()),
+        traction=nothing_estimated(robot.traction),
     )

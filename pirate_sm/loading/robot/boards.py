@@ -23,6 +23,12 @@ def resolve_boards(signals: Signals, faults: tuple[FaultSpec, ...]) -> Mapping[i
     ]
     names = signals.vocabulary.numbers
     shared = {signals.first_of("odometry_of"), signals.first_of("speed_of")}
+    shared |= {
+        names.index(name)
+        for name, derived in signals.profile.derived.items()
+        if isinstance(derived, kinds.Traction)
+    }
+    shared |= {names.index(name) for name in signals.profile.outside}
     found: dict[int, BoardSpec] = {}
     for position, (number, board) in enumerate(listened):
         own = _board(signals, number, board, position)
@@ -68,6 +74,8 @@ def _board(signals: Signals, number: int, board: model.Board, position: int) -> 
                 diameters += _diameter(signals, part, told, target)
             case kinds.RateOf() | kinds.TorqueOf() | kinds.OdometryOf() | kinds.SpeedOf():
                 pass  # without its source; made of all wheels
+            case _:
+                pass  # of slip and friction, see `resolve_traction`
     wheels = tuple(w for w in signals.wheels if names[w.angle] in told)
     return BoardSpec(
         board.id,

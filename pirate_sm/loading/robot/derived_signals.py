@@ -10,7 +10,17 @@ from pirate_sm.loading.robot.signals import Signals, check_name
 from pirate_sm.model import derived as kinds
 from pirate_sm.model import profile as model
 from pirate_sm.spelling import nearest, one_of
-from pirate_sm.units import ANGLE, CURRENT, DIMENSIONLESS, LENGTH, SPEED, TIME, TORQUE, Dimension
+from pirate_sm.units import (
+    ANGLE,
+    CURRENT,
+    DIMENSIONLESS,
+    FORCE,
+    LENGTH,
+    SPEED,
+    TIME,
+    TORQUE,
+    Dimension,
+)
 
 
 def add_derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
@@ -47,15 +57,31 @@ def _valid_sources(
     match derived:
         case kinds.DiameterOf():
             return list(profile.body.parts)
-        case kinds.OdometryOf() | kinds.SpeedOf():
+        case (
+            kinds.OdometryOf()
+            | kinds.SpeedOf()
+            | kinds.BodySpeedOf()
+            | kinds.SlipSpeedOf()
+            | kinds.SlipOf()
+            | kinds.NormalForceOf()
+            | kinds.FrictionUsedOf()
+            | kinds.FrictionOf()
+        ):
             return [wheel.name for wheel in profile.body.wheels]
-        case kinds.RateOf() | kinds.TorqueOf() | kinds.RollOf() | kinds.PitchOf() | kinds.NormOf():
+        case (
+            kinds.RateOf()
+            | kinds.TorqueOf()
+            | kinds.RollOf()
+            | kinds.PitchOf()
+            | kinds.NormOf()
+            | kinds.LeastOf()
+        ):
             measured = [c.signal for board in profile.boards for c in board.channels if c.signal]
             numbers = [name for name, kind in types.items() if isinstance(kind, NumberType)]
             return [*numbers, *measured]  # one with a faulty conversion is known all the same
 
 
-def _dimension(
+def _dimension(  # noqa: C901 - one case for each kind
     signals: Signals,
     derived: kinds.Derived,
     types: Mapping[str, NumberType | EnumType],
@@ -79,9 +105,13 @@ def _dimension(
             return TORQUE
         case kinds.RollOf() | kinds.PitchOf():
             return ANGLE
-        case kinds.NormOf(norm_of=sources):
+        case kinds.NormOf(norm_of=sources) | kinds.LeastOf(least_of=sources):
             return of(sources[0])
-        case kinds.SpeedOf():
+        case kinds.SpeedOf() | kinds.BodySpeedOf() | kinds.SlipSpeedOf():
             return SPEED
+        case kinds.SlipOf() | kinds.FrictionOf() | kinds.FrictionUsedOf():
+            return DIMENSIONLESS
+        case kinds.NormalForceOf():
+            return FORCE
         case kinds.DiameterOf() | kinds.OdometryOf():
             return LENGTH

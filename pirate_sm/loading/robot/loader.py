@@ -28,6 +28,7 @@ from pirate_sm.loading.robot.safety_rules import resolve_rules
 from pirate_sm.loading.robot.sensor_limits import thresholds
 from pirate_sm.loading.robot.slots import resolve_slots
 from pirate_sm.loading.robot.state_confirmation import resolve_sight
+from pirate_sm.loading.robot.traction import resolve_traction
 from pirate_sm.loading.robot.vocabulary import resolve_signals
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
@@ -196,6 +197,7 @@ def _resolve(
         slots.index(name, ("safe_state", "zero", number))
         for number, name in enumerate(profile.safe_state.zero)
     )
+    boards = resolve_boards(signals, faults)
     return RobotSpec(
         name=profile.robot,
         polarity=polarity,
@@ -209,7 +211,7 @@ def _resolve(
         part_regions=part_regions,
         unneeded=unneeded,
         safe_zero=zero,
-        boards=resolve_boards(signals, faults),
+        boards=boards,
         wheels=signals.wheels,
         odometry=signals.first_of("odometry_of"),
         speed=signals.first_of("speed_of"),
@@ -220,5 +222,10 @@ def _resolve(
         words_behind=words_behind(profile),
         body=resolve_chain(signals),
         sight=resolve_sight(table, slots.specs, actuation, signals),
+        traction=resolve_traction(signals, boards),
+        outside={
+            name: (signals.vocabulary.numbers.index(name), each.valid_for)
+            for name, each in profile.outside.items()
+        },
         overlays=resolve_controls(profile, table, signals, slots, actuation, polarity, problems),
     )

@@ -36,6 +36,10 @@ def resolve_signals(
     for word in profile.detector.words:
         check_name(DETECTOR, EnumType((word,)), ("detector", "words", word), problems, key=True)
     _measured(signals, types)
+    for name, outside in profile.outside.items():
+        dimension = signals.constant(f"1 {outside.unit}", ("outside", name, "unit"))[1]
+        types[name] = NumberType(dimension)
+        check_name(name, types[name], ("outside", name), problems, key=True)
     add_derived(signals, types)
     problems.raise_errors()
     signals.vocabulary = Vocabulary(types)

@@ -1,0 +1,200 @@
+"""Estimate body speed, slip, normal forces and friction from the signals of a frame.
+
+The speed of the body is what somebody outside measures. Without that it is the median of the rim
+speeds that agree with each other; a slip that all wheels have in common does not show in it, so
+slip and friction are unknown then.
+
+A wheel's friction is the least-squares fit F = mu N over the frames in which it slips steadily, in
+the way that it is driven, and its motor is not at its limit. Old frames are forgotten by degrees.
+At other times it is unknown; the friction that is used is then a lower bound of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, inf, isnan, nan, sin
+from statistics import median
+
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.sensing.board_spec import BoardSpec
+from pirate_sm.engine.sensing.known_signals import Sensing
+from pirate_sm.engine.sensing.traction_memory import Slipping, Traction
+from pirate_sm.engine.sensing.traction_spec import TractionSpec, WheelTraction
+from pirate_sm.geometry.chain_statics import ChainLoads, couples_nm, normal_forces_n
+from pirate_sm.geometry.space import GRAVITY_M_S2
+from pirate_sm.model.effects import Environment
+
+Numbers = tuple[float, ...]
+
+FORGETTING = 0.97
+"""What a frame leaves of the weight of all those before it (design: 0.97)."""
+
+AT_LIMIT = 0.95
+"""A motor that gives a larger share of its stall torque may be what limits the force [decided]."""
+
+
+def with_traction(
+    robot: RobotSpec,
+    sensing: Sensing,
+    board: BoardSpec,
+    setpoints: Numbers,
+    held: frozenset[int],
+    around: Environment,
+    now_s: float,
+) -> Sensing:
+    """Return the signals after a frame of the board, with those of traction.
+
+    Args:
+        robot: The robot.
+        sensing: What is known with the frame in it.
+        board: Whose frame it was.
+        setpoints: In force, per slot.
+        held: Indexes of the parts that are clamped, along which the pipe lies.
+        around: The pipe around the robot.
+        now_s: When it is.
+    """
+    numbers, outside = list(sensing.numbers), sensing.outside_until_s
+    if outside and any(until_s < now_s for _, until_s in outside):
+        for index, until_s in outside:
+            if until_s < now_s:
+                numbers[index] = nan
+        outside = tuple(each for each in outside if each[1] >= now_s)
+    traction = sensing.traction
+    if robot.traction is not None:
+        part = min(held, default=-1)
+        traction = estimate(
+            robot, robot.traction, traction, board, numbers, setpoints, part, around, now_s
+        )
+    return sensing._replace(numbers=tuple(numbers), traction=traction, outside_until_s=outside)
+
+
+def estimate(
+    robot: RobotSpec,
+    spec: TractionSpec,
+    before: Traction,
+    board: BoardSpec,
+    numbers: list[float],
+    setpoints: Numbers,
+    held: int,
+    around: Environment,
+    now_s: float,
+) -> Traction:
+    """Fill in the signals of the wheels that the board reports; return what is to be remembered.
+
+    Normal forces need every board, so they are made once in a round: with the last wheel.
+
+    Args:
+        robot: The robot.
+        spec: Its signals of traction.
+        before: What was remembered.
+        board: Whose frame it was.
+        numbers: All signals, SI; changed in place.
+        setpoints: In force, per slot.
+        held: Index of a part that is clamped, along which the pipe lies; -1 without one.
+        around: The pipe around the robot.
+        now_s: When it is.
+    """
+    measured_m_s = numbers[spec.measured] if spec.measured >= 0 else nan
+    if spec.body_speed >= 0:
+        numbers[spec.body_speed] = _body_speed(spec, numbers, measured_m_s)
+    after = before
+    if spec.wheels[-1].board == board.position:
+        normal_n = _normal_forces(robot, spec, numbers, setpoints, held, around)
+        after = after._replace(normal_n=normal_n)
+    slipping = list(after.slipping)
+    for wheel in spec.wheels:
+        if wheel.board == board.position:
+            slipping[wheel.place] = _wheel(
+                wheel,
+                slipping[wheel.place],
+                after.normal_n[wheel.place],
+                numbers,
+                setpoints[wheel.slot],
+                measured_m_s,
+                now_s,
+            )
+    for target, sources in spec.least:
+        known = [numbers[source] for source in sources if not isnan(numbers[source])]
+        numbers[target] = min(known, default=nan)
+    return after._replace(slipping=tuple(slipping))
+
+
+def _body_speed(spec: TractionSpec, numbers: Sequence[float], measured_m_s: float) -> float:
+    """Return the speed from outside, else the median of the wheels that agree; NaN without."""
+    if not isnan(measured_m_s):
+        return measured_m_s
+    speeds = [numbers[wheel.speed] * wheel.metres_per_rad for wheel in spec.wheels]
+    known = [speed for speed in speeds if not isnan(speed)]
+    if not known:
+        return nan
+    middle = median(known)
+    agree = [speed for speed in known if abs(speed - middle) <= spec.agreeing_m_s]
+    return median(agree) if 2 * len(agree) > len(known) else nan
+
+
+def _wheel(
+    wheel: WheelTraction,
+    before: Slipping,
+    normal_n: float,
+    numbers: list[float],
+    setpoint: float,
+    body_m_s: float,
+    now_s: float,
+) -> Slipping:
+    """Fill in the signals of one wheel; return what is remembered of its slipping."""
+    slip_m_s = numbers[wheel.speed] * wheel.metres_per_rad - body_m_s
+    force_n = numbers[wheel.torque] / wheel.metres_per_rad if wheel.torque >= 0 else nan
+    _put(numbers, wheel.slip_speed, slip_m_s)
+    known = abs(body_m_s) >= wheel.unknown_below_m_s and body_m_s != 0
+    _put(numbers, wheel.slip, -slip_m_s / body_m_s if known else nan)
+    _put(numbers, wheel.normal_force, normal_n)
+    _put(numbers, wheel.friction_used, abs(force_n) / normal_n if normal_n > 0 else nan)
+    way = setpoint * wheel.metres_per_rad
+    slips = way * slip_m_s > 0 and abs(slip_m_s) > wheel.slip_above_m_s
+    limited = not abs(force_n * wheel.metres_per_rad) < AT_LIMIT * wheel.stall_nm
+    after = Slipping()
+    if slips:
+        after = before if before.since_s < inf else Slipping(now_s)
+        if normal_n > 0 and not limited and now_s - after.since_s >= wheel.steady_s:
+            after = Slipping(
+                after.since_s,
+                FORGETTING * after.force_normal + abs(force_n) * normal_n,
+                FORGETTING * after.normal_squared + normal_n * normal_n,
+            )
+    weight = after.normal_squared
+    _put(numbers, wheel.friction, after.force_normal / weight if weight > 0 else nan)
+    return after
+
+
+def _put(numbers: list[float], target: int, value: float) -> None:
+    if target >= 0:
+        numbers[target] = value
+
+
+def _normal_forces(
+    robot: RobotSpec,
+    spec: TractionSpec,
+    numbers: Sequence[float],
+    setpoints: Numbers,
+    held: int,
+    around: Environment,
+) -> Numbers:
+    """Return the normal force of each wheel by chain statics; NaN where it is unknown."""
+    if held < 0 or isnan(around.pitch_rad):
+        return (nan,) * len(spec.wheels)
+    body = robot.body
+    turn_rad = body.heading_in_pipe(numbers, held, 0)
+    headings = body.headings(body.angles(numbers), 0, turn_rad)
+    torques = [numbers[wheel.torque] if wheel.torque >= 0 else 0.0 for wheel in spec.wheels]
+    joints = [numbers[joint] if joint >= 0 else 0.0 for joint in spec.joint_torques]
+    drives = [t / wheel.metres_per_rad for t, wheel in zip(torques, spec.wheels, strict=True)]
+    braked = [setpoints[wheel.slot] == 0 for wheel in spec.wheels]
+    roll_rad = 0.0 if isnan(around.roll_rad) else around.roll_rad
+    # Gravity pulls back where the pipe climbs, and to side B where the robot rolls that way (B-13).
+    gravity = (
+        -GRAVITY_M_S2 * sin(around.pitch_rad),
+        -GRAVITY_M_S2 * cos(around.pitch_rad) * sin(roll_rad),
+    )
+    couples = couples_nm(joints, torques, spec.mounts)
+    loads = ChainLoads(headings, couples, drives, braked, gravity)
+    return tuple(normal_forces_n(body.lengths_m, spec.masses_kg, body.sides, loads))

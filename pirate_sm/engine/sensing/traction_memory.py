@@ -1,0 +1,43 @@
+"""What is remembered of the wheels' traction from frame to frame."""
+
+from __future__ import annotations
+
+from math import inf, nan
+from typing import NamedTuple
+
+from pirate_sm.engine.sensing.traction_spec import TractionSpec
+
+Numbers = tuple[float, ...]
+
+
+class Slipping(NamedTuple):
+    """What is remembered of a wheel that slips.
+
+    Attributes:
+        since_s: Since when it slips the way that it is driven; infinite while it does not.
+        force_normal: Sum of force times normal force, N^2.
+        normal_squared: Sum of the squared normal force, N^2.
+    """
+
+    since_s: float = inf
+    force_normal: float = 0.0
+    normal_squared: float = 0.0
+
+
+class Traction(NamedTuple):
+    """What is remembered of the wheels' traction.
+
+    Attributes:
+        slipping: Per wheel.
+        normal_n: Per wheel its last normal force; NaN is unknown.
+    """
+
+    slipping: tuple[Slipping, ...] = ()
+    normal_n: Numbers = ()
+
+
+def nothing_estimated(spec: TractionSpec | None) -> Traction:
+    """Return what is known before the first frame."""
+    if spec is None:
+        return Traction()
+    return Traction((Slipping(),) * len(spec.wheels), (nan,) * len(spec.wheels))

@@ -1,0 +1,142 @@
+"""Resolve the signals of slip, normal force and friction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from pirate_sm.engine.sensing.board_spec import BoardSpec
+from pirate_sm.engine.sensing.traction_spec import TractionSpec, WheelTraction
+from pirate_sm.loading.problems import Path
+from pirate_sm.loading.robot.signals import Signals
+from pirate_sm.model import derived as kinds
+from pirate_sm.units import SPEED
+
+
+def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> TractionSpec | None:
+    """Return what the robot's signals of traction are made of; None where it has none."""
+    profile = signals.profile
+    wanted = {n: d for n, d in profile.derived.items() if isinstance(d, kinds.Traction)}
+    if not wanted:
+        return None
+    body, names = profile.body, signals.vocabulary.numbers
+    modules = [link.module for link in body.links]
+    torques = {joint.wheel: joint.torque for joint in body.joints}
+    masses = [wheel.mass for wheel in body.wheels]
+    for number, link in enumerate(body.links):
+        masses[number] += link.mass / 2
+        masses[number + 1] += link.mass / 2
+    wheels, mounts = [], []
+    for wheel in signals.wheels:
+        board = next((b for b in boards.values() if wheel in b.wheels), None)
+        slot = profile.slots[wheel.slot]
+        torque = next(
+            (
+                names.index(name)
+                for name, derived in profile.derived.items()
+                if isinstance(derived, kinds.TorqueOf) and derived.slot == slot.name
+            ),
+            -1,
+        )
+        stall_nm = profile.motors[slot.motor].stall_torque or 0.0
+        at = board.position if board else -1
+        own = WheelTraction(
+            wheel.place, at, wheel.slot, wheel.speed, torque, wheel.metres_per_rad, stall_nm
+        )
+        wheels.append(_with_targets(signals, own, body.wheels[wheel.place].name, wanted))
+        module = board.module if board else ""
+        mounts.append(modules.index(module) if module in modules else 0)
+    spec = TractionSpec(
+        tuple(wheels),
+        tuple(_index(names, torques.get(wheel.name)) for wheel in body.wheels),
+        tuple(mounts),
+        tuple(masses),
+        measured=_measured(signals, wanted),
+    )
+    for name, derived in wanted.items():
+        match derived:
+            case kinds.BodySpeedOf(agreeing=agreeing):
+                spec = spec._replace(body_speed=names.index(name), agreeing_m_s=agreeing)
+            case kinds.LeastOf(least_of=sources):
+                known = tuple(_index(names, source) for source in sources)
+                spec = spec._replace(least=(*spec.least, (names.index(name), known)))
+            case _:
+                pass
+    _check(signals, spec, wanted)
+    return spec
+
+
+def _with_targets(
+    signals: Signals, wheel: WheelTraction, name: str, wanted: Mapping[str, kinds.Traction]
+) -> WheelTraction:
+    """Return the wheel with the signals that are made of it."""
+    names = signals.vocabulary.numbers
+    for signal, derived in wanted.items():
+        target = names.index(signal)
+        match derived:
+            case kinds.SlipSpeedOf(slip_speed_of=of) if of == name:
+                wheel = wheel._replace(slip_speed=target)
+            case kinds.SlipOf(slip_of=of, unknown_below=limit) if of == name:
+                wheel = wheel._replace(slip=target, unknown_below_m_s=limit)
+            case kinds.NormalForceOf(normal_force_of=of) if of == name:
+                wheel = wheel._replace(normal_force=target)
+            case kinds.FrictionUsedOf(friction_used_of=of) if of == name:
+                wheel = wheel._replace(friction_used=target)
+            case kinds.FrictionOf(friction_of=of, slip_above=above, steady=steady) if of == name:
+                wheel = wheel._replace(friction=target, slip_above_m_s=above, steady_s=steady)
+            case _:
+                pass
+    return wheel
+
+
+def _measured(signals: Signals, wanted: Mapping[str, kinds.Traction]) -> int:
+    """Return the number index of the body speed from outside that slip is measured against."""
+    found = set()
+    for name, derived in wanted.items():
+        if isinstance(derived, kinds.BodySpeedOf):
+            found.add((derived.measured, name, "measured"))
+        elif isinstance(derived, kinds.SlipSpeedOf | kinds.SlipOf):
+            source = signals.profile.derived.get(derived.speed)
+            speed = source.measured if isinstance(source, kinds.BodySpeedOf) else derived.speed
+            found.add((speed, name, "speed"))
+    for speed, name, key in sorted(found):
+        if speed not in signals.profile.outside:
+            signals.problems.add_unknown(
+                "robot.signal",
+                ("derived", name, key),
+                "outside signal",
+                speed,
+                signals.profile.outside,
+                none="no outside signal at all",
+            )
+        else:
+            signals.number(speed, ("derived", name, key), SPEED)
+    speeds = sorted({speed for speed, *_ in found})
+    if len(speeds) > 1:
+        name, key = next((name, key) for speed, name, key in sorted(found) if speed == speeds[-1])
+        message = f"slip is measured against one speed, here against {' and '.join(speeds)}"
+        signals.problems.add("robot.signal", ("derived", name, key), message)
+    return _index(signals.vocabulary.numbers, speeds[0]) if speeds else -1
+
+
+def _check(signals: Signals, spec: TractionSpec, wanted: Mapping[str, kinds.Traction]) -> None:
+    """Report signals that can never be known: a torque or a motor is missing."""
+    body = signals.profile.body
+    blind = [joint.name for joint in body.joints if joint.torque is None]
+    for name, derived in wanted.items():
+        path: Path = ("derived", name)
+        forces = (kinds.NormalForceOf, kinds.FrictionOf, kinds.FrictionUsedOf)
+        if isinstance(derived, forces) and blind:
+            message = f"normal forces need every joint's torque, that of {blind[0]} is not known"
+            signals.problems.add("robot.signal", path, message, key=True)
+        match derived:
+            case kinds.FrictionOf(friction_of=of) | kinds.FrictionUsedOf(friction_used_of=of):
+                mine = [w for w in spec.wheels if body.wheels[w.place].name == of]
+                if mine and mine[0].torque < 0:
+                    message = f"friction needs the motor's torque: no `torque_of` for {of}"
+                    signals.problems.add("robot.signal", path, message, key=True)
+            case _:
+                pass
+
+
+def _index(names: tuple[str, ...], name: str | None) -> int:
+    return names.index(name) if name is not None and name in names else -1
