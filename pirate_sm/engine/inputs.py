@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from pirate_sm.engine.control import sending
+from pirate_sm.engine.control.circumstances import Circumstances
+from pirate_sm.engine.control.torque_loop import TorqueLoop
 from pirate_sm.engine.mission.diverting import meet
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands
+from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.safety.faults import ANEW, Found, begin_anew, look, unsettle
 from pirate_sm.engine.sensing.conversion import observe
 from pirate_sm.engine.sensing.traction import with_traction
@@ -33,17 +36,34 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
     if robot.traction is not None or sensing.outside_until_s:
         held, around = robot.held[body.configuration], state.surveyed.reported
         sensing = with_traction(robot, sensing, board, body.values, held, around, now_s)
+    exhausted: list[Found] = []
     if body.loops:
-        body = sending.hear(board, body, sensing)
+        seen = Circumstances(sensing.numbers, state.surveyed.reported.pitch_rad, now_s)
+        body = sending.hear(board, body, seen)
+        exhausted = _exhausted(moment, state.robot, body)
     words = state.obeyed_words(robot)
     faults, found = look(robot, state.faults, board, sensing, words, now_s)
     # Quicker than to replace two fields by name, and this is done for every frame.
     state = EngineState(body, sensing, state.mission, faults, *state[4:])
     for report in reports:
         state = meet(moment, state, _found(moment, report))
-    for fault in found:
+    for fault in (*found, *exhausted):
         state = meet(moment, state, fault)
     return state
+
+
+def _exhausted(moment: Moment, before: RobotState, after: RobotState) -> list[Found]:
+    """Return a fault for each joint whose grip has just become exhausted."""
+    known = {each.slot for each in before.loops if isinstance(each, TorqueLoop) and each.exhausted}
+    slots = moment.robot.slots
+    return [
+        Found.built_in(
+            BuiltInFault.GRIP_EXHAUSTED,
+            f"{slots[each.slot].name} presses all it may, and friction may not bear the robot",
+        )
+        for each in after.loops
+        if isinstance(each, TorqueLoop) and each.exhausted and each.slot not in known
+    ]
 
 
 def _found(moment: Moment, report: FaultReport) -> Found:

@@ -70,6 +70,12 @@ class BuiltInFault(Enum):
     PIPE_IMPASSABLE = _About(
         "pipe.impassable", "surroundings", True, "the simulated robot stands before an obstacle"
     )
+    GRIP_EXHAUSTED = _About(
+        "grip.exhausted",
+        "surroundings",
+        True,
+        "a part presses as hard as it may, and friction may not bear the robot",
+    )
     RULE_VIOLATED = _About(
         "rule.violated", "program", False, "a safety rule of the robot is broken, or would be"
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from pirate_sm.engine.control.circumstances import Circumstances
 from pirate_sm.engine.control.position_loop import PositionLoop
 from pirate_sm.engine.control.torque_loop import TorqueLoop
 from pirate_sm.engine.control.velocity_loop import VelocityLoop
@@ -43,8 +44,8 @@ def begun(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) 
         case "turn":
             if slot.velocity is None:
                 return None
-            new = VelocityLoop(write.slot, slot.velocity, write.value)
-            same = isinstance(running, VelocityLoop) and running._replace(integral=0.0) == new
+            new = VelocityLoop(write.slot, slot.velocity, write.value, write.assist_nm)
+            same = isinstance(running, VelocityLoop) and running[:4] == new[:4]
             return running if same else new
         case "bear":
             return _bearing(write, slot, numbers, running)
@@ -54,23 +55,24 @@ def begun(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) 
 
 def _bearing(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) -> Loop | None:
     if slot.held_torque is not None:
-        if isinstance(running, TorqueLoop) and running.target_nm == write.value:
-            return running
-        return TorqueLoop(write.slot, slot.held_torque, write.value).heard(numbers)
+        loop = TorqueLoop(write.slot, slot.held_torque, write.value, write.value, write.grip)
+        same = isinstance(running, TorqueLoop) and running.asks == loop.asks
+        return running if same else loop.heard(Circumstances(numbers))
     if slot.wheel_torque is not None:
-        return WheelTorqueLoop(write.slot, slot.wheel_torque, write.value).heard(numbers)
+        wheel = WheelTorqueLoop(write.slot, slot.wheel_torque, write.value, write.assist_nm)
+        return wheel.heard(Circumstances(numbers))
     return None
 
 
-def after_frame(board: BoardSpec, loops: Loops, numbers: Numbers) -> Loops:
+def after_frame(board: BoardSpec, loops: Loops, seen: Circumstances) -> Loops:
     """Return the loops after a frame of the board; it tells those of other boards nothing.
 
     Args:
         board: Whose frame it was.
         loops: The running loops.
-        numbers: Signals with the frame in them.
+        seen: The signals with the frame in them, and what else loops go by.
     """
-    after = tuple([each.heard(numbers) if each.signal in board.told else each for each in loops])
+    after = tuple([each.heard(seen) if each.signal in board.told else each for each in loops])
     return loops if after == loops else after
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from pirate_sm.engine.control.circumstances import Circumstances
 from pirate_sm.engine.robot.command_spec import PositionSpec
 
 Numbers = tuple[float, ...]
@@ -36,7 +37,7 @@ class PositionLoop(NamedTuple):
         """Return the number index of the signal that it controls."""
         return self.angle
 
-    def heard(self, numbers: Numbers) -> PositionLoop:
+    def heard(self, seen: Circumstances) -> PositionLoop:
         """Return the loop after a fresh frame: it remembers nothing."""
         return self
 

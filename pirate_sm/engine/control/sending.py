@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from math import inf, nan
 
+from pirate_sm.engine.control.circumstances import Circumstances
 from pirate_sm.engine.control.loops import Loops, after_frame
 from pirate_sm.engine.control.stages import looped_values
 from pirate_sm.engine.deadlines import has_come
@@ -100,7 +101,7 @@ def stream(moment: Moment, state: RobotState, sensing: Sensing) -> RobotState:
     return send(moment, state, state.motion, values, state.loops, "stream")
 
 
-def hear(board: BoardSpec, state: RobotState, sensing: Sensing) -> RobotState:
+def hear(board: BoardSpec, state: RobotState, seen: Circumstances) -> RobotState:
     """Return the robot after a frame of the board, with what its loops have learned.
 
     While a command's first array is pending its loops do not run yet, and the frame tells them
@@ -109,7 +110,7 @@ def hear(board: BoardSpec, state: RobotState, sensing: Sensing) -> RobotState:
     flight = state.flight
     if flight is not None and flight.purpose == "gate":
         return state
-    loops = after_frame(board, state.loops, sensing.numbers)
+    loops = after_frame(board, state.loops, seen)
     return state if loops is state.loops else state._replace(loops=loops)
 
 

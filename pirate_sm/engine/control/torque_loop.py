@@ -6,10 +6,12 @@ current. A motor that winds the spring needs the duty that bears the torque, and
 
 from __future__ import annotations
 
-from math import isnan
+from math import copysign, isnan
 from typing import NamedTuple
 
-from pirate_sm.engine.robot.command_spec import TorqueSpec
+from pirate_sm.engine.control.circumstances import Circumstances
+from pirate_sm.engine.control.grip import Gripping, after_frame, gripping
+from pirate_sm.engine.robot.command_spec import GripSpec, TorqueSpec
 
 Numbers = tuple[float, ...]
 
@@ -19,16 +21,32 @@ class TorqueLoop(NamedTuple):
 
     Attributes:
         slot: Whose duty it sets.
-        target_nm: The torque that the joint shall bear.
+        asked_nm: The torque that its state asks for.
+        target_nm: The torque that the joint shall bear now.
+        grip: What the size of the torque follows from; None: it is what the state asks for.
+        gripping: What is remembered of that.
         output: The duty cycle until the next frame.
         pushing: Whether that is a push, after which the loop waits for one frame.
     """
 
     slot: int
     spec: TorqueSpec
+    asked_nm: float
     target_nm: float
+    grip: GripSpec | None = None
+    gripping: Gripping | None = None
     output: float = 0.0
     pushing: bool = False
+
+    @property
+    def asks(self) -> tuple[float, GripSpec | None]:
+        """Return what its state asks for, whatever has been learned since."""
+        return self.asked_nm, self.grip
+
+    @property
+    def exhausted(self) -> bool:
+        """Return whether friction may not bear the robot although the part presses all it may."""
+        return self.gripping is not None and self.gripping.exhausted
 
     @property
     def ends_with_command(self) -> bool:
@@ -40,7 +58,7 @@ class TorqueLoop(NamedTuple):
         """Return the number index of the signal that it controls."""
         return self.spec.torque
 
-    def heard(self, numbers: Numbers) -> TorqueLoop:
+    def heard(self, seen: Circumstances) -> TorqueLoop:
         """Return the loop after a fresh frame of the joint's board.
 
         The duty is ``gain * error``, and ``torque / stall torque`` more while the motor winds the
@@ -48,6 +66,13 @@ class TorqueLoop(NamedTuple):
         then 0 until the frame after that shows what the push did. The duty is 0 where the error
         is small or the torque is unknown: the worm holds.
         """
+        if self.grip is not None:
+            now = after_frame(self.grip, self.gripping or gripping(self.grip), seen)
+            target_nm = copysign(now.torque_nm, self.asked_nm)
+            return self._replace(target_nm=target_nm, gripping=now)._driven(seen.numbers)
+        return self._driven(seen.numbers)
+
+    def _driven(self, numbers: Numbers) -> TorqueLoop:
         spec, torque = self.spec, numbers[self.spec.torque]
         error = self.target_nm - torque
         if isnan(error) or abs(error) <= spec.dead_nm or self.pushing:

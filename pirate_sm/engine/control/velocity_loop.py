@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import isnan
+from math import isnan, sin
 from typing import NamedTuple
 
+from pirate_sm.engine.control.circumstances import Circumstances
 from pirate_sm.engine.robot.command_spec import VelocitySpec
 
 Numbers = tuple[float, ...]
@@ -19,13 +20,18 @@ class VelocityLoop(NamedTuple):
     Attributes:
         slot: Whose duty it sets.
         target_rad_s: The speed that the wheel shall have.
+        assist_nm: Torque by which the wheel bears its share of the weight in an upright pipe; 0
+            without gravity compensation.
         integral: What has been learned to be missing, as a duty cycle.
+        weight: The duty cycle that bears the wheel's share of the weight in this pipe.
     """
 
     slot: int
     spec: VelocitySpec
     target_rad_s: float
+    assist_nm: float = 0.0
     integral: float = 0.0
+    weight: float = 0.0
 
     @property
     def ends_with_command(self) -> bool:
@@ -37,13 +43,19 @@ class VelocityLoop(NamedTuple):
         """Return the number index of the signal that it controls."""
         return self.spec.speed
 
-    def heard(self, numbers: Numbers) -> VelocityLoop:
+    def heard(self, seen: Circumstances) -> VelocityLoop:
         """Return the loop after a fresh frame of the wheel's board.
 
         The integral takes the share ``gain`` of the error. It stays where it is while the speed is
         unknown, and grows no further than to the limit of the duty.
         """
-        speed = numbers[self.spec.speed]
+        loop = self
+        if self.assist_nm and not isnan(seen.pitch_rad):
+            weight_nm = self.assist_nm * sin(seen.pitch_rad)
+            loop = self._replace(weight=weight_nm / self.spec.stall_nm)
+        return loop._corrected(seen.numbers[self.spec.speed])
+
+    def _corrected(self, speed: float) -> VelocityLoop:
         if isnan(speed):
             return self
         error = (self.target_rad_s - speed) / self.spec.no_load_rad_s
@@ -56,8 +68,8 @@ class VelocityLoop(NamedTuple):
 
     @property
     def _expected(self) -> float:
-        """Return the duty cycle at which the motor has its speed without load."""
-        return self.target_rad_s / self.spec.no_load_rad_s
+        """Return the duty cycle at which the motor has its speed under the weight alone."""
+        return self.target_rad_s / self.spec.no_load_rad_s + self.weight
 
     def _limited(self, duty: float) -> float:
         return min(max(duty, -self.spec.limit), self.spec.limit)

@@ -29,6 +29,7 @@ class VelocitySpec(NamedTuple):
         no_load_rad_s: Speed of the motor at full duty without load.
         speed: Number index of the wheel's angular speed.
         radius_m: Of the wheel.
+        stall_nm: Torque of the motor at full duty when it stands; 0 where it is not known.
     """
 
     gain: float
@@ -36,6 +37,7 @@ class VelocitySpec(NamedTuple):
     no_load_rad_s: float
     speed: int
     radius_m: float
+    stall_nm: float = 0.0
 
 
 class TorqueSpec(NamedTuple):
@@ -105,6 +107,35 @@ class SlotSpec:
     self_locking: bool = False
 
 
+class GripSpec(NamedTuple):
+    """How hard a part presses; see :class:`pirate_sm.model.control.Grip`.
+
+    Attributes:
+        friction: Of the part's wheels; NaN where it is estimated.
+        estimates: Number indexes of the estimates of the part's wheels.
+        slip_speeds: Number indexes of the slip speeds of the part's wheels.
+        angle: Number index of the angle of the apex.
+        leg_m: Length of a leg of the part's V.
+        weight_n: Of the whole robot; ``wheels`` is how many share it.
+        share: By what the torque of eq. 3-25 is multiplied.
+        lower_nm_s: How fast the torque is lowered.
+    """
+
+    safety: float
+    friction: float
+    estimates: tuple[int, ...]
+    slip_speeds: tuple[int, ...]
+    angle: int
+    leg_m: float
+    weight_n: float
+    wheels: int
+    share: float
+    at_least_nm: float
+    at_most_nm: float
+    alarm_m_s: float
+    lower_nm_s: float
+
+
 class Write(NamedTuple):
     """What a stage does to a slot.
 
@@ -115,12 +146,17 @@ class Write(NamedTuple):
         value: The value, the angle in rad, the speed in rad/s, or the torque in Nm.
         share_of: Number index of the angle that ``value`` is multiplied by when the stage begins;
             -1 where ``value`` is the angle itself.
+        assist_nm: Torque by which the wheel would bear its share of the robot's weight in an
+            upright pipe; 0 without gravity compensation.
+        grip: What the size of the torque of a ``bear`` follows from; None: ``value`` itself.
     """
 
     slot: int
     how: Literal["set", "seek", "turn", "bear", "keep"]
     value: float
     share_of: int = -1
+    assist_nm: float = 0.0
+    grip: GripSpec | None = None
 
     @property
     def turns(self) -> bool:

@@ -9,6 +9,7 @@ from pirate_sm.engine.robot.command_spec import StageSpec
 from pirate_sm.engine.robot.robot_spec import Actuation, ControlSpec
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.actuation import resolve_stage
+from pirate_sm.loading.robot.control_modifiers import Modifiers, inherited, modified
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.loading.robot.slots import Slots
 from pirate_sm.model.actuation import Share, Target
@@ -31,6 +32,8 @@ def resolve_controls(
     its slots, its number of stages and the wheels that it drives, and waits for no angle.
     """
     found: dict[str, Actuation] = {}
+    specs: list[ControlSpec] = []
+    modifiers: dict[str, Modifiers] = {}
     for name, control in profile.controls.items():
         base = _base(name, control, found, usual, problems)
         overlaid = [dict(states) for states in base]
@@ -59,7 +62,11 @@ def resolve_controls(
                 _check(usual[place][state], tuple(resolved), slots, path, problems)
                 overlaid[place][state] = tuple(resolved)
         found[name] = tuple(overlaid)
-    return tuple(ControlSpec(name, actuation) for name, actuation in found.items())
+        modifiers[name] = inherited(control, modifiers, name)
+        specs.append(
+            ControlSpec(name, modified(found[name], name, modifiers[name], signals, slots))
+        )
+    return tuple(specs)
 
 
 def _base(

@@ -118,7 +118,8 @@ def _velocity(
     speed = signals.number(wheel.speed, (*path, "wheel"), ANGULAR_SPEED)
     no_load_rad_s = motor.no_load_speed or inf
     radius_m = profile.body.wheel_radius
-    return VelocitySpec(settings.gain, settings.limit, no_load_rad_s, speed, radius_m)
+    stall_nm = motor.stall_torque or 0.0
+    return VelocitySpec(settings.gain, settings.limit, no_load_rad_s, speed, radius_m, stall_nm)
 
 
 def _wheel_torque(
