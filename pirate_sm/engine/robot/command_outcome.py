@@ -110,7 +110,7 @@ def _rests_on(robot: RobotSpec, here: int, marks: Marks, command: int) -> set[Ma
         return {mark for mark in marks if mark.kind == "part" and mark.which in spec.asks_parts}
     doubted = {mark.which for mark in marks if mark.kind == "region"}
     names = robot.table.configurations[here]
-    if not doubted or _is_so(names, spec, doubted):
+    if _is_so(names, spec, doubted):
         return set()
     alone = {
         region
