@@ -29,7 +29,7 @@ class OutsideWords:
         self._listener = Listener(address)
         self._words = tuple(words)
         self._valid_for_s = valid_for_s
-        self._said: list[DetectorWord] = []
+        self._received: list[DetectorWord] = []
         self._refused: list[str] = []
 
     @property
@@ -63,12 +63,12 @@ class OutsideWords:
     def speak(self, now_s: float) -> Sequence[Event]:
         """Return the received words, oldest first."""
         self.due_s = now_s + _LOOK_EVERY_S
-        said, self._said = tuple(self._said), []
-        return said
+        words, self._received = tuple(self._received), []
+        return words
 
     def _take(self, line: bytes) -> bytes:
         try:
-            self._said.append(read_line(line, self._words, self._valid_for_s))
+            self._received.append(read_line(line, self._words, self._valid_for_s))
         except LineError as error:
             self._refused.append(str(error))
             return json.dumps({"error": str(error)}).encode() + b"\n"

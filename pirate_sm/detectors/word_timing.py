@@ -76,8 +76,8 @@ class Detector:
         self._valid_for_s = valid_for_s
         self._tracker = Tracker()
         self._direction = 0
-        self._said = ""
-        self._said_at = -math.inf
+        self._word = ""
+        self._word_at = -math.inf
 
     def look(self, time_s: float, places_m: Sequence[float], travel: int) -> DetectorWord | None:
         """Return the word to report now; None if there is none.
@@ -90,15 +90,15 @@ class Detector:
         """
         self._tracker.see(time_s, places_m, driven=travel != 0)
         if travel and travel != self._direction:
-            self._direction, self._said = travel, ""
+            self._direction, self._word = travel, ""
         word = self._holding()
         if not word:
-            self._said = ""
+            self._word = ""
             return None
-        due = time_s - self._said_at >= _REPEAT_SHARE * self._valid_for_s
-        if word == self._said and not due:
+        due = time_s - self._word_at >= _REPEAT_SHARE * self._valid_for_s
+        if word == self._word and not due:
             return None
-        self._said, self._said_at = word, time_s
+        self._word, self._word_at = word, time_s
         return DetectorWord(word, self._valid_for_s)
 
     def _holding(self) -> str:
@@ -111,7 +111,7 @@ class Detector:
                 passed += error - point.passed_m
                 if math.isnan(passed):
                     return ""
-                if passed >= (-_SLACK_M if word.name == self._said else 0.0):
+                if passed >= (-_SLACK_M if word.name == self._word else 0.0):
                     if passed < _FORGOTTEN_M:
                         return word.name
                     break

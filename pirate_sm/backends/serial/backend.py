@@ -57,7 +57,7 @@ class SerialBackend:
         self._baud = baud or plan.serial.baud
         self._begin()
         self._time = MissionTime()
-        self._told = False
+        self._was_away = False
         self._trips = 0
         self._events: list[Event] = []
         self._open = False
@@ -170,8 +170,8 @@ class SerialBackend:
                 "the robot's dead man's switch had stopped what moved, for no setpoints arrived; "
                 f"they are sent again ({trips} time{'s' if trips > 1 else ''} so far)"
             )
-        faults, self._told = self._told, self.exchange.outage is not None
-        if faults or not self._told:
+        was_away, self._was_away = self._was_away, self.exchange.outage is not None
+        if was_away or not self._was_away:
             return ""
         within_s = self.plan.away_s
         return (

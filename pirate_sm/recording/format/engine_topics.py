@@ -3,9 +3,9 @@
 They are derived field by field from the closed sets of events and effects. A new event or effect
 needs no change here unless a field has a new type.
 
-A message is a batch of rows, column by column. ``step`` numbers the engine's inputs from 0 without a
-gap; ``t_s`` is the time since the run began. An effect has the number of the step that caused it, and
-``nth``, its index among the effects of that step, from 0.
+A message is a batch of rows, column by column. ``step`` numbers the engine's inputs from 0
+without a gap; ``t_s`` is the time since the run began. An effect has the number of the step that
+caused it, and ``nth``, its index among the effects of that step, from 0.
 """
 
 from __future__ import annotations
@@ -106,8 +106,9 @@ class Topic:
     def schema(self) -> JsonSchema:
         """Return the JSON Schema of a batch.
 
-        Viewers know only arrays of one plain type; Lichtblick drops a topic with any other column.
-        Columns that may hold ``null`` (unknown), ``"inf"`` or arrays are therefore described in words.
+        Viewers know only arrays of one plain type; Lichtblick drops a topic with any other
+        column. Columns that may hold ``null`` (unknown), ``"inf"`` or arrays are therefore
+        described in words.
         """
         described = inspect.cleandoc(self.made.__doc__ or "")
         kinds = {key: _TIME if key == "t_s" else WHOLE for key in self.keys} | dict(self.fields)

@@ -170,7 +170,7 @@ def stamp(time_ns: int) -> str:
 def _joints(loaded: LoadedMission) -> list[tuple[str, list[tuple[str, int]]]]:
     """Return the beginning of each joint's JSON, and its numbers with their indices."""
     body, numbers = loaded.loaded_robot.profile.body, loaded.robot.vocabulary.numbers
-    told_by = [
+    signals_of = [
         *((joint.name, joint.name, None, joint.torque) for joint in body.joints),
         *((link.roll, link.roll, None, None) for link in body.links if link.roll),
         *((wheel.angle, wheel.angle, wheel.speed, None) for wheel in body.wheels),
@@ -185,7 +185,7 @@ def _joints(loaded: LoadedMission) -> list[tuple[str, list[tuple[str, int]]]]:
                 if signal in numbers
             ],
         )
-        for name, *signals in told_by
+        for name, *signals in signals_of
     ]
 
 
