@@ -128,7 +128,7 @@ class Firmware:
         """Do the next due action."""
         now = self.due_s
         if self._echoes and self._echoes[0][0] <= now:
-            self._say_echo(now, self._echoes.popleft()[1])
+            self._send_echo(now, self._echoes.popleft()[1])
         elif self._stop_s <= now:
             self._stop(now)
         elif self._poll_s <= now:
@@ -186,19 +186,19 @@ class Firmware:
         self._in_force = array = self._in_force.tripped
         self._robot.set_values(self._wire.values(array))
         self._log(Record(now_s, "tripped", array.number, array.counts))
-        self._say_echo(now_s, array)
+        self._send_echo(now_s, array)
 
     def _publish(self, now_s: float) -> None:
         state, self._state = self._state, None
         if state is not None and self._node.configured:
-            self._say(now_s, state)
+            self._send(now_s, state)
 
-    def _say_echo(self, now_s: float, array: Array) -> None:
+    def _send_echo(self, now_s: float, array: Array) -> None:
         if self._node.configured and now_s < self._switches.no_echo_at_s:
-            self._say(now_s, self._wire.echo(array))
+            self._send(now_s, self._wire.echo(array))
             self._log(Record(now_s, "echoed", array.number, array.counts))
 
-    def _say(self, now_s: float, frame: Frame) -> None:
+    def _send(self, now_s: float, frame: Frame) -> None:
         """Send the frame; the loop continues when the send ring has taken it."""
         self._free_s = self._line.write(frame, max(now_s, self._free_s))
 
@@ -211,7 +211,7 @@ class Firmware:
                 self._take(now_s, frame)
         was = self._node.configured
         for due in self._node.tick(now_s):
-            self._say(now_s, due)
+            self._send(now_s, due)
         if was and not self._node.configured:
             self._log(Record(now_s, "unconfigured", detail="no answer to its time requests"))
 
@@ -219,9 +219,9 @@ class Firmware:
         was = self._node.configured
         answer = self._node.take(frame, now_s)
         for due in answer.says:
-            self._say(now_s, due)
+            self._send(now_s, due)
         if self._node.configured and not was:
-            self._say(now_s, _READY)
+            self._send(now_s, _READY)
         if answer.fault:
             self._log(Record(now_s, "fault", detail=answer.fault))
         if answer.delivered is not None:

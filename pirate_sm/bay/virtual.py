@@ -81,7 +81,7 @@ class VirtualBay:
         self._lapses_s = [math.inf, *sorted(switches.unconfigured_at_s, reverse=True)]
         self._cycles = 0
         self._world_s = self._cycle_s
-        self._expect_trouble()
+        self._find_next_defect()
         self._booted_s = math.inf
         self.records: list[Record] = []
         self.last_array: Array | None = None
@@ -143,23 +143,23 @@ class VirtualBay:
 
     def _next_s(self) -> float:
         firmware = self._firmware.due_s if self._firmware is not None else self._booted_s
-        return min(firmware, self._trouble_s, self._world_s)
+        return min(firmware, self._defect_s, self._world_s)
 
-    def _expect_trouble(self) -> None:
+    def _find_next_defect(self) -> None:
         """Find out when the next defect acts."""
-        self._trouble_s = min(self._lapses_s[-1], self._robot.due_s)
+        self._defect_s = min(self._lapses_s[-1], self._robot.due_s)
 
     def _run(self, now_s: float) -> None:
         while True:
             firmware = self._firmware
             own_s = firmware.due_s if firmware is not None else self._booted_s
-            due = min(own_s, self._trouble_s, self._world_s)
+            due = min(own_s, self._defect_s, self._world_s)
             if due > now_s:
                 return
             if due == self._world_s:
                 self._move(due)
             elif due < own_s:
-                self._go_wrong(due)
+                self._strike(due)
             elif firmware is not None:
                 firmware.step()
             else:
@@ -175,7 +175,7 @@ class VirtualBay:
         if incidents:
             self._react_to(now_s, incidents)
 
-    def _go_wrong(self, now_s: float) -> None:
+    def _strike(self, now_s: float) -> None:
         """Let the defects act that are due between two cycles."""
         if now_s == self._lapses_s[-1]:
             self._lapses_s.pop()
@@ -197,7 +197,7 @@ class VirtualBay:
                 if self._firmware is not None:
                     self._firmware.stall(incident.until_s)
                 self._log(Record(now_s, "hung", detail=f"until {incident.until_s:g} s"))
-        self._expect_trouble()
+        self._find_next_defect()
 
     def _reset(self, now_s: float, why: str) -> None:
         """Restart the controller; motors keep their setpoints until it is set up."""

@@ -98,7 +98,7 @@ class Guard:
             case Kind.LEAVE if not self.acting or self.confirmed:
                 return [EndGuardian()]
             case Kind.LEAVE:
-                return self.bereave(now)
+                return self.runner_gone(now)
             case Kind.HEED:
                 self.acting = False
             case Kind.STOP:
@@ -112,7 +112,7 @@ class Guard:
                 return self._relay(note.body, now)
         return []
 
-    def bereave(self, now: float) -> list[Action]:
+    def runner_gone(self, now: float) -> list[Action]:
         """Return the actions when the runner has gone, or this process has to end."""
         if not self.payload or (self.acting and self.confirmed):
             return [*self._farewell(), EndGuardian()]

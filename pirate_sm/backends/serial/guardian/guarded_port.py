@@ -122,7 +122,7 @@ class GuardedPort:
         what = f"an earlier run has left the robot on {self.name} without a confirmed stop"
         if not self._await(lambda: self._stopped, within_s):
             return f"{what}, and it confirms none now"
-        self._say(Note(Kind.HEED))
+        self._notify(Note(Kind.HEED))
         self._remark = f"{what}: it is stopped now, as it has confirmed"
         return ""
 
@@ -193,7 +193,7 @@ class GuardedPort:
 
     def write(self, data: bytes) -> None:
         """Send the bytes to the guardian in one piece."""
-        self._say(Note(Kind.WRITE, data))
+        self._notify(Note(Kind.WRITE, data))
 
     def read(self, until_s: float) -> bytes:
         """Return received bytes as soon as there are any; empty if none came by ``until_s``."""
@@ -218,7 +218,7 @@ class GuardedPort:
         self._beat_s, self._safe_frame = now, safe_frame
         if self._guardian is None:
             return
-        self._say(Note(Kind.BEAT, safe_frame))
+        self._notify(Note(Kind.BEAT, safe_frame))
         # A guardian needs longer to open a port on a network.
         limit_s = _HUNG_AFTER_S if self._opened else _STARTS_WITHIN_S
         if self._acknowledged.look(now) >= limit_s:
@@ -229,13 +229,13 @@ class GuardedPort:
         """Return whether the guardian has acted since the last call; if so, let it relay again."""
         overruled, self._overruled = self._overruled, False
         if overruled:
-            self._say(Note(Kind.HEED))
+            self._notify(Note(Kind.HEED))
             self._beat_s = -inf
         return overruled
 
     # --- the pipe ---------------------------------------------------------------------------
 
-    def _say(self, note: Note) -> None:
+    def _notify(self, note: Note) -> None:
         if self._guardian is None:
             raise PortLostError(_DIED)
         try:
@@ -244,7 +244,7 @@ class GuardedPort:
             self._kill()
             raise PortLostError(_HUNG) from None
         except OSError:
-            self._bury()
+            self._abandon()
         if self._lost:
             raise PortLostError(self._lost)
 
@@ -262,12 +262,12 @@ class GuardedPort:
             raise PortLostError(_DIED)
         notes = self._guardian.receive(until_s - self.now())
         if notes is None:
-            self._bury()
+            self._abandon()
             return
         for note in notes:
             self._hear(note)
 
-    def _bury(self) -> None:
+    def _abandon(self) -> None:
         """Give up a guardian that has closed the pipe; it may go on until the robot has stopped."""
         guardian, self._guardian = self._guardian, None
         if guardian is not None and not guardian.hang_up():

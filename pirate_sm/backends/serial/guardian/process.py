@@ -129,7 +129,7 @@ class Guardian:
         if alone:  # an operator or a new run wants the port
             self._finish = EndGuardian(stopped=False)
         elif signal.SIGTERM in numbers:
-            self._orphan()
+            self._close_pipe()
 
     def _hear(self) -> None:
         assert self._pipe is not None  # it has just been readable
@@ -143,16 +143,16 @@ class Guardian:
         for note in notes:
             self._do(self._guard.hear(note, self._port.now()))
         if not data:
-            self._orphan()
+            self._close_pipe()
 
-    def _orphan(self) -> None:
+    def _close_pipe(self) -> None:
         """Close the pipe and let the guard act, because the runner has gone."""
         if self._pipe is None:
             return
         self._pipe.close()
         self._pipe = None
         self._waiting.clear()
-        self._do(self._guard.bereave(self._port.now()))
+        self._do(self._guard.runner_gone(self._port.now()))
         if self._finish is None:
             left = LeftBehind.of(self._port.name, self._md5, self._guard.payload)
             self._registration = Registration(left)
@@ -163,7 +163,7 @@ class Guardian:
                 case ToPort(data):
                     self._write(data)
                 case ToRunner(note):
-                    self._say(note)
+                    self._queue(note)
                 case Reopen():
                     self._open()
                 case EndGuardian():
@@ -176,7 +176,7 @@ class Guardian:
             except PortLostError as error:
                 self._lose(error)
 
-    def _say(self, note: Note) -> None:
+    def _queue(self, note: Note) -> None:
         """Queue a note for the runner; drop bytes of the port beyond a limit."""
         if self._pipe is None or (note.kind == Kind.DATA and len(self._waiting) > _MOST_WAITING):
             return

@@ -119,14 +119,14 @@ class VirtualPort:
     def close(self, stopped: bool = False) -> None:
         """Let written bytes arrive; a guardian that stays acts while :meth:`wait` runs."""
         if not stopped:
-            self._do(self._guard.bereave(self._now_s))
+            self._do(self._guard.runner_gone(self._now_s))
         self.wait(self._now_s + 0.1)
         if stopped or self._guard.confirmed or not self._guard.payload:
             self.device.close(self._now_s)
 
     def die(self, until_s: float) -> None:
         """Kill the runner, and give the guardian until then to act."""
-        self._do(self._guard.bereave(self._now_s))
+        self._do(self._guard.runner_gone(self._now_s))
         self.wait(until_s)
 
     def _notice_cable(self) -> None:
