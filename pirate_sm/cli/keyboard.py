@@ -116,18 +116,18 @@ class Operator:
         self,
         keys: Keys,
         heard: Mapping[str, Sequence[str]],
-        tell: Callable[[str], None] = lambda text: None,
+        show_question: Callable[[str], None] = lambda text: None,
     ) -> None:
         """Begin with no question.
 
         Args:
             keys: Source of the answers.
             heard: The words that the wait of each phase listens to.
-            tell: Shows a question if there is no view.
+            show_question: Shows a question if there is no view.
         """
         self._keys = keys
         self._heard = heard
-        self._tell = tell
+        self._show = show_question
         self.question = ""
         self.choices: tuple[str, ...] = ()
         self._expects = False
@@ -173,7 +173,7 @@ class Operator:
         if choices:
             self._keys.pressed()  # earlier keys are no answer
             offered = "  ".join(f"[{n}] {choice}" for n, choice in enumerate(choices, 1))
-            self._tell(f"{question}  {offered}")
+            self._show(f"{question}  {offered}")
 
     def _choice(self, key: str) -> str | None:
         if key in "\r\n" and self._expects:

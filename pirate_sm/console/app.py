@@ -199,7 +199,7 @@ class Console(OperatorActions, App[None]):
         link = self.on_base(Lines, "link")
         link.set_class(snapshot.link is not None, "on")
         link.show(panels.link(snapshot))
-        self.on_base(EventLog, "log").tell(snapshot)
+        self.on_base(EventLog, "log").show_snapshot(snapshot)
 
     def _show_rows(self, snapshot: Snapshot) -> None:
         """Show the requests that are possible, and the reasons for the others, each reason once."""

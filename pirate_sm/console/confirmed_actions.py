@@ -34,7 +34,7 @@ class ConfirmedActions(_Base):
 
     def _move(self, event: Event) -> None:
         """Give the engine an event once the operator has confirmed that the robot may move."""
-        self._agree(partial(self.session.tell, event))
+        self._agree(partial(self.session.give_event, event))
 
     def _agree(self, move: Callable[[], None]) -> None:
         """Move the robot once the operator has confirmed that it may."""

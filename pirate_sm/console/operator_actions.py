@@ -89,13 +89,13 @@ class OperatorActions(HandBackActions, MissionActions):
             self._refuse(word, f"the detector speaks for itself ({prepared.detector})")
             return
         valid_for_s = prepared.loaded.loaded_robot.profile.detector.valid_for
-        self.session.tell(DetectorWord(word, valid_for_s))
+        self.session.give_event(DetectorWord(word, valid_for_s))
 
     def action_answer(self, number: int) -> None:
         """Give the mission the answer with this number."""
         _, offered = choices(self.session.latest)
         if 1 <= number <= len(offered):
-            self.session.tell(Answer(offered[number - 1]))
+            self.session.give_event(Answer(offered[number - 1]))
 
     # --- the mission --------------------------------------------------------------------------
 
@@ -118,7 +118,7 @@ class OperatorActions(HandBackActions, MissionActions):
         elif name == "abort":
             self.session.stop()
         elif name == "pause":
-            self.session.tell(Pause())
+            self.session.give_event(Pause())
         else:
             events: dict[str, Event] = {"step": Step(), "skip": Skip()}
             self._move(events.get(name) or availability.going_on(snapshot))

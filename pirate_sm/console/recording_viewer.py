@@ -120,7 +120,7 @@ class RecordingViewer(App[None]):
         now = self._base(Lines, "now")
         now.show(panels.now(snapshot, now.content_size.width))
         show_robot(self, snapshot)
-        self._base(EventLog, "log").tell(snapshot)
+        self._base(EventLog, "log").show_snapshot(snapshot)
         self._base(Lines, "slider").show([line(*self._slider())])
 
     def _slider(self) -> list[Part]:

@@ -49,7 +49,7 @@ class RunBridge:
 
     # --- from the console's thread ------------------------------------------------------------
 
-    def tell(self, event: Event) -> None:
+    def queue(self, event: Event) -> None:
         """Queue an event for the engine at the next turn of the loop."""
         self._waiting.append(event)
 

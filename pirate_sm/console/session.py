@@ -86,10 +86,10 @@ class OperatorSession:
             self._thread.join(within_s)
         return not self._thread.is_alive()
 
-    def tell(self, event: Event) -> None:
+    def give_event(self, event: Event) -> None:
         """Give the engine the event soon; end a series of commands."""
         self.giver.stop()
-        self._bridge.tell(event)
+        self._bridge.queue(event)
 
     def give(self, commands: Sequence[str], then: GoTo) -> None:
         """Give the commands one after the other, each when the last is done; then hand back.

@@ -159,7 +159,7 @@ class EventLog(Lines):
         """Scroll back by pages; forward if negative."""
         self._back = max(0, self._back + pages * max(self.content_size.height - 1, 1))
 
-    def tell(self, snapshot: Snapshot) -> None:
+    def show_snapshot(self, snapshot: Snapshot) -> None:
         """Show as many lines as there is room for."""
         rows, recent = self.content_size.height, snapshot.story.recent
         self._back = min(self._back, max(len(recent) - rows, 0))

@@ -116,7 +116,7 @@ class ViewerMessages:
         yield self._joint_states, self._joint_message(now, shown)
         yield self._signal_channel, _object(*_filled(self._signals, shown))
 
-    def tell(self, time_ns: int, effects: Sequence[fx.Effect]) -> Iterator[Message]:
+    def of_effects(self, time_ns: int, effects: Sequence[fx.Effect]) -> Iterator[Message]:
         """Yield the messages about these effects."""
         changed = False
         for effect in effects:

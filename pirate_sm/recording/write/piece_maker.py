@@ -95,7 +95,7 @@ class PieceMaker:
             row = (step, at_s, place, effect)
             rows[topics.of_effect(effect)].append(row)
         if note.effects and self._side is not None:
-            self._side.tell(self._file, note.at_s, note.effects)
+            self._side.show_effects(self._file, note.at_s, note.effects)
 
     def _batch(self) -> None:
         """Make messages of the rows gathered so far."""

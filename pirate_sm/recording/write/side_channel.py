@@ -84,10 +84,10 @@ class SideChannel:
             self._put(file if first else None, at_s, time_ns, lambda: [viewer.scene(time_ns)])
         self._put(file, at_s, time_ns, lambda: viewer.sample(at_s, time_ns, sample.snapshot))
 
-    def tell(self, file: RecordingFile, at_s: float, effects: Sequence[Effect]) -> None:
+    def show_effects(self, file: RecordingFile, at_s: float, effects: Sequence[Effect]) -> None:
         """Write the messages about effects to the file and show them to the audience."""
         time_ns = file.time_ns(at_s)
-        self._put(file, at_s, time_ns, lambda: self._viewer.tell(time_ns, effects))
+        self._put(file, at_s, time_ns, lambda: self._viewer.of_effects(time_ns, effects))
 
     def _put(
         self,
