@@ -1,4 +1,4 @@
-"""The serial line between host and firmware: bytes take time, and a full ring loses them.
+"""The serial line between host and firmware, with its byte rate and its full rings.
 
 A byte takes ten bits, so the line carries baud/10 bytes per second each way.
 """
@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 from collections import deque
 
-# Rounding must not lose a byte that ends just now.
+# Rounding must not lose a byte that ends at this time.
 _SLACK = 1e-6
 
 
 class _Run:
-    """Bytes that follow one another without a gap; the first is complete one byte after."""
+    """Bytes that follow one another without a gap; the first is complete one byte time later."""
 
     __slots__ = ("data", "start_s", "taken")
 
@@ -27,12 +27,11 @@ class Inlet:
     """The line from the host, and the ring that the firmware reads from.
 
     Args:
-        bytes_per_s: What the line carries.
-        ring: How many bytes wait for the firmware; those that come to a full ring are lost. None
-            for a ring without an end.
+        bytes_per_s: Rate of the line.
+        ring: How many bytes can wait for the firmware; more are lost. None: no limit.
 
     Attributes:
-        lost: How many bytes came to a full ring.
+        lost: Bytes lost to a full ring.
     """
 
     def __init__(self, bytes_per_s: float, ring: int | None) -> None:
@@ -43,7 +42,7 @@ class Inlet:
         self._end_s = -math.inf
 
     def send(self, data: bytes, now_s: float) -> None:
-        """Put the bytes on the line, behind those before them."""
+        """Put the bytes on the line, behind earlier ones."""
         start = max(self._end_s, now_s)
         self._runs.append(_Run(start, data))
         self._end_s = start + len(data) / self._rate
@@ -67,7 +66,7 @@ class Inlet:
         return found
 
     def clear(self, now_s: float) -> None:
-        """Drop what has come until now."""
+        """Drop everything received until now."""
         lost = self.lost
         self.read(now_s)
         self.lost = lost
@@ -76,12 +75,12 @@ class Inlet:
 class Outlet:
     """The firmware's send ring and the line to the host.
 
-    A write that finds the ring full waits, as the firmware's does, until it has put in its last
-    byte: while the line is busy the firmware stands still.
+    A write to a full ring blocks, as the firmware's does, until its last byte is in the ring. So
+    the firmware stands still while the line is busy.
 
     Args:
-        bytes_per_s: What the line carries.
-        ring: How many bytes wait for the line.
+        bytes_per_s: Rate of the line.
+        ring: How many bytes can wait for the line.
     """
 
     def __init__(self, bytes_per_s: float, ring: int) -> None:
@@ -92,23 +91,23 @@ class Outlet:
         self._end_s = -math.inf
 
     def write(self, size: int, now_s: float) -> tuple[float, float]:
-        """Put so many bytes into the ring.
+        """Put this many bytes into the ring.
 
         Returns:
-            When the first of them goes onto the line, and when the write returns.
+            When the first byte goes onto the line, and when the write returns.
         """
         start = max(self._line_free_s, now_s)
         self._line_free_s = start + size / self._rate
         return start, max(now_s, self._line_free_s - self._ring_s)
 
     def carry(self, data: bytes, start_s: float) -> None:
-        """Send the bytes to the host from this time on, behind those before them."""
+        """Send the bytes to the host from this time on, behind earlier ones."""
         start = max(self._end_s, start_s)
         self._runs.append(_Run(start, data))
         self._end_s = start + len(data) / self._rate
 
     def collect(self, now_s: float) -> bytes:
-        """Return what has reached the host since the last call."""
+        """Return the bytes that have reached the host since the last call."""
         found: list[bytes] = []
         while self._runs:
             run = self._runs[0]
@@ -122,19 +121,19 @@ class Outlet:
         return b"".join(found)
 
     def discard(self) -> None:
-        """Drop what is on its way: nobody will read it."""
+        """Drop the bytes under way, because nobody will read them."""
         self._runs.clear()
 
     @property
     def due_s(self) -> float:
-        """When the frame on the line has reached the host; infinite for a quiet line."""
+        """When the frame on the line reaches the host; infinite if there is none."""
         if not self._runs:
             return math.inf
         run = self._runs[0]
         return run.start_s + len(run.data) / self._rate
 
     def cut(self, now_s: float) -> None:
-        """Drop what has not reached the host by now: the firmware has started again."""
+        """Drop the bytes that have not reached the host, because the firmware has restarted."""
         kept: deque[_Run] = deque()
         for run in self._runs:
             there = int((now_s - run.start_s) * self._rate + _SLACK)

@@ -1,4 +1,4 @@
-"""What was found out about a connected robot, as plain data."""
+"""Facts about a connected robot, as plain data."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _SHOWN_IN: Mapping[Dimension, tuple[str, int]] = {
     CURRENT: ("mA", 0),
     TORQUE: ("mNm", 0),
 }
-"""The unit that people read a quantity in, and with how many decimals."""
+"""The unit in which people read a quantity, and the number of decimals."""
 
 
 class Subject(NamedTuple):
@@ -40,10 +40,10 @@ class Subject(NamedTuple):
 
 
 class Finding(NamedTuple):
-    """Something that a person should know, in one sentence.
+    """A finding for people, in one sentence.
 
     Attributes:
-        level: ``no-go``: no mission must start. ``suspicious``: one may. ``note``: all is well.
+        level: ``no-go``: no mission may start. ``suspicious``: one may. ``note``: all is well.
     """
 
     level: Level
@@ -52,12 +52,12 @@ class Finding(NamedTuple):
 
 @dataclass(frozen=True)
 class TopicFact:
-    """A topic that the device offers, or should.
+    """A topic that the device offers or should offer.
 
     Attributes:
-        id: None where the device does not offer it.
-        type: What the device calls its messages; likewise ``md5``.
-        our_type: What the profile says; empty for a topic that we do not need.
+        id: Number of the topic; None if the device does not offer it.
+        type: The device's message type; likewise ``md5``.
+        our_type: The profile's message type; empty for a topic that we do not need.
         per_s: Messages per second.
     """
 
@@ -72,7 +72,7 @@ class TopicFact:
 
     @property
     def agrees(self) -> bool:
-        """Whether it is usable, or not needed."""
+        """Whether the topic is usable or not needed."""
         if not self.our_type:
             return True
         return (self.type, self.md5) == (self.our_type, self.our_md5)
@@ -80,14 +80,14 @@ class TopicFact:
 
 @dataclass(frozen=True)
 class ChannelFact:
-    """What one sensor showed.
+    """The readings of one sensor.
 
     Attributes:
-        raw: Its last value, in counts; None where none came. Likewise ``least`` and ``most``.
-        value: The last value in SI; None where it has no signal or nothing came.
-        shown: The value with its unit, as people read it.
-        spikes: How many values could not be true.
-        same: How often it showed one and the same value in a row.
+        raw: Its last count; None if none came. Likewise ``least`` and ``most``.
+        value: The last value in SI; None if it has no signal or none came.
+        shown: The value with its unit, for people.
+        spikes: Number of implausible values.
+        same: Length of the longest run of equal values.
         trouble: What is wrong with it, one sentence each.
     """
 
@@ -105,11 +105,11 @@ class ChannelFact:
 
 @dataclass(frozen=True)
 class BoardFact:
-    """What one board said.
+    """The reports of one board.
 
     Attributes:
-        per_s: Frames per second; ``expected_per_s`` by the profile's cycle.
-        longest_gap_s: Between two of its frames.
+        per_s: Frames per second; ``expected_per_s`` is the rate by the profile's cycle.
+        longest_gap_s: Longest time between two of its frames.
     """
 
     id: int
@@ -123,17 +123,17 @@ class BoardFact:
 
 @dataclass(frozen=True)
 class LinkFact:
-    """What became of bytes and frames.
+    """Statistics of the link.
 
     Attributes:
-        answer_s: From the opening of the port until the device introduced its topics.
+        answer_s: Time from the opening of the port to the introduction of the topics.
         dropped: Bytes that belonged to no frame.
-        unreadable: Payloads that were not what their type says.
-        strange: Frames and readings of nothing that is known.
-        damaged: Echoes of something else than was written.
+        unreadable: Payloads that do not fit their type.
+        strange: Frames and readings of unknown topics, boards or channels.
+        damaged: Echoes of values that were not written.
         repeats: Frames written again.
         resets: How often the device had to be asked anew.
-        time_requests: How often it asked the time.
+        time_requests: How often it requested the time.
         asked_ms: Round trips of requests for topics.
         echoed_ms: Round trips of arrays.
     """
@@ -153,11 +153,11 @@ class LinkFact:
 
 @dataclass(frozen=True)
 class TurnFact:
-    """Whether a wheel turned when it was asked to.
+    """Whether a wheel turned on command.
 
     Attributes:
-        slot: What drives it.
-        turned_rad: How far its sensor says that it did; None where it says nothing.
+        slot: The slot that drives it.
+        turned_rad: Its sensor's angle of turning; None without readings.
     """
 
     slot: str
@@ -167,10 +167,10 @@ class TurnFact:
 
 @dataclass(frozen=True)
 class MoveFact:
-    """The test with setpoints.
+    """The result of the test with setpoints.
 
     Attributes:
-        sent: How many arrays; ``accepted`` of them were echoed as they were written.
+        sent: Number of arrays; ``accepted`` is how many were echoed as written.
     """
 
     sent: int
@@ -180,13 +180,13 @@ class MoveFact:
 
 @dataclass(frozen=True)
 class Facts:
-    """Everything that was found out.
+    """All facts.
 
     Attributes:
-        strangers: Boards that report though the profile does not listen to them.
-        words: What the firmware said, with its level as in ROS.
+        strangers: Boards that report but are not in the profile.
+        words: Lines of the firmware's log, with levels as in ROS.
         refused: Why topics cannot be used.
-        move: None where nothing was sent.
+        move: None if no setpoints were sent.
     """
 
     port: str
@@ -208,7 +208,7 @@ class Facts:
         return not any(finding.level == "no-go" for finding in self.findings)
 
     def as_data(self) -> dict[str, Any]:
-        """Mappings, lists, text and numbers; what no number can say is None."""
+        """Return mappings, lists, text and numbers; NaN and infinity become None."""
         data = asdict(self) | {"go": self.go}
         data["findings"] = [each._asdict() for each in self.findings]
         data["words"] = [{"level": level, "text": text} for level, text in self.words]
@@ -217,7 +217,7 @@ class Facts:
 
 
 def shown(value: float, dimension: Dimension) -> str:
-    """Return the value with its unit as people read it."""
+    """Return the value with its unit, for people."""
     if dimension in _SHOWN_IN:
         unit, decimals = _SHOWN_IN[dimension]
         return f"{value / UNITS[unit].value:z.{decimals}f} {unit}"

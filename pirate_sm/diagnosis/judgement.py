@@ -1,4 +1,4 @@
-"""Judge the facts about a connected robot: go or no-go, and why, in sentences."""
+"""Judges the facts about a connected robot: go or no-go, with the reasons in sentences."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from pirate_sm.diagnosis.sensor_judgement import judge_board
 from pirate_sm.model.serial_link import Advice
 
 LATE_SHARE = 0.5
-"""A board that reports less often than this share of what it should is suspicious."""
+"""A board that reports at less than this share of its rate is suspicious."""
 
 DAMAGED_SHARE = 0.01
 
 COMPLETE_SHARE = 0.9
-"""Of the messages that the bus has time for."""
+"""Share of the messages that the bus has time for."""
 
 
 SLOW_MS = 150.0
@@ -31,7 +31,7 @@ _ERROR = 3
 
 
 def judged(facts: Facts, subject: Subject) -> Facts:
-    """Return the facts with what is wrong with each sensor, and all findings, worst first."""
+    """Return the facts with each sensor's problems and all findings, worst first."""
     boards = tuple(judge_board(board, subject) for board in facts.boards)
     facts = replace(facts, boards=boards)
     findings = [
@@ -60,11 +60,11 @@ def _with(advice: str) -> str:
 def _about_topics(facts: Facts) -> Iterator[Finding]:
     for refusal in facts.refused:
         yield Finding("no-go", refusal)
-    told = " ".join(facts.refused)
+    reasons = " ".join(facts.refused)
     for topic in facts.topics:
         if topic.id is None:
             yield Finding("no-go", _missing(topic, facts))
-        elif not topic.agrees and topic.type not in told:
+        elif not topic.agrees and topic.type not in reasons:
             yield Finding(
                 "no-go",
                 f"topic '{topic.name}' carries {topic.type} with md5 {topic.md5}, the profile "

@@ -1,4 +1,4 @@
-"""Makes the backend ``serial``: the real robot, or an emulated one, behind a serial port."""
+"""Makes the backend ``serial``: a real or an emulated robot behind a serial port."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pirate_sm.wiring.run_order import Order
 
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
-    """Return the link to the robot at the order's port; the port is not opened.
+    """Return the link to the robot at the order's port, without opening the port.
 
     Raises:
         UsageError: There is no port, or an option is for another backend.
@@ -48,9 +48,9 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
 
 
 def calibrated(order: Order, loaded: LoadedMission) -> tuple[LoadedMission, tuple[str, ...]]:
-    """Return the mission with the joint zeros of its robot, and a line that says so.
+    """Return the mission with the joint zeros of its robot, and a notice about them.
 
-    It is returned as it was, without a line, where the order wants no zeros or there are none.
+    Without zeros, or if the order does not want them, the mission is unchanged, without a notice.
     """
     from pirate_sm.loading.robot.calibration_files import newest_calibration, summary, with_zeros
 

@@ -16,11 +16,11 @@ COMPILING = (
 )
 
 _COMPILED = {"llvmlite", "numba", "numpy"}
-"""What the extra `sim` installs."""
+"""The packages that the extra `sim` installs."""
 
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
-    """Return the simulator with the robot where the mission begins.
+    """Return the simulator with the robot at the mission's start.
 
     Raises:
         UsageError: There is no pipe, an option is for another backend, or the extra ``sim`` is not
@@ -64,10 +64,10 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
 
 
 def start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
-    """Return setpoints that hold a simulated robot where its mission says it is; None at its rest.
+    """Return setpoints that hold a simulated robot in its start configuration; None at rest.
 
-    Only joints of held parts are driven. A part that is bending is not in a bend yet: pushed in a
-    straight pipe it would lever the held part off the wall before the first command.
+    Only joints of held parts are driven. A bending part is not in a bend yet: pushed in a straight
+    pipe it would lever the held part off the wall before the first command.
     """
     configuration, robot = loaded.program.start_configuration, loaded.robot
     if configuration == robot.table.initial:

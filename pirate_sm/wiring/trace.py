@@ -1,4 +1,4 @@
-"""Makes the backend ``trace``: nothing moves, a script or the first trigger decides."""
+"""Makes the backend ``trace``: nothing moves; a script or each wait's first trigger decides."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from pirate_sm.wiring.run_order import Order
 
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
-    """Return a trace, with who fires triggers in it.
+    """Return a trace, with the companions that fire triggers in it.
 
     Raises:
-        UsageError: An option is for another backend, or nothing waits for what shall be fired.
+        UsageError: An option is for another backend, or no wait has a trigger to be fired.
     """
     if order.defects:
         raise UsageError("a defect needs a robot that moves", option_hint=": use --backend sim")
@@ -38,7 +38,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
 
 
 def _course(order: Order, loaded: LoadedMission) -> Equipment:
-    """Return a trace in which what happens is laid down."""
+    """Return a trace that plays a course of events."""
     if order.firings:
         raise UsageError("a course of events and triggers to fire exclude each other")
     events = resolve_course(order.course, loaded.robot)
@@ -47,7 +47,7 @@ def _course(order: Order, loaded: LoadedMission) -> Equipment:
     verdicts = Verdicts(scripted=True)
     program = loaded.program
     player = CoursePlayer(later, program, verdicts.decide, verdicts.release)
-    # How long commands take in a trace is nothing that a time limit could be held against.
+    # The duration of commands in a trace must not count against a time limit.
     limit_s = program.time_limit_s + longest_s(order.course, loaded.robot, program)
     return Equipment(
         backend=TraceBackend(verdicts, known),

@@ -79,7 +79,7 @@ def test_the_duration_of_a_later_run_is_its_own(runs: Path) -> None:
             me.session.stop()
             me.wait(1.0)
             me.until(lambda: me.latest.state is not None and me.latest.state.look is None)
-            me.session.tell(OperatorCommand("ClampFront"))
+            me.session.give_event(OperatorCommand("ClampFront"))
             me.until(lambda: me.states[2] == "FrontClampedRearRelaxed")
             await leave(me)
 
@@ -107,7 +107,7 @@ def later(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
             me.session.stop()
             me.wait(1.0)
             me.until(lambda: me.latest.state is not None and me.latest.state.look is None)
-            me.session.tell(OperatorCommand("ClampFront"))
+            me.session.give_event(OperatorCommand("ClampFront"))
             me.until(lambda: me.states[2] == "FrontClampedRearRelaxed")
             await leave(me)
 

@@ -1,4 +1,4 @@
-"""`pirate calibrate`: a person straightens the robot, and what its joints then show is kept."""
+"""`pirate calibrate`: stores the joint angles of a straightened robot as its zeros."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _SHOW_EVERY_S = 0.5
 
 
 def run_calibrate(options: CalibrateOptions) -> int:
-    """Keep the zeros of the joints; return 0, or 1 where the robot was not straight or still.
+    """Store the zeros of the joints; return 0, or 1 if the robot was not straight or still.
 
     Raises:
         LoadError: The robot's files cannot be used.
@@ -91,7 +91,7 @@ def _joints(loaded: LoadedRobot, skip: Sequence[str]) -> tuple[str, ...]:
 def _measure(
     listening: Listening, joints: Sequence[str], options: CalibrateOptions
 ) -> list[JointReading]:
-    """Let the operator straighten the robot; return what its joints show then."""
+    """Let the operator straighten the robot; return its joint readings afterwards."""
 
     def angles() -> str:
         return _line(read_joints(listening.subject, listening.records, joints))
@@ -137,7 +137,7 @@ def _conclude(
 
 
 def _before(loaded: LoadedRobot) -> dict[str, float]:
-    """Return the zeros in use until now, none where their file cannot be used."""
+    """Return the zeros in use before; empty if their file cannot be used."""
     try:
         newest = newest_calibration(loaded)
     except LoadError as error:
@@ -147,7 +147,7 @@ def _before(loaded: LoadedRobot) -> dict[str, float]:
 
 
 def _line(readings: Sequence[JointReading]) -> str:
-    """Return the angles of the joints, in a line."""
+    """Return the angles of the joints, in one line."""
     return ", ".join(f"{each.name} {degrees(each.last):+z.1f} deg" for each in readings)
 
 
@@ -157,14 +157,14 @@ def _wait_for_enter(
     """Wait until the operator presses Enter; serve the link meanwhile.
 
     Raises:
-        UsageError: Nobody can press anything any more.
+        UsageError: Standard input has ended.
     """
     say(f"{what} [Enter]")
     try:
         _serve_until_enter(listening, status)
     finally:
         if status():
-            say("")  # the line of the status is left
+            say("")  # leave the status line
 
 
 def _serve_until_enter(listening: Listening, status: Callable[[], str]) -> None:

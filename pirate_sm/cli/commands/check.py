@@ -1,4 +1,4 @@
-"""`pirate check`: what is wrong with robots, missions and pipes."""
+"""`pirate check`: reports what is wrong with robots, missions and pipes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _SGR = {
     "place": "1",
     "label": "2",
 }
-"""How roles look on a terminal."""
+"""Terminal colours of the roles of text."""
 
 _USUAL_COLUMNS = 80
 _ERASE = "\r\x1b[2K"
@@ -40,7 +40,7 @@ def run_check(options: CheckOptions) -> int:
     """Print the report; return the exit code, which says whether anything was found.
 
     Raises:
-        UsageError: A path leads nowhere, an option does not fit, or the simulator is wanted and
+        UsageError: A path does not exist, an option does not fit, or the simulator is needed and
             not installed.
     """
     fail_on = Severity[options.fail_on.upper()]
@@ -123,10 +123,10 @@ def _painted(role: str, text: str) -> str:
 
 
 class _Progress:
-    """A line on standard error that says which file is being looked at."""
+    """A line on standard error with the file that is being checked."""
 
     def __call__(self, done: int, total: int, name: str) -> None:
-        """Show how far the check has come."""
+        """Show the progress of the check."""
         line = visible(f"checking {done + 1}/{total} {name}")[: _columns() - 1]
         print(f"{_ERASE}{line}", end="", file=sys.stderr, flush=True)
 

@@ -1,4 +1,4 @@
-"""`pirate diff`: what two versions of a mission can do, compared.
+"""`pirate diff`: compares what two versions of a mission can do.
 
 The JSON is described by ``docs/schemas/diff.schema.json``.
 """
@@ -30,11 +30,11 @@ _WIDTH = 100
 
 
 def run_diff(options: DiffOptions) -> int:
-    """Print what differs; return the exit code, which says whether anything does.
+    """Print the differences; return the exit code, which says whether there are any.
 
     Raises:
         LoadError: One of the versions cannot be loaded.
-        UsageError: One is not there, or too large for its likeness to be known.
+        UsageError: A version does not exist, or is too large to compare.
     """
     old, new = (library.find_mission(each) for each in (options.old, options.new))
     settings = read_settings(options.settings)
@@ -75,8 +75,8 @@ def _text(difference: Difference, old: str, new: str) -> str:
 
 def _summary(difference: Difference) -> str:
     counts = ((kind, len(difference.of(kind))) for kind in _KINDS)
-    told = ", ".join(f"{count} {kind}" for kind, count in counts if count)
-    return f"both can do the same{', ' if told else ''}{told}" if difference.same else told
+    counted = ", ".join(f"{count} {kind}" for kind, count in counts if count)
+    return f"both can do the same{', ' if counted else ''}{counted}" if difference.same else counted
 
 
 def _json(difference: Difference, old: str, new: str) -> str:

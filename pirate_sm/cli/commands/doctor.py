@@ -1,4 +1,4 @@
-"""`pirate doctor`: what is connected to a port, and whether a mission may start with it."""
+"""`pirate doctor`: reports what is connected to a port, and whether a mission may start."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ GO, NO_GO = 0, 1
 
 
 def run_doctor(options: DoctorOptions) -> int:
-    """Print what is found about a connected robot; return 0 for go, 1 for no-go.
+    """Print the findings about a connected robot; return 0 for go, 1 for no-go.
 
     Raises:
         LoadError: The robot's files cannot be used.
-        UsageError: An argument does not fit, or nobody agreed to --move.
+        UsageError: An argument does not fit, or nobody confirmed --move.
         BackendError: There is no robot to connect to.
     """
     loaded = find_loaded(options.robot)
@@ -61,7 +61,7 @@ def run_doctor(options: DoctorOptions) -> int:
 
 
 def _look(subject: Subject, options: DoctorOptions, requests: StopRequests) -> Facts:
-    """Connect, find out everything and judge it; free the port again."""
+    """Connect, collect all facts and judge them; release the port."""
     say(f"connecting to {options.port} ...")
     stay_s = read_duration("--guard-for", options.guard_for)
     listening = connection(subject, options.port, options.baud, requests, stay_s)

@@ -1,4 +1,4 @@
-"""`pirate explain`: what the code of a finding means."""
+"""`pirate explain`: prints what the code of a finding means."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pirate_sm.spelling import nearest
 
 
 def explain_code(options: ExplainOptions) -> int:
-    """Print what the catalogue says of the code, of all codes the titles; return the exit code.
+    """Print the catalogue's text on the code, or the titles of all; return the exit code.
 
     Raises:
         UsageError: There is no such code.

@@ -1,4 +1,4 @@
-"""`pirate graph`: a robot's chart or a mission as a picture."""
+"""`pirate graph`: draws a robot's chart or a mission."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ def draw_graph(options: GraphOptions) -> int:
     """Write the drawing to the file, or to standard output; return the exit code.
 
     Raises:
-        LoadError: The files have faults.
-        UsageError: There is no such mission, robot or chart, or nothing of a name to mark.
+        LoadError: The files have errors.
+        UsageError: There is no such mission, robot or chart, or no such node to mark.
     """
     graph = _graph(options)
     if options.counterexample is not None:
@@ -88,7 +88,7 @@ def _is_mission(path: Path) -> bool:
 
 
 def _found(what: str) -> Path:
-    """Return the file or the robot's folder of this path or name."""
+    """Return the file or the robot's folder with this path or name."""
     path = Path(what)
     if path.is_dir() or path.is_file():
         return path

@@ -1,4 +1,4 @@
-"""`pirate list`: what there is to write into a mission or a command line."""
+"""`pirate list`: lists the names for missions and command lines."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ M = TypeVar("M", bound=Frozen)
 
 
 def list_things(options: ListOptions) -> int:
-    """Print the things that are named, all of them when none is; return the exit code.
+    """Print these lists, by default all of them; return the exit code.
 
     Raises:
         LoadError: The robot's files cannot be used.
@@ -105,14 +105,14 @@ def _detectors(_: Iterable[Path]) -> None:
 
 
 def _plugins(registry: Registry[Any]) -> Iterable[Row]:
-    """Yield each name with its package, and why what cannot be used cannot."""
+    """Yield each name with its package, and why it cannot be used if that is so."""
     for each in registry.listed():
         about = f"cannot be used: {each.fault}" if each.fault else each.about
         yield each.name, each.package or "pirate-sm", about
 
 
 def _read(path: Path, model: type[M]) -> M | str:
-    """Return the model, or the first line of what is wrong with its file."""
+    """Return the model, or the first line of the error in its file."""
     try:
         return validate(read_document(path), model)
     except PirateError as error:

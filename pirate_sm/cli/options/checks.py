@@ -14,8 +14,8 @@ from pirate_sm.cli.options import common
 class CheckOptions:
     """Find what is wrong with robots, missions and pipes before anything moves.
 
-    `pirate explain CODE` tells more about a finding. On its line a finding is allowed by a
-    comment with a reason: `# pirate: allow CODE: reason`.
+    `pirate explain CODE` explains a finding. A comment with a reason on its line allows it:
+    `# pirate: allow CODE: reason`.
 
     Exit codes: 0 clean, 1 findings of the severity of --fail-on or worse, 2 usage, or there was
     nothing to check.

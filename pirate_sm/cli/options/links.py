@@ -12,7 +12,7 @@ from pirate_sm.cli.options import common
 
 @dataclass(frozen=True, kw_only=True)
 class DoctorOptions:
-    """Look at a connected robot: what it says, what is missing, go or no-go.
+    """Examine a connected robot: what it reports, what is missing, go or no-go.
 
     Without --move nothing is sent to its motors. Opening the port restarts most controllers.
 

@@ -1,4 +1,4 @@
-"""How far to the right each vertex stands: near its neighbours, long links straight."""
+"""The x coordinate of each vertex: near its neighbours, with long links straight."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from itertools import pairwise
 ROUNDS = 40
 STRAIGHTENINGS = 12
 SNAP = 14.0
-"""What is nearly straight, by so many pixels, becomes straight."""
+"""Deviations up to this many pixels are straightened."""
 NO_PULL = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
 class Vertex:
-    """Something on a rank; it stands at its anchor, which need not be its middle."""
+    """A vertex on a rank; its x is that of its anchor, which may be off its middle."""
 
     left: float
     right: float
@@ -23,11 +23,11 @@ class Vertex:
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """Joins two vertices on ranks that follow each other.
+    """A connection between two vertices on consecutive ranks.
 
     Attributes:
-        upper_port: How far right of the upper anchor it begins.
-        lower_port: How far right of the lower anchor it ends.
+        upper_port: Distance of its upper end to the right of the upper anchor.
+        lower_port: Distance of its lower end to the right of the lower anchor.
     """
 
     upper: int
@@ -44,13 +44,13 @@ def abscissae(
     chains: Sequence[Sequence[int]],
     gap: float,
 ) -> list[float]:
-    """Return the x of each vertex's anchor; neighbours on a rank are ``gap`` apart at least.
+    """Return the x of each vertex's anchor; neighbours on a rank are at least ``gap`` apart.
 
     Args:
         layers: The vertices of each rank from left to right.
-        vertices: How much room each needs.
-        segments: What joins them.
-        chains: Vertices, one below the other, that had better be on one vertical.
+        vertices: The width of each vertex.
+        segments: The connections.
+        chains: Vertices, one below the other, that should be on one vertical.
         gap: In pixels.
     """
     pulls: list[list[tuple[int, float, float]]] = [[] for _ in vertices]
@@ -73,7 +73,7 @@ def abscissae(
 def _wish(
     vertex: int, pulls: Sequence[tuple[int, float, float]], x: Sequence[float]
 ) -> tuple[float, float]:
-    """Return where the vertex would stand if it were alone, and how much it matters."""
+    """Return the preferred x of the vertex alone, and its weight."""
     weight = sum(pull for _, _, pull in pulls)
     if not weight:
         return x[vertex], NO_PULL
@@ -89,10 +89,10 @@ def _settle(
 ) -> None:
     """Move a layer as near to its wishes as its order and the gaps allow (least squares).
 
-    Taking from each wish the room that is needed left of it makes this the isotonic regression,
-    which pooling adjacent violators solves.
+    After subtracting from each preferred x the width needed left of it, this is isotonic
+    regression, which pooling adjacent violators solves.
     """
-    if not layer:  # between parts of a graph that nothing joins
+    if not layer:  # between unconnected parts of a graph
         return
     room = [0.0]
     for one, other in pairwise(layer):
@@ -137,7 +137,7 @@ def _snap(
     gap: float,
     x: list[float],
 ) -> None:
-    """Move each vertex straight below what it hangs on most, where little is missing for it."""
+    """Move each vertex straight below its strongest neighbour, if little is missing for it."""
     seen: set[int] = set()
     for layer in layers:
         for place, vertex in enumerate(layer):
@@ -154,7 +154,7 @@ def _snap(
 def _free(
     layer: Sequence[int], place: int, vertices: Sequence[Vertex], gap: float, x: Sequence[float]
 ) -> tuple[float, float]:
-    """Return between which x the vertex can stand while its neighbours stay."""
+    """Return the range of x for the vertex while its neighbours stay."""
     vertex = layer[place]
     low, high = float("-inf"), float("inf")
     if place:

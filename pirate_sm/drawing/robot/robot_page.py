@@ -1,4 +1,4 @@
-"""A robot as a page: what its commands mean, read off its profile and its chart."""
+"""A robot as a page: what its commands mean, from its profile and its chart."""
 
 from __future__ import annotations
 
@@ -200,7 +200,7 @@ def _picture(outline: ChartOutline, place: int) -> Graph:
 
 
 def _holding(robot: LoadedRobot, place: int, state: str) -> str:
-    """Return the parts that are held wherever the region is in this state and decides on that."""
+    """Return the parts that are held in this state of the region, where it decides on that."""
     spec = robot.normal
     inside = [
         index for index, states in enumerate(robot.table.configurations) if states[place] == state
@@ -217,7 +217,7 @@ def _holding(robot: LoadedRobot, place: int, state: str) -> str:
 
 
 def _given(profile: Profile, stages: Sequence[Stage], only: set[str] | None = None) -> str:
-    """Return what the stages give to slots; with ``only`` to these alone."""
+    """Return what the stages write to all slots, or only to those in ``only``."""
     slots = {slot.name: slot for slot in profile.slots}
     texts = []
     for stage in stages:
@@ -246,7 +246,7 @@ def _value(value: object) -> str:
 
 
 def _thing(slot: Slot) -> str:
-    """Return what a slot moves, in the words of missions."""
+    """Return the part that a slot moves, in the words of missions."""
     return slot.joint or slot.wheel or slot.roll or slot.name
 
 

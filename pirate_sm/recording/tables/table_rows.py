@@ -1,4 +1,4 @@
-"""What happens in a run as rows of tables, with SI units in the headers."""
+"""The events of a run as rows of tables, with SI units in the headers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pirate_sm.recording.read.steps import with_own_times
 from pirate_sm.recording.replay.replay import Rerun
 
 SIGNALS = "signals"
-"""The table of what the engine made of the boards' raw values, one row for each frame."""
+"""The table of the signals, one row for each frame."""
 
 TABLES = (
     *(SIGNALS, "setpoints", "states", "commands", "phases", "waits", "triggers", "detector"),
@@ -48,11 +48,11 @@ def signal_row(robot: RobotSpec, at_s: float, signals: Mapping[str, float]) -> T
 
 
 def rows_of(engine: Engine, again: Iterable[Rerun], origin_s: float = 0.0) -> Iterator[TableRow]:
-    """Yield all rows of a run, from its steps given to the engine again.
+    """Yield all rows of a run from its replayed steps.
 
     Args:
-        engine: As it ran then.
-        again: The steps.
+        engine: The engine as in the run.
+        again: The replayed steps.
         origin_s: When the run began, by the engine's clock; times of rows count from there.
     """
     for each in again:
@@ -63,7 +63,7 @@ def rows_of(engine: Engine, again: Iterable[Rerun], origin_s: float = 0.0) -> It
 
 
 def effect_rows(robot: RobotSpec, at_s: float, effect: fx.Effect) -> Iterator[TableRow]:
-    """Yield the effect as rows of its table; nothing where it has none."""
+    """Yield the effect as rows of its table; nothing if it has none."""
     made = _table(robot, effect)
     if made is not None:
         for values in made.rows:
