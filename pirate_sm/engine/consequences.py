@@ -137,5 +137,5 @@ def _set_wake(moment: Moment, state: EngineState) -> EngineState:
         wake = min(wake, state.sensing.checked_s + moment.robot.link.listen_every_s)
     if wake == state.wake_at_s or isnan(wake):
         return state
-    moment.tell(WakeAt(wake))
+    moment.emit(WakeAt(wake))
     return state._replace(wake_at_s=wake)

@@ -78,7 +78,7 @@ class Engine:
         state = EngineState(robot, sensing, mission, faults, words)
         state = state._replace(rules=following, surveyed=surveyed, look=look)
         moment = Moment(self.robot, self.program, self.nominal, now_s)
-        moment.tell(robot_state.state_change(self.robot, robot))
+        moment.emit(robot_state.state_change(self.robot, robot))
         for report in seen:
             if isinstance(report, events.SignalReport):
                 state = scripted_signals.show(moment, state, report)

@@ -6,7 +6,7 @@ from pirate_sm.engine.control import sending
 from pirate_sm.engine.mission.diverting import meet
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands
-from pirate_sm.engine.safety.faults import ANEW, Found, begin_anew, look, unsettle
+from pirate_sm.engine.safety.faults import ANEW, FoundFault, begin_anew, look, unsettle
 from pirate_sm.engine.sensing.conversion import observe
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Detected
@@ -36,10 +36,10 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
     return state
 
 
-def _found(moment: Moment, report: FaultReport) -> Found:
+def _found(moment: Moment, report: FaultReport) -> FoundFault:
     code, message = report
     denies = moment.robot.denied_by_report(code, message)
-    return Found(code, message, moment.robot.fault_codes.get(code, True), denies)
+    return FoundFault(code, message, moment.robot.fault_codes.get(code, True), denies)
 
 
 def word(moment: Moment, state: EngineState, event: DetectorWord) -> EngineState:
@@ -50,7 +50,7 @@ def word(moment: Moment, state: EngineState, event: DetectorWord) -> EngineState
     state = state._replace(word_until_s=moment.now_s + event.valid_for_s)
     if state.words[-2] == event.word:
         return state
-    moment.tell(Detected(event.word))
+    moment.emit(Detected(event.word))
     return state._replace(words=(*state.words[:-2], event.word, state.words[-1]))
 
 
@@ -62,7 +62,7 @@ def submitted(moment: Moment, state: EngineState, event: SubmitResult) -> Engine
     state = state.moved(moment.robot, robot)
     state = state.finished(finished)
     if unconfirmed:
-        state = meet(moment, state, Found.built_in(BuiltInFault.LINK_NO_ECHO, unconfirmed))
+        state = meet(moment, state, FoundFault.built_in(BuiltInFault.LINK_NO_ECHO, unconfirmed))
     if flight is None or event.setpoint_id != flight.setpoint_id:
         return state
     if event.status in {"rejected", "superseded"} and flight.purpose != "gate":
@@ -75,7 +75,7 @@ def submitted(moment: Moment, state: EngineState, event: SubmitResult) -> Engine
 def _refused(moment: Moment, state: EngineState, message: str) -> EngineState:
     ending = state.mission.ending
     if ending is None:
-        found = Found.built_in(BuiltInFault.BACKEND_FAILED, message)
+        found = FoundFault.built_in(BuiltInFault.BACKEND_FAILED, message)
         return meet(moment, state, found)
     ending = ending._replace(message=f"{ending.message} ({message})")
     return state._replace(mission=state.mission._replace(ending=ending))

@@ -21,10 +21,10 @@ class Moment:
 
     Attributes:
         effects: What has happened, in order.
-        tell: Adds what has happened.
+        emit: Appends one effect.
     """
 
-    __slots__ = ("effects", "nominal", "now_s", "program", "robot", "tell")
+    __slots__ = ("effects", "emit", "nominal", "now_s", "program", "robot")
 
     def __init__(self, robot: RobotSpec, program: Program, nominal: bool, now_s: float) -> None:
         self.robot = robot
@@ -32,7 +32,7 @@ class Moment:
         self.now_s = now_s
         self.nominal = nominal
         self.effects: list[Effect] = []
-        self.tell = self.effects.append
+        self.emit = self.effects.append
 
     def trial(self) -> Moment:
         """Return the same moment, to try something in it: what happens there is not told here."""

@@ -13,14 +13,14 @@ decides alone.
 from __future__ import annotations
 
 from pirate_sm.expressions.compiler import Expression, compile_condition, compile_expression
-from pirate_sm.expressions.faults import ExpressionError, Fault
+from pirate_sm.expressions.faults import ExpressionError, ExpressionFault
 from pirate_sm.expressions.vocabulary import (
     BOOLEAN,
     BooleanType,
     Constant,
     EnumType,
     NumberType,
-    Slot,
+    SignalSlot,
     Vocabulary,
 )
 
@@ -31,9 +31,9 @@ __all__ = [
     "EnumType",
     "Expression",
     "ExpressionError",
-    "Fault",
+    "ExpressionFault",
     "NumberType",
-    "Slot",
+    "SignalSlot",
     "Vocabulary",
     "compile_condition",
     "compile_expression",

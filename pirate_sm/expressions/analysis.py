@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Final, NamedTuple, cast
 
 from pirate_sm.expressions import tree
-from pirate_sm.expressions.faults import ExpressionError, Fault
+from pirate_sm.expressions.faults import ExpressionError, ExpressionFault
 from pirate_sm.expressions.syntax import (
     AnyPart,
     ArithmeticPart,
@@ -61,20 +61,20 @@ class _Analysis:
     """Walks the syntax; None as a result means that a fault below has been noted already."""
 
     def __init__(self, vocabulary: Vocabulary, parameters: Mapping[str, Constant]) -> None:
-        self.faults: list[Fault] = []
+        self.faults: list[ExpressionFault] = []
         self._vocabulary = vocabulary
         self._parameters = parameters
         self._depth = 0
 
     def _fault(self, part: AnyPart, message: str, suggestion: str = "") -> None:
-        self.faults.append(Fault(message, part.offset, suggestion, part.length))
+        self.faults.append(ExpressionFault(message, part.offset, suggestion, part.length))
 
     def value(self, part: AnyPart) -> Typed | None:
         """Return what a part says, of whatever type it is."""
         self._depth += 1
         if self._depth > DEEPEST_TREE:
             message = f"the expression is nested deeper than {DEEPEST_TREE} levels"
-            raise ExpressionError([Fault(message, part.offset)])
+            raise ExpressionError([ExpressionFault(message, part.offset)])
         typed = self._value(part)
         self._depth -= 1
         return typed
@@ -84,7 +84,7 @@ class _Analysis:
             case NumberPart(quantity=quantity):
                 return Typed(tree.Number(quantity.value), NumberType(quantity.dimension))
             case TruthPart():
-                return Typed(tree.Truth(part.value), BOOLEAN)
+                return Typed(tree.TruthValue(part.value), BOOLEAN)
             case NamePart():
                 return self._signal(part)
             case ParameterPart():
@@ -130,7 +130,7 @@ class _Analysis:
         if constant is None:
             return None
         if isinstance(constant, bool):
-            return Typed(tree.Truth(constant), BOOLEAN)
+            return Typed(tree.TruthValue(constant), BOOLEAN)
         if isinstance(constant, str):
             message = f"'${part.name}' is a word: it can only be compared with == or in"
             self._fault(part, message)

@@ -9,7 +9,7 @@ from pirate_sm.errors import UsageError
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
+class ExpressionFault:
     """Is one thing wrong with an expression.
 
     Attributes:
@@ -28,7 +28,7 @@ class Fault:
 class ExpressionError(UsageError):
     """Is raised for an expression that cannot be used; holds every fault that could be found."""
 
-    def __init__(self, faults: Iterable[Fault]) -> None:
+    def __init__(self, faults: Iterable[ExpressionFault]) -> None:
         self.faults = tuple(sorted(faults, key=lambda fault: fault.offset))
         first = self.faults[0]
         self.message = first.message
@@ -37,6 +37,6 @@ class ExpressionError(UsageError):
         super().__init__("; ".join(_line(fault) for fault in self.faults))
 
 
-def _line(fault: Fault) -> str:
+def _line(fault: ExpressionFault) -> str:
     hint = f", did you mean '{fault.suggestion}'?" if fault.suggestion else ""
     return f"column {fault.offset + 1}: {fault.message}{hint}"

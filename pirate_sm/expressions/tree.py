@@ -25,7 +25,7 @@ class Number:
 
 
 @dataclass(frozen=True, slots=True)
-class Truth:
+class TruthValue:
     """Is the constant `true` or `false`."""
 
     value: bool
@@ -111,7 +111,7 @@ class Or:
 
 Node: TypeAlias = (
     Number
-    | Truth
+    | TruthValue
     | Signal
     | Negate
     | Arithmetic

@@ -56,7 +56,7 @@ SlotKind: TypeAlias = Literal["number", "word"]
 
 
 @dataclass(frozen=True, slots=True)
-class Slot:
+class SignalSlot:
     """Says in which of the two value sequences a signal is found, and where."""
 
     kind: SlotKind
@@ -81,8 +81,10 @@ class Vocabulary:
         numeric = {name for name, kind in types.items() if isinstance(kind, NumberType)}
         self.numbers = tuple(name for name in types if name in numeric)
         self.words = tuple(name for name in types if name not in numeric)
-        self._slots = {name: Slot("number", index) for index, name in enumerate(self.numbers)}
-        self._slots.update({name: Slot("word", index) for index, name in enumerate(self.words)})
+        self._slots = {name: SignalSlot("number", index) for index, name in enumerate(self.numbers)}
+        self._slots.update(
+            {name: SignalSlot("word", index) for index, name in enumerate(self.words)}
+        )
 
     @cached_property
     def said(self) -> frozenset[str]:
@@ -101,10 +103,10 @@ class Vocabulary:
         extended.types = MappingProxyType({**self.types, **changes})
         extended.numbers = (*self.numbers, *changes)
         first = len(self.numbers)
-        extended._slots |= {name: Slot("number", first + i) for i, name in enumerate(changes)}
+        extended._slots |= {name: SignalSlot("number", first + i) for i, name in enumerate(changes)}
         return extended
 
-    def slot(self, name: str) -> Slot:
+    def slot(self, name: str) -> SignalSlot:
         """Return where the value of a name is found; KeyError for a name that is not in here."""
         return self._slots[name]
 

@@ -16,7 +16,7 @@ from pirate_sm.checking.diff.mission_behaviour import (
     Success,
     Trigger,
 )
-from pirate_sm.checking.exploring.exploration import WITHIN, Exploration, Step
+from pirate_sm.checking.exploring.exploration import WITHIN, Exploration, ExploredStep
 from pirate_sm.checking.exploring.exploration_index import Explored, index_exploration
 from pirate_sm.checking.exploring.explore import explore
 from pirate_sm.checking.mission.explore_mission import conditions_of
@@ -133,7 +133,7 @@ class _Reader:
                     ends[phase, status.name] |= after[step.target]
         return {given: frozenset(names) for given, names in ends.items()}
 
-    def _statuses(self, step: Step) -> Iterator[tuple[str, CommandStatus]]:
+    def _statuses(self, step: ExploredStep) -> Iterator[tuple[str, CommandStatus]]:
         """Yield what happens to commands in a step, each with the phase that it stands in."""
         at = self._found.nodes[step.source].state.mission.pc if step.source >= 0 else 0
         phase = self._found.program.phase_of[at]
@@ -166,7 +166,7 @@ class _Reader:
         return after
 
 
-def _ends_of(found: Exploration, step: Step) -> Iterator[tuple[str, str]]:
+def _ends_of(found: Exploration, step: ExploredStep) -> Iterator[tuple[str, str]]:
     """Yield outcome and name of the end that a step leads to, if it does."""
     ending = found.nodes[step.target].state.mission.ending
     if ending is not None:
@@ -237,5 +237,5 @@ def _success(book: Explored) -> Success | None:
     return min(ways, key=lambda way: way.events, default=None)
 
 
-def _given(step: Step) -> int:
+def _given(step: ExploredStep) -> int:
     return sum(isinstance(each, CommandStatus) and each.status == "sent" for each in step.effects)

@@ -11,7 +11,7 @@ Fact: TypeAlias = tuple[tree.Node, bool]
 """A condition, and whether it is true; false stands for false and for unknown."""
 
 
-class Answer(NamedTuple):
+class PossibleAnswer(NamedTuple):
     """Whether it can be so.
 
     Attributes:
@@ -25,7 +25,7 @@ class Answer(NamedTuple):
     words: Mapping[str, str | None] = {}
 
 
-def together(answers: Iterable[Answer]) -> Answer:
+def together(answers: Iterable[PossibleAnswer]) -> PossibleAnswer:
     """Return the answer to several questions that have no signal in common."""
     numbers: dict[str, float] = {}
     words: dict[str, str | None] = {}
@@ -36,10 +36,10 @@ def together(answers: Iterable[Answer]) -> Answer:
         numbers |= answer.numbers
         words |= answer.words
         sure = sure and answer.sure
-    return Answer(True, sure, numbers, words)
+    return PossibleAnswer(True, sure, numbers, words)
 
 
-class Moment(NamedTuple):
+class StepAnswers(NamedTuple):
     """What was answered in one run of a step.
 
     Attributes:
@@ -47,7 +47,7 @@ class Moment(NamedTuple):
     """
 
     facts: tuple[Fact, ...]
-    answer: Answer
+    answer: PossibleAnswer
 
 
 Trigger: TypeAlias = tuple[int, int]
@@ -70,10 +70,10 @@ class Related(NamedTuple):
 
     names: frozenset[str]
     facts: tuple[tuple[int, bool], ...]
-    answer: Answer
+    answer: PossibleAnswer
 
 
-class Asked(NamedTuple):
+class BranchAnswers(NamedTuple):
     """What a branch has asked.
 
     Attributes:

@@ -18,10 +18,10 @@ from typing import Any, TypeVar
 
 from pirate_sm.checking.exploring.answers import (
     NOWHERE,
-    Answer,
-    Asked,
-    Moment,
+    BranchAnswers,
+    PossibleAnswer,
     Related,
+    StepAnswers,
     TooManyQuestionsError,
     Trigger,
     together,
@@ -33,7 +33,7 @@ from pirate_sm.expressions import Expression, tree
 T = TypeVar("T")
 
 
-_NOTHING_ASKED = Moment((), Answer(True))
+_NOTHING_ASKED = StepAnswers((), PossibleAnswer(True))
 
 MOST_QUESTIONS = 256
 """About different conditions at one moment; who asks more gets no answer."""
@@ -51,13 +51,13 @@ class Oracle:
     """
 
     def __init__(self, conditions: Conditions, start: Sequence[str | None] = ()) -> None:
-        self.branches: dict[str, set[Asked]] = {}
+        self.branches: dict[str, set[BranchAnswers]] = {}
         self._start: Sequence[str | None] = start
         self._conditions = conditions
         self._numbers: dict[tree.Node, int] = {}
         self._nodes: list[tree.Node] = []
         self._names: list[frozenset[str]] = []
-        self._known: dict[Hashable, tuple[Answer, Answer]] = {}
+        self._known: dict[Hashable, tuple[PossibleAnswer, PossibleAnswer]] = {}
         self._given: dict[int, bool] = {}
         self._related: tuple[Related, ...] = ()
         self._choices: list[bool] = []
@@ -80,7 +80,7 @@ class Oracle:
         step: Callable[[], T],
         waits: Callable[[T], int] = lambda _: NOWHERE,
         due: Collection[Trigger] = (),
-    ) -> Iterator[tuple[T, Moment]]:
+    ) -> Iterator[tuple[T, StepAnswers]]:
         """Yield the result of the step for everything that its conditions can be.
 
         Args:
@@ -110,15 +110,15 @@ class Oracle:
         self._given, self._related, self._taken, self._held = {}, (), 0, {}
         return step()
 
-    def _moment(self) -> Moment:
+    def _moment(self) -> StepAnswers:
         if not self._given:
             return _NOTHING_ASKED
         facts = tuple((self._nodes[number], truth) for number, truth in self._given.items())
-        return Moment(facts, together(each.answer for each in self._related))
+        return StepAnswers(facts, together(each.answer for each in self._related))
 
     def _beginnings(
         self, step: Callable[[], T], result: T, held: tuple[int, ...]
-    ) -> Iterator[tuple[T, Moment]]:
+    ) -> Iterator[tuple[T, StepAnswers]]:
         """Yield the result with no condition true that must be held, and with each of them true."""
         choices, given, related, words = self._choices, self._given, self._related, self._words
         seen: set[tuple[bool, ...]] = set()
@@ -177,7 +177,7 @@ class Oracle:
             truth = ask(numbers, words)
             start = self._start
             moved = any(words[each] != start[each] for each in regions) if start else False
-            answers.add(Asked(truth is True, moved))
+            answers.add(BranchAnswers(truth is True, moved))
             return truth
 
         object.__setattr__(asking, "evaluate", evaluate)
@@ -232,7 +232,7 @@ class Oracle:
         names: frozenset[str],
         facts: tuple[tuple[int, bool], ...],
         kept: tuple[Related, ...],
-        answer: Answer,
+        answer: PossibleAnswer,
         *,
         truth: bool,
     ) -> None:
@@ -241,7 +241,7 @@ class Oracle:
 
     def _ask(
         self, condition: int, facts: tuple[tuple[int, bool], ...], words: Sequence[str | None]
-    ) -> tuple[Answer, Answer]:
+    ) -> tuple[PossibleAnswer, PossibleAnswer]:
         """Return whether the condition can be true beside the facts, and whether false."""
         key = condition, facts, tuple(words[: self._conditions.region_count])
         if key not in self._known:

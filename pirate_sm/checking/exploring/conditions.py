@@ -12,7 +12,7 @@ from functools import lru_cache
 from itertools import product
 from typing import TypeAlias
 
-from pirate_sm.checking.exploring.answers import Answer, Fact, together
+from pirate_sm.checking.exploring.answers import Fact, PossibleAnswer, together
 from pirate_sm.checking.exploring.piecewise_linear import borders, is_linear, samples, signals
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range
 from pirate_sm.engine.robot.chart_table import Configuration
@@ -48,12 +48,12 @@ class Conditions:
         self.vocabulary = vocabulary
         self._spans = spans
         self.region_count = regions
-        self._answers: dict[tuple[tuple[Fact, ...], tuple[str | None, ...]], Answer] = {}
+        self._answers: dict[tuple[tuple[Fact, ...], tuple[str | None, ...]], PossibleAnswer] = {}
         self._seen: dict[tree.Node, tuple[frozenset[str], tuple[int, ...]]] = {}
         self._tried: dict[tuple[tree.Node, ...], _Values] = {}
         self.tests = 0
 
-    def ask(self, facts: Iterable[Fact], states: Sequence[str | None]) -> Answer:
+    def ask(self, facts: Iterable[Fact], states: Sequence[str | None]) -> PossibleAnswer:
         """Return whether all facts can hold at once with the regions in these states."""
         answers = (self._ask(group, states) for group in self._groups(dict.fromkeys(facts)))
         return together(answers)
@@ -105,7 +105,7 @@ class Conditions:
             groups = [*apart, (names, members)]
         return [members for _, members in groups]
 
-    def _ask(self, facts: tuple[Fact, ...], states: Sequence[str | None]) -> Answer:
+    def _ask(self, facts: tuple[Fact, ...], states: Sequence[str | None]) -> PossibleAnswer:
         self.tests += len(facts)
         relevant = {region for node, _ in facts for region in self.regions(node)}
         known = tuple(
@@ -117,7 +117,7 @@ class Conditions:
             answer = self._answers[key] = self._ask_group(facts, known)
         return answer
 
-    def _ask_group(self, facts: tuple[Fact, ...], states: tuple[str | None, ...]) -> Answer:
+    def _ask_group(self, facts: tuple[Fact, ...], states: tuple[str | None, ...]) -> PossibleAnswer:
         """Return values with which it is so; failing that, whether it is so with free truths."""
         found, tried = self._witness(facts, states)
         if found.possible:
@@ -132,7 +132,7 @@ class Conditions:
 
     def _witness(
         self, facts: tuple[Fact, ...], states: tuple[str | None, ...], free: int = 0
-    ) -> tuple[Answer, bool]:
+    ) -> tuple[PossibleAnswer, bool]:
         """Return values with which the facts hold, and whether all that count have been tried.
 
         Args:
@@ -144,7 +144,7 @@ class Conditions:
         said = [*verbal.values(), *(_TRUTHS for _ in range(free))]
         combinations = math.prod(len(each) for each in (*numeric.values(), *said))
         if combinations * len(facts) > MOST_TESTS:
-            return Answer(True, sure=False), False
+            return PossibleAnswer(True, sure=False), False
         self.tests += combinations * len(facts)
         tests = [(_compiled(node), wanted) for node, wanted in facts]
         order, size = self.vocabulary.numbers, len(self.vocabulary.words)
@@ -160,8 +160,10 @@ class Conditions:
                 texts[spot] = word
             if all((test.evaluate(values, texts) is True) == wanted for test, wanted in tests):
                 numbers = dict(zip(numeric, chosen, strict=True))
-                return Answer(True, True, numbers, dict(zip(verbal, spoken, strict=False))), True
-        return Answer(False), True
+                return PossibleAnswer(
+                    True, True, numbers, dict(zip(verbal, spoken, strict=False))
+                ), True
+        return PossibleAnswer(False), True
 
     def _values(self, nodes: tuple[tree.Node, ...]) -> _Values:
         """Return what signals are worth trying with, whatever the states are."""

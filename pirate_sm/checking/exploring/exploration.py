@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from pirate_sm.checking.exploring.answers import Asked, Moment
-from pirate_sm.checking.exploring.possible_events import Move
+from pirate_sm.checking.exploring.answers import BranchAnswers, StepAnswers
+from pirate_sm.checking.exploring.possible_events import PossibleEvent
 from pirate_sm.checking.exploring.state_keys import fewest_mishaps
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -24,7 +24,7 @@ WITHIN = "within"
 """The name under which the limit of a wait stands among its triggers."""
 
 
-class Node(NamedTuple):
+class ExploredState(NamedTuple):
     """A state of the engine, reached for the first time.
 
     Attributes:
@@ -43,7 +43,7 @@ class Node(NamedTuple):
         return self.state.mission.ended or self.state.mission.ending is not None
 
 
-class Step(NamedTuple):
+class ExploredStep(NamedTuple):
     """Something happened.
 
     Attributes:
@@ -55,9 +55,9 @@ class Step(NamedTuple):
 
     source: int
     target: int
-    move: Move
+    move: PossibleEvent
     effects: tuple[Effect, ...]
-    moment: Moment
+    moment: StepAnswers
     sure: bool
 
     @property
@@ -83,14 +83,14 @@ class Exploration:
 
     program: Program
     robot: RobotSpec
-    nodes: list[Node] = field(default_factory=list)
-    steps: list[Step] = field(default_factory=list)
+    nodes: list[ExploredState] = field(default_factory=list)
+    steps: list[ExploredStep] = field(default_factory=list)
     complete: bool = True
     work: float = 0.0
-    branches: Mapping[str, set[Asked]] = field(default_factory=dict)
+    branches: Mapping[str, set[BranchAnswers]] = field(default_factory=dict)
     _mishaps: list[int] = field(default_factory=list)
 
-    def path(self, step: int) -> list[Step]:
+    def path(self, step: int) -> list[ExploredStep]:
         """Return the shortest course of events that ends with this step, from the start on."""
         found = []
         while step >= 0:

@@ -6,7 +6,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from pirate_sm.checking.exploring.exploration import BEGINS, Exploration, Step
+from pirate_sm.checking.exploring.exploration import BEGINS, Exploration, ExploredStep
 from pirate_sm.engine.mission.interpreter import ROUND_AND_ROUND
 from pirate_sm.engine.safety import rules
 from pirate_sm.model.effects import (
@@ -92,7 +92,7 @@ def index_exploration(found: Exploration) -> Explored:
     return book
 
 
-def _enter(book: Explored, number: int, step: Step) -> None:
+def _enter(book: Explored, number: int, step: ExploredStep) -> None:
     _waited(book, number, step)
     for effect in step.effects:
         match effect:
@@ -113,7 +113,7 @@ def _enter(book: Explored, number: int, step: Step) -> None:
         _end(book, number, state.ending.outcome, state.ending.end, state.ending.message)
 
 
-def _waited(book: Explored, number: int, step: Step) -> None:
+def _waited(book: Explored, number: int, step: ExploredStep) -> None:
     armed: WaitKey | None = None
     for effect in step.effects:
         match effect:

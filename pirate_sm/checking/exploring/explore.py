@@ -15,11 +15,21 @@ from math import inf, isnan
 from typing import Any
 
 from pirate_sm.checking.exploring.alternating_sensors import lasting
-from pirate_sm.checking.exploring.answers import NOWHERE, Moment, TooManyQuestionsError, Trigger
+from pirate_sm.checking.exploring.answers import (
+    NOWHERE,
+    StepAnswers,
+    TooManyQuestionsError,
+    Trigger,
+)
 from pirate_sm.checking.exploring.asking_program import Oracle
 from pirate_sm.checking.exploring.conditions import Conditions
-from pirate_sm.checking.exploring.exploration import BEGINS, Exploration, Node, Step
-from pirate_sm.checking.exploring.possible_events import Move, Moves
+from pirate_sm.checking.exploring.exploration import (
+    BEGINS,
+    Exploration,
+    ExploredState,
+    ExploredStep,
+)
+from pirate_sm.checking.exploring.possible_events import Moves, PossibleEvent
 from pirate_sm.checking.exploring.state_keys import key_of, key_of_wait
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.engine import Engine
@@ -40,7 +50,7 @@ _EFFECTS_A_STEP = 20
 _TESTS_A_STEP = 20
 """So many take about as long as a step that has no more to do."""
 
-START = Move("start", Tick(), 0.0)
+START = PossibleEvent("start", Tick(), 0.0)
 
 _QUIET = frozenset({Setpoints, StateChange, WakeAt})
 
@@ -110,8 +120,8 @@ class _Walk:
     _sure: deque[int] = field(default_factory=deque)
     _unsure: deque[int] = field(default_factory=deque)
     _outlasted: set[Any] = field(default_factory=set)
-    _held_back: list[tuple[int, Move, EngineState, tuple[Effect, ...], Moment]] = field(
-        default_factory=list
+    _held_back: list[tuple[int, PossibleEvent, EngineState, tuple[Effect, ...], StepAnswers]] = (
+        field(default_factory=list)
     )
 
     def begin(self, body: RobotState | None) -> None:
@@ -145,7 +155,7 @@ class _Walk:
                 continue
             self._outlasted.add(key)
             for state, at_s in lasting(it, node.state, self.moves.conditions):
-                move = Move("lasting", Tick(), at_s)
+                move = PossibleEvent("lasting", Tick(), at_s)
                 step = partial(self.engine.step, state, move.event, at_s)
                 self._try(index, move, step, _due(it, state, at_s), fired[key])
         return len(self.found.steps) + len(self._held_back) > steps
@@ -174,7 +184,7 @@ class _Walk:
     def _try(
         self,
         source: int,
-        move: Move,
+        move: PossibleEvent,
         step: Callable[[], tuple[EngineState, tuple[Effect, ...]]],
         due: Collection[Trigger] = (),
         known: Collection[str] | None = None,
@@ -207,10 +217,10 @@ class _Walk:
     def _arrive(
         self,
         source: int,
-        move: Move,
+        move: PossibleEvent,
         state: EngineState,
         effects: tuple[Effect, ...],
-        moment: Moment,
+        moment: StepAnswers,
     ) -> None:
         sure = moment.answer.sure and (source < 0 or self.found.nodes[source].sure)
         if sure:
@@ -221,10 +231,10 @@ class _Walk:
     def _enter(
         self,
         source: int,
-        move: Move,
+        move: PossibleEvent,
         state: EngineState,
         effects: tuple[Effect, ...],
-        moment: Moment,
+        moment: StepAnswers,
         sure: bool,
     ) -> None:
         told = tuple([effect for effect in effects if type(effect) not in _QUIET])
@@ -236,9 +246,9 @@ class _Walk:
             if target >= self.most:
                 self.found.complete = False
                 return
-            self.found.nodes.append(Node(state, move.at_s, len(self.found.steps), sure))
+            self.found.nodes.append(ExploredState(state, move.at_s, len(self.found.steps), sure))
             (self._sure if sure else self._unsure).append(target)
-        self.found.steps.append(Step(source, target, move, told, moment, sure))
+        self.found.steps.append(ExploredStep(source, target, move, told, moment, sure))
 
 
 def _due(wait: Wait, state: EngineState, now: float) -> Collection[Trigger]:

@@ -24,7 +24,7 @@ UNSAID = "so the check"
 REFUSED = "the backend refused the setpoints"
 
 
-class Move(NamedTuple):
+class PossibleEvent(NamedTuple):
     """One thing that happens.
 
     Attributes:
@@ -61,17 +61,17 @@ class Moves:
         self._messages: dict[tuple[str, tuple[str | None, ...]], tuple[str, ...]] = {}
         self._reports: dict[_Situation, tuple[FaultReport, ...]] = {}
 
-    def of(self, state: EngineState, now: float) -> Iterator[Move]:
+    def of(self, state: EngineState, now: float) -> Iterator[PossibleEvent]:
         """Yield everything that can happen next, in the order of the engine."""
         mission, body = state.mission, state.robot
         if body.flight is not None:
             number = body.flight.setpoint_id
-            yield Move("accepted", SubmitResult(number, "accepted"), now)
+            yield PossibleEvent("accepted", SubmitResult(number, "accepted"), now)
             if body.flight.purpose == "gate":
-                yield Move("rejected", SubmitResult(number, "rejected", REFUSED), now)
+                yield PossibleEvent("rejected", SubmitResult(number, "rejected", REFUSED), now)
         elif body.motion is not None and mission.diverting is None:
-            yield Move("time", Tick(), state.wake_at_s)
-            yield Move("failed", CommandFailed(NOT_DONE), now)
+            yield PossibleEvent("time", Tick(), state.wake_at_s)
+            yield PossibleEvent("failed", CommandFailed(NOT_DONE), now)
         if mission.diverting is not None:
             return
         if mission.begun:
@@ -79,24 +79,24 @@ class Moves:
         if not mission.handling:
             yield from self._faults(state, now)
 
-    def _spoken(self, state: EngineState, now: float) -> Iterator[Move]:
+    def _spoken(self, state: EngineState, now: float) -> Iterator[PossibleEvent]:
         """Yield what a wait or a question listens to."""
         it = self._program.instructions[state.mission.pc]
         if isinstance(it, Wait):
             if any(trigger.condition is not None for trigger in it.triggers):
-                yield Move("sensors", Tick(), now)
+                yield PossibleEvent("sensors", Tick(), now)
             for trigger in it.triggers:
                 if trigger.answer:
-                    yield Move("answer", Answer(trigger.answer), now, trigger.answer)
+                    yield PossibleEvent("answer", Answer(trigger.answer), now, trigger.answer)
         elif isinstance(it, Question):
             for choice, _ in it.choices:
-                yield Move("answer", Answer(choice), now, choice)
+                yield PossibleEvent("answer", Answer(choice), now, choice)
         else:
             return
         if not isinf(state.wake_at_s):
-            yield Move("time", Tick(), state.wake_at_s)
+            yield PossibleEvent("time", Tick(), state.wake_at_s)
 
-    def _faults(self, state: EngineState, now: float) -> Iterator[Move]:
+    def _faults(self, state: EngineState, now: float) -> Iterator[PossibleEvent]:
         """Yield one fault for each handler that can be needed, and for each clamp it denies."""
         robot = self._robot
         situation = (
@@ -107,7 +107,7 @@ class Moves:
         if situation not in self._reports:
             self._reports[situation] = tuple(self._needed(*situation))
         for report in self._reports[situation]:
-            yield Move("fault", report, now, report.code)
+            yield PossibleEvent("fault", report, now, report.code)
 
     def _needed(
         self,

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from math import isnan
 from typing import TypeAlias
 
-from pirate_sm.checking.exploring.exploration import Exploration, Step
+from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep
 from pirate_sm.expressions import NumberType, Vocabulary
 from pirate_sm.model.effects import (
     CommandStatus,
@@ -31,7 +31,7 @@ def story(found: Exploration, step: int, written: Written = _as_it_is) -> tuple[
     return tuple(sentence(found, each, written) for each in found.path(step))
 
 
-def sentence(found: Exploration, step: Step, written: Written = _as_it_is) -> str:
+def sentence(found: Exploration, step: ExploredStep, written: Written = _as_it_is) -> str:
     """Return what happens in a step, and what follows."""
     said = [_what(found, step, written), *_consequences(step.effects, written)]
     shown = _shown(
@@ -42,7 +42,7 @@ def sentence(found: Exploration, step: Step, written: Written = _as_it_is) -> st
     return "; ".join(part for part in said if part)
 
 
-def _what(found: Exploration, step: Step, written: Written) -> str:
+def _what(found: Exploration, step: ExploredStep, written: Written) -> str:
     """Return the event itself as a sentence."""
     state = found.nodes[step.source].state if step.source >= 0 else None
     motion = state.robot.motion if state else None

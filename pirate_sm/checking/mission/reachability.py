@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
 
-from pirate_sm.checking.exploring.exploration import MISHAPS, Exploration, Node
+from pirate_sm.checking.exploring.exploration import MISHAPS, Exploration, ExploredState
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.mission_places import Places
@@ -96,7 +96,7 @@ def _cannot_end(found: Exploration) -> set[int]:
     return set(range(len(found.nodes))) - _leading_to(over, usual) - _leading_to(good, every)
 
 
-def _succeeds(node: Node) -> bool:
+def _succeeds(node: ExploredState) -> bool:
     ending = node.state.mission.ending
     return ending is not None and ending.outcome == "succeeded"
 

@@ -33,7 +33,7 @@ class Bend(NamedTuple):
     side: int
 
 
-class Situation(NamedTuple):
+class CoursePoint(NamedTuple):
     """Where a mission is.
 
     Attributes:
@@ -58,7 +58,7 @@ class UsualCourse:
         bends: Bends with the places of their steps, "" for one that the mission starts in.
     """
 
-    situations: tuple[Situation, ...]
+    situations: tuple[CoursePoint, ...]
     bends: tuple[tuple[Bend, str], ...]
 
 
@@ -119,7 +119,7 @@ class _Follower:
     bends: Bends
     made: dict[tuple[Bend, str], None] = field(default_factory=dict)
 
-    def after(self, now: Situation) -> Iterator[Situation]:
+    def after(self, now: CoursePoint) -> Iterator[CoursePoint]:
         """Yield the situations that can come next."""
         if not 0 <= now.at < len(self.program.instructions):
             return
@@ -130,7 +130,7 @@ class _Follower:
             for target in self._targets(step, now.configuration):
                 yield now._replace(at=target)
 
-    def _command(self, step: steps.Do, now: Situation) -> Iterator[Situation]:
+    def _command(self, step: steps.Do, now: CoursePoint) -> Iterator[CoursePoint]:
         after = self.robot.table.follow(now.configuration, step.command)
         if after == now.configuration:
             if step.skip_unneeded and self.robot.unneeded[after][step.command]:
@@ -139,7 +139,7 @@ class _Follower:
         bend = self.bends.of(after)
         if bend is not None and bend != self.bends.of(now.configuration):
             self.made.setdefault((bend, step.place))
-        yield Situation(step.next, after, self.bent(after, now.bent), step.place)
+        yield CoursePoint(step.next, after, self.bent(after, now.bent), step.place)
 
     def bent(self, configuration: int, before: tuple[int, ...]) -> tuple[int, ...]:
         """Return the parts that have been bent, with that of the configuration."""
@@ -179,7 +179,7 @@ def course_of(robot: RobotSpec, program: Program, profile: Profile) -> UsualCour
     bends = Bends(robot, profile)
     follower = _Follower(robot, program, bends)
     configuration = program.start_configuration
-    first = Situation(program.start, configuration, follower.bent(configuration, ()))
+    first = CoursePoint(program.start, configuration, follower.bent(configuration, ()))
     found = {first[:3]: first}
     order = [first]
     for now in order:

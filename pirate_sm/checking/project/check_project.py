@@ -14,7 +14,7 @@ from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
 from pirate_sm.checking.mission.mission_parameters import check_settings
 from pirate_sm.checking.mission.rehearsal import Rehearsal, rehearsed
 from pirate_sm.checking.project.check_options import Progress, Wishes, run_options
-from pirate_sm.checking.project.find_files import Target, find_targets
+from pirate_sm.checking.project.find_files import CheckTarget, find_targets
 from pirate_sm.checking.project.unique_findings import each_once
 from pirate_sm.checking.reports.check_report import CheckedFile, Report
 from pirate_sm.checking.reports.counterexamples import Examples
@@ -77,7 +77,7 @@ class _Check:
         self._rehearsals: list[Rehearsal] = []
         self._examples = wishes.counterexamples and Examples(wishes.counterexamples)
 
-    def take(self, target: Target) -> None:
+    def take(self, target: CheckTarget) -> None:
         """Check one file and add what is wrong with it."""
         name = shown(target.path)
         if target.kind is Kind.CHART and name in self._texts:
@@ -112,7 +112,7 @@ class _Check:
             ordered = self._examples.write(ordered)
         return Report(tuple(ordered), tuple(self._files), tuple(self._rehearsals))
 
-    def robot(self, target: Target) -> None:
+    def robot(self, target: CheckTarget) -> None:
         """Check a robot: its profile and its chart."""
         if target.path.name != PROFILE_FILE:
             message = f"the profile of a robot is named {PROFILE_FILE} and has a folder of its own"
@@ -123,14 +123,14 @@ class _Check:
         self._files += [CheckedFile(each.name, Kind.CHART) for each in checked.documents[1:]]
         self.findings += checked.findings
 
-    def chart(self, target: Target) -> None:
+    def chart(self, target: CheckTarget) -> None:
         """Check the form of a chart that no robot here uses."""
         document = self._document(target)
         problems = Problems(document)
         outline_chart(document, problems)
         self.findings += map(finding_of, problems.all)
 
-    def pipe(self, target: Target) -> None:
+    def pipe(self, target: CheckTarget) -> None:
         """Check a pipe by itself; the missions that use it say whether a robot fits."""
         pipe, document = load_pipe(target.path)
         self._keep([document])
@@ -138,7 +138,7 @@ class _Check:
         check_pipe(pipe, document, problems)
         self.findings += map(finding_of, problems.all)
 
-    def mission(self, target: Target) -> None:
+    def mission(self, target: CheckTarget) -> None:
         """Check a mission with its robot, its pipe and what it calls."""
         settings = self._settings(target)
         checked = check_mission(
@@ -164,7 +164,7 @@ class _Check:
         if self._called is not None:
             self._called |= {each.name for each in checked.documents} - {name}
 
-    def calibration(self, target: Target) -> None:
+    def calibration(self, target: CheckTarget) -> None:
         """Check a calibration against its robot where that is known."""
         document = self._document(target)
         calibration = validate(document, Calibration)
@@ -182,18 +182,18 @@ class _Check:
             return  # which is said of the robot
         load_calibration(target.path, robot)
 
-    def script(self, target: Target) -> None:
+    def script(self, target: CheckTarget) -> None:
         """Check the form of a trace script; its names belong to the mission that it is for."""
         read_script(self._document(target))
 
-    def other(self, target: Target) -> None:
+    def other(self, target: CheckTarget) -> None:
         """Report a file that is none of ours, if somebody meant it to be one."""
         if target.kind is Kind.UNREADABLE or target.path.suffix in library.SUFFIXES:
             self._document(target)
         message = "this is no robot, mission, pipe, calibration or trace script"
         self._add("check.kind", shown(target.path), message)
 
-    def _settings(self, target: Target) -> dict[str, str]:
+    def _settings(self, target: CheckTarget) -> dict[str, str]:
         """Return the settings that are about parameters of this mission."""
         wanted = self._wishes.settings
         if not wanted:
@@ -204,7 +204,7 @@ class _Check:
         self._set |= taken.keys()
         return taken
 
-    def _document(self, target: Target) -> Document:
+    def _document(self, target: CheckTarget) -> Document:
         document = read_document(target.path, shown(target.path))
         self._keep([document])
         return document
@@ -226,7 +226,7 @@ class _Check:
         self.findings.append(Finding(code, Severity.ERROR, Place(name), message))
 
 
-_CHECKS: Mapping[Kind, Callable[[_Check, Target], None]] = {
+_CHECKS: Mapping[Kind, Callable[[_Check, CheckTarget], None]] = {
     Kind.ROBOT: _Check.robot,
     Kind.CHART: _Check.chart,
     Kind.PIPE: _Check.pipe,

@@ -24,7 +24,7 @@ _LONGEST_NAME = 200
 
 
 @dataclass(frozen=True)
-class Target:
+class CheckTarget:
     """A file to check.
 
     Attributes:
@@ -38,19 +38,19 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundFiles:
     """The files of a check, and what is wrong with the folders that were searched.
 
     Attributes:
         where: The files and folders that were searched, as messages name them.
     """
 
-    targets: tuple[Target, ...]
+    targets: tuple[CheckTarget, ...]
     findings: tuple[Finding, ...]
     where: tuple[str, ...] = ()
 
 
-def find_targets(paths: Iterable[str]) -> Found:
+def find_targets(paths: Iterable[str]) -> FoundFiles:
     """Return the files to check, each once, robots first because missions build on them.
 
     Args:
@@ -60,7 +60,7 @@ def find_targets(paths: Iterable[str]) -> Found:
         UsageError: A path leads nowhere.
     """
     given = list(paths)
-    found: dict[Path, Target] = {}
+    found: dict[Path, CheckTarget] = {}
     findings: list[Finding] = []
     searched = [_existing(each) for each in given] if given else _project(findings)
     for path in searched:
@@ -70,7 +70,7 @@ def find_targets(paths: Iterable[str]) -> Found:
         findings.append(_nothing(Path()))
     order = list(Kind)
     targets = sorted(found.values(), key=lambda each: (order.index(each.kind), each.path))
-    return Found(tuple(targets), tuple(findings), tuple(map(shown, searched)))
+    return FoundFiles(tuple(targets), tuple(findings), tuple(map(shown, searched)))
 
 
 def _project(findings: list[Finding]) -> list[Path]:
@@ -107,19 +107,19 @@ def _existing(name: str) -> Path:
     raise UsageError(f"there is no file or folder '{visible}'{hint}")
 
 
-def _targets(path: Path, findings: list[Finding], *, named: bool) -> Iterator[Target]:
+def _targets(path: Path, findings: list[Finding], *, named: bool) -> Iterator[CheckTarget]:
     if not _is_folder(path):
         kind = kind_of(path)
         beside = path.parent / PROFILE_FILE
         if kind is Kind.CHART and kind_of(beside) is Kind.ROBOT:
-            yield Target(Kind.ROBOT, beside, named)  # a chart is judged with its robot
-        yield Target(kind, path, named)
+            yield CheckTarget(Kind.ROBOT, beside, named)  # a chart is judged with its robot
+        yield CheckTarget(kind, path, named)
         return
     before, empty = len(findings), True
     for file in _files(path, findings):
         kind = kind_of(file)
         if kind is not Kind.OTHER:
-            yield Target(kind, file, named=False)
+            yield CheckTarget(kind, file, named=False)
             empty = False
     if empty and named and len(findings) == before:
         findings.append(_nothing(path))

@@ -16,7 +16,7 @@ from typing import Any
 
 import yaml
 
-from pirate_sm.checking.exploring.exploration import Exploration, Step
+from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep
 from pirate_sm.checking.exploring.possible_events import UNSAID
 from pirate_sm.checking.exploring.story import sentence
 from pirate_sm.checking.findings import Finding
@@ -83,7 +83,7 @@ def usual_name(finding: Finding) -> str:
     return _NO_NAME.sub("_", f"{place}-{finding.code}")
 
 
-def _happening(found: Exploration, step: Step) -> dict[str, Any]:
+def _happening(found: Exploration, step: ExploredStep) -> dict[str, Any]:
     move = step.move
     entry: dict[str, Any] = {"happens": _HAPPENS.get(move.kind, move.kind)}
     if move.kind in {"answer", "fault"}:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from pirate_sm.checking.findings import Finding, at
-from pirate_sm.checking.robot.guard_logic import Reached
+from pirate_sm.checking.robot.guard_logic import ReachedCombinations
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.problems import Place
@@ -23,9 +23,9 @@ class ChartView:
     table: ChartTable
 
     @cached_property
-    def reached(self) -> Reached:
+    def reached(self) -> ReachedCombinations:
         """The combinations of states that commands lead to."""
-        return Reached(self.table)
+        return ReachedCombinations(self.table)
 
     @cached_property
     def states(self) -> dict[str, tuple[str, ...]]:

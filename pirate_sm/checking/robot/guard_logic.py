@@ -101,7 +101,7 @@ def conjuncts(node: ast.expr) -> list[ast.expr]:
     return [node]
 
 
-class Reached:
+class ReachedCombinations:
     """The reached combinations, seen through a few regions at a time."""
 
     def __init__(self, table: ChartTable) -> None:

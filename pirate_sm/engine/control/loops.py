@@ -56,7 +56,9 @@ def after_frame(board: BoardSpec, loops: Loops, numbers: Numbers) -> Loops:
         loops: The running loops.
         numbers: Signals with the frame in them.
     """
-    after = tuple([each.heard(numbers) if each.signal in board.told else each for each in loops])
+    after = tuple(
+        [each.heard(numbers) if each.signal in board.number_set else each for each in loops]
+    )
     return loops if after == loops else after
 
 

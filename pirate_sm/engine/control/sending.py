@@ -38,7 +38,7 @@ def send(
         loops: All loops that run from now on.
         purpose: What the array is for.
     """
-    moment.tell(Setpoints(state.next_id, values))
+    moment.emit(Setpoints(state.next_id, values))
     slots = moment.robot.slots
     seeking = [
         each.slot for each in loops if each.ends_with_command or slots[each.slot].self_locking
@@ -82,7 +82,7 @@ def resend(moment: Moment, state: RobotState, sensing: Sensing) -> RobotState:
         return state
     if flight.purpose == "stream" and (newer := stream(moment, state, sensing)) is not state:
         return newer
-    moment.tell(Setpoints(flight.setpoint_id, flight.values))
+    moment.emit(Setpoints(flight.setpoint_id, flight.values))
     return state._replace(flight=flight._replace(tries=flight.tries + 1, resend_at_s=inf))
 
 

@@ -17,12 +17,12 @@ def withdraw(moment: Moment, state: EngineState) -> None:
     """Withdraw the question that is still open, if there is one."""
     mission = state.mission
     if mission.begun and isinstance(moment.program.instructions[mission.pc], Question):
-        moment.tell(Ask("", ()))
+        moment.emit(Ask("", ()))
 
 
 def end_by_fault(moment: Moment, state: EngineState, code: str, message: str) -> EngineState:
     """Report the fault and end the run because of it."""
-    moment.tell(Fault(code, message, "stop"))
+    moment.emit(Fault(code, message, "stop"))
     return end(moment, state, "fault", f"{code}: {message}")
 
 
@@ -45,14 +45,14 @@ def end(
     if robot.motion is not None:
         motion = robot.motion
         command = moment.robot.commands[motion.command].name
-        moment.tell(CommandStatus(command, "failed", "the mission ended", motion.place))
+        moment.emit(CommandStatus(command, "failed", "the mission ended", motion.place))
         robot = commands.doubt_grip(moment.robot, robot)._replace(motion=None)
     if not robot.sent and _may_stay(moment, state):
-        moment.tell(Ended(outcome, message, name))
+        moment.emit(Ended(outcome, message, name))
         return state._replace(mission=state.mission._replace(ended=True), robot=robot)
     doubted = commands.doubt(moment.robot, robot)
     if doubted.marks != state.robot.marks:
-        moment.tell(robot_state.state_change(moment.robot, doubted))
+        moment.emit(robot_state.state_change(moment.robot, doubted))
     robot = commands.stop(moment, doubted, state.sensing)
     ending = Ending(outcome, message, name, moment.now_s + SAFE_STOP_LIMIT_S)
     return state._replace(robot=robot, mission=state.mission._replace(ending=ending))
@@ -79,5 +79,5 @@ def finish(moment: Moment, state: EngineState) -> EngineState:
         if not has_come(moment.now_s, ending.give_up_s):
             return state
         message += " (the safe setpoints were not confirmed)"
-    moment.tell(Ended(ending.outcome, message, ending.end))
+    moment.emit(Ended(ending.outcome, message, ending.end))
     return state._replace(mission=state.mission._replace(ended=True))

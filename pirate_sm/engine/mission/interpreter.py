@@ -92,7 +92,7 @@ def without_requests(moment: Moment, state: EngineState) -> MissionState:
 
 
 def _enter(moment: Moment, state: EngineState, it: Enter) -> EngineState:
-    moment.tell(PhaseChange(it.phase))
+    moment.emit(PhaseChange(it.phase))
     mission = state.mission
     handling = mission.handling
     if handling and it.phase != handling and not it.phase.startswith(f"{handling}/"):
@@ -112,10 +112,10 @@ def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
         return state  # the array in flight is resolved first
     reason = command_outcome.refusal(moment.robot, state.robot, it.command)
     if reason.startswith("unneeded") and it.skip_unneeded:
-        moment.tell(CommandStatus(name, "skipped", reason, it.place))
+        moment.emit(CommandStatus(name, "skipped", reason, it.place))
         return go(state, it.next)
     if reason:
-        moment.tell(CommandStatus(name, "refused", reason, it.place))
+        moment.emit(CommandStatus(name, "refused", reason, it.place))
         cause = f"{name} ({it.place}) was refused as {reason}"
         return fail(moment, state, cause, it.failed)
     trial = moment.trial()
@@ -166,13 +166,13 @@ def _require(moment: Moment, state: EngineState, it: Require) -> EngineState:
     if not wrong:
         return go(state, it.next)
     reason = "; ".join(wrong)
-    moment.tell(CommandStatus(it.what, "refused", f"impossible: {reason}", it.place))
+    moment.emit(CommandStatus(it.what, "refused", f"impossible: {reason}", it.place))
     cause = f"{it.what} ({it.place}) cannot begin: {reason}"
     return fail(moment, state, cause, it.failed)
 
 
 def _say(moment: Moment, state: EngineState, it: Say) -> EngineState:
-    moment.tell(Log(it.level, it.message.replace("{cause}", state.mission.cause)))
+    moment.emit(Log(it.level, it.message.replace("{cause}", state.mission.cause)))
     return go(state, it.next)
 
 

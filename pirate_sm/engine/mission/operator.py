@@ -79,7 +79,7 @@ def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> Engi
     else:
         reason = why_not_command(moment.robot, state, index)
     if reason or index is None:
-        moment.tell(CommandStatus(event.command, "refused", reason))
+        moment.emit(CommandStatus(event.command, "refused", reason))
         return state
     state = pausing.take_over(moment, state)
     robot = commands.begin(moment, state.robot, state.sensing, index, None, "")

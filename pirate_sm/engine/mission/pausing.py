@@ -33,9 +33,9 @@ def begin_if_wanted(moment: Moment, state: EngineState) -> EngineState:
         doubted = commands.doubt(moment.robot, body)
         before = before._replace(doubts=doubted.marks - body.marks)
         if before.doubts:
-            moment.tell(robot_state.state_change(moment.robot, doubted))
+            moment.emit(robot_state.state_change(moment.robot, doubted))
         body = commands.stop(moment, doubted, state.sensing)
-    moment.tell(Log("info", "paused: wheels stopped, deadlines frozen"))
+    moment.emit(Log("info", "paused: wheels stopped, deadlines frozen"))
     paused = mission._replace(pause_wanted=False, paused_s=moment.now_s, before_pause=before)
     return state._replace(robot=body, mission=paused)
 
@@ -84,7 +84,7 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
         body = commands.fail(moment, body, TAKEN_OVER)
     begin = moment.program.beginning(event.phase)
     assert begin is not None  # why_not_to has looked
-    moment.tell(Log("info", f"handed back at {event.phase}"))
+    moment.emit(Log("info", f"handed back at {event.phase}"))
     mission = mission.at(begin)._replace(
         handling="",
         cause="",
@@ -149,8 +149,8 @@ def resume(moment: Moment, state: EngineState, *, one_step: bool) -> EngineState
     body = commands.reassert(moment, body, before.values, before.loops)
     if body.marks & before.doubts:
         body = body._replace(marks=body.marks - before.doubts)
-        moment.tell(robot_state.state_change(moment.robot, body))
-    moment.tell(Log("info", "resumed"))
+        moment.emit(robot_state.state_change(moment.robot, body))
+    moment.emit(Log("info", "resumed"))
     running = mission._replace(
         paused_s=nan, offset_s=mission.offset_s + length, before_pause=None, one_step=one_step
     )

@@ -47,18 +47,18 @@ def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
         deadline = clock + it.within_s + mission.offset_s
         names = tuple(trigger.name for trigger in it.triggers)
         texts = tuple(trigger.text for trigger in it.triggers)
-        moment.tell(WaitArmed(it.phase, names, texts, deadline, it.place))
+        moment.emit(WaitArmed(it.phase, names, texts, deadline, it.place))
         state = state._replace(mission=mission)
     sensing = state.sensing
     numbers = with_changes(sensing, mission.origin) if it.compares else sensing.shown
     since, fired, reason = _look(it, mission, numbers, state.words, clock)
     if fired >= 0:
         trigger = it.triggers[fired]
-        moment.tell(TriggerFired(it.phase, trigger.name, trigger.go_name, reason, it.place))
+        moment.emit(TriggerFired(it.phase, trigger.name, trigger.go_name, reason, it.place))
         return go(state, trigger.go)
     if has_come(clock, mission.armed_s + it.within_s):
         cause = f"the wait of {it.phase} ({it.place}) lasted longer than {it.within_s:g} s"
-        moment.tell(TriggerFired(it.phase, "within", it.within_name, cause, it.place))
+        moment.emit(TriggerFired(it.phase, "within", it.within_name, cause, it.place))
         if it.fails:
             return fail(moment, state, cause, it.within)
         mission = mission._replace(cause=cause)
@@ -109,13 +109,13 @@ def question(moment: Moment, state: EngineState, it: Question) -> EngineState:
     clock = mission.clock(moment.now_s)
     choices = tuple(choice for choice, _ in it.choices)
     if not mission.begun:
-        moment.tell(Ask(it.text, choices))
+        moment.emit(Ask(it.text, choices))
         return state._replace(mission=mission._replace(begun=True, armed_s=clock))
     answer = choices[0] if mission.skipped is not None else mission.answer
     if answer is not None:
         for choice, target in it.choices:
             if choice == answer:
-                moment.tell(Ask("", ()))
+                moment.emit(Ask("", ()))
                 mission = mission._replace(cause=f"the operator answered '{answer}' ({it.place})")
                 return state._replace(mission=moved(mission, target))
         moment.warn(f"'{answer}' is no answer to '{it.text}'")

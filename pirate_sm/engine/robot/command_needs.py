@@ -32,7 +32,7 @@ class Needs(NamedTuple):
     partly: bool = False
 
 
-class Change(NamedTuple):
+class RegionChange(NamedTuple):
     """What a command does to one region.
 
     Attributes:
@@ -80,7 +80,7 @@ def needs(robot: RobotSpec, command: int) -> Needs:
     return Needs(tuple(_told(robot, box) for box in min(found, key=len)))
 
 
-def changes(robot: RobotSpec, command: int) -> tuple[Change, ...]:
+def changes(robot: RobotSpec, command: int) -> tuple[RegionChange, ...]:
     """Return what the command does to each region, in the order of the chart."""
     table = robot.table
     moves: dict[tuple[int, str, str], None] = {}
@@ -96,7 +96,7 @@ def changes(robot: RobotSpec, command: int) -> tuple[Change, ...]:
             for sometimes, some in ((False, [n for n in sources if n not in stays]), (True, stays)):
                 if some:
                     slots = _moved(robot.actuation[region], some, target)
-                    found.append(Change(region, tuple(some), target, sometimes, slots))
+                    found.append(RegionChange(region, tuple(some), target, sometimes, slots))
     return tuple(found)
 
 

@@ -71,7 +71,7 @@ def begin(
         stage, blind = POSTURE, unknown_angle(moment.robot, posture.writes, sensing)
         motion = motion._replace(stage=POSTURE, blind=blind)
     values, loops = stage_array(moment.robot, state, motion, sensing, regions, stage)
-    moment.tell(CommandStatus(spec.name, "sent", "", place))
+    moment.emit(CommandStatus(spec.name, "sent", "", place))
     return send(moment, state, motion, values, loops, "gate")
 
 
@@ -97,7 +97,7 @@ def resolve(
         )
         if (confirmed := confirmation.accepted(moment.robot, state)) is not state:
             state = confirmed
-            moment.tell(state_change(moment.robot, state))
+            moment.emit(state_change(moment.robot, state))
         if flight.purpose == "gate" and state.motion is not None:
             state = _accept(moment, state, state.motion)
         return state, None
@@ -174,7 +174,7 @@ def fail(moment: Moment, state: RobotState, reason: str) -> RobotState:
     if motion is None:
         return state
     name = moment.robot.commands[motion.command].name
-    moment.tell(CommandStatus(name, "failed", reason, motion.place))
+    moment.emit(CommandStatus(name, "failed", reason, motion.place))
     return _end_motion(moment, doubt_grip(moment.robot, state))
 
 
@@ -184,7 +184,7 @@ def skip(moment: Moment, state: RobotState) -> RobotState:
     if motion is None:
         return state
     name = moment.robot.commands[motion.command].name
-    moment.tell(CommandStatus(name, "skipped", "by the operator", motion.place))
+    moment.emit(CommandStatus(name, "skipped", "by the operator", motion.place))
     return _end_motion(moment, doubt_grip(moment.robot, state))
 
 
@@ -236,7 +236,7 @@ def deny(moment: Moment, state: RobotState, parts: frozenset[int]) -> RobotState
     if lost:
         marks = state.marks | {Mark("part", part, DENIED) for part in lost}
         state = state._replace(marks=marks)
-        moment.tell(state_change(moment.robot, state))
+        moment.emit(state_change(moment.robot, state))
     return state
 
 
@@ -253,14 +253,14 @@ def _accept(moment: Moment, state: RobotState, motion: Motion) -> RobotState:
     """Move the chart; what the command changes is unconfirmed."""
     name = moment.robot.commands[motion.command].name
     marks = marks_after(moment.robot, state.configuration, state.marks, motion.command)
-    moment.tell(CommandStatus(name, "accepted", "", motion.place))
+    moment.emit(CommandStatus(name, "accepted", "", motion.place))
     state = state._replace(
         configuration=motion.target,
         marks=marks,
         motion=motion._replace(accepted_s=moment.now_s, deadline_s=moment.now_s + motion.timeout_s),
     )
     if not isinstance(moment.robot.commands[motion.command].done, AcceptedSpec):
-        moment.tell(state_change(moment.robot, state))
+        moment.emit(state_change(moment.robot, state))
     return state
 
 
@@ -289,8 +289,8 @@ def _complete(
     marks = frozenset(mark for mark in state.marks if mark.command != motion.command)
     state = state._replace(marks=marks)
     name = moment.robot.commands[motion.command].name
-    moment.tell(CommandStatus(name, "done", reason, motion.place))
-    moment.tell(state_change(moment.robot, state))
+    moment.emit(CommandStatus(name, "done", reason, motion.place))
+    moment.emit(state_change(moment.robot, state))
     return state, Finished(True, reason)
 
 

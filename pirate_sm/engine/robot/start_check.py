@@ -21,7 +21,7 @@ def go_on(moment: Moment, state: EngineState, look: confirmation.Look) -> Engine
         state = state._replace(robot=body)
         change = robot_state.state_change(robot, body)
         if change != before:
-            moment.tell(change)
+            moment.emit(change)
     if seen.look is not None:
         return state
     if seen.contradictions:
@@ -41,11 +41,11 @@ def _refuse(moment: Moment, state: EngineState, seen: confirmation.LookResult) -
         f"the sensors contradict what is declared: {'; '.join(seen.contradictions)}. "
         "Say with --state REGION=STATE where the robot is"
     )
-    moment.tell(Fault(confirmation.CODE, message, "stop"))
+    moment.emit(Fault(confirmation.CODE, message, "stop"))
     cause = f"{confirmation.CODE}: {message}"
     if not seen.turning:
         withdraw(moment, state)
-        moment.tell(Ended("fault", cause, ""))
+        moment.emit(Ended("fault", cause, ""))
         return state._replace(mission=state.mission._replace(ended=True))
     robot = state.robot._replace(sent=True)
     return end(moment, state._replace(robot=robot), "fault", cause)

@@ -18,7 +18,7 @@ ANEW = frozenset({BuiltInFault.FIRMWARE_RESET.code, BuiltInFault.LINK_INTERRUPTE
 """After these what was known of the robot is past, and counters may begin at zero."""
 
 
-class Found(NamedTuple):
+class FoundFault(NamedTuple):
     """A fault that has just come to be, and the parts whose clamps it shows not to hold."""
 
     code: str
@@ -27,7 +27,7 @@ class Found(NamedTuple):
     denies: frozenset[int] = frozenset()
 
     @classmethod
-    def built_in(cls, fault: BuiltInFault, message: str) -> Found:
+    def built_in(cls, fault: BuiltInFault, message: str) -> FoundFault:
         """Return a fault that any robot can have."""
         return cls(fault.code, message, fault.catchable)
 
@@ -44,7 +44,7 @@ def look(
     sensing: Sensing,
     words: Words,
     now: float,
-) -> tuple[FaultState, tuple[Found, ...]]:
+) -> tuple[FaultState, tuple[FoundFault, ...]]:
     """Judge the fault rules that the board's signals can change.
 
     A rule is raised once when its condition has held long enough, and again only after it has
@@ -53,7 +53,7 @@ def look(
     numbers = sensing.numbers
     since: list[float] | None = None
     raised = faults.raised
-    found: list[Found] = []
+    found: list[FoundFault] = []
     for index in board.faults:
         rule = robot.faults[index]
         began = faults.since[index]
@@ -68,7 +68,7 @@ def look(
             since[index] = began = now
         if index not in raised and has_come(now, began + rule.held_s):
             raised |= {index}
-            found.append(Found(rule.code, rule.message, rule.catchable, rule.denies))
+            found.append(FoundFault(rule.code, rule.message, rule.catchable, rule.denies))
     blind, unseen = _blind(robot, faults.blind, board, sensing)
     found += unseen
     silent = faults.silent - {board.position} if faults.silent else faults.silent
@@ -80,12 +80,12 @@ def look(
 
 def _blind(
     robot: RobotSpec, blind: frozenset[int], board: BoardSpec, sensing: Sensing
-) -> tuple[frozenset[int], list[Found]]:
+) -> tuple[frozenset[int], list[FoundFault]]:
     """Return which channels have no value, and a fault for each that has just lost its own.
 
     A value that is not believed is reported as such and is not missing.
     """
-    found: list[Found] = []
+    found: list[FoundFault] = []
     numbers, doubted = sensing.numbers, sensing.records[board.position].doubted
     if not blind and not isnan(sum([numbers[target] for _, target, _ in board.channels])):
         return blind, found  # one sum tells that none is NaN
@@ -94,7 +94,9 @@ def _blind(
             blind ^= {target}
             if target in blind:
                 name = robot.vocabulary.numbers[target]
-                found.append(Found.built_in(BuiltInFault.SENSOR_SILENT, f"{name} has no value"))
+                found.append(
+                    FoundFault.built_in(BuiltInFault.SENSOR_SILENT, f"{name} has no value")
+                )
     return blind, found
 
 
@@ -127,7 +129,7 @@ def begin_anew(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
 
 def listen(
     robot: RobotSpec, faults: FaultState, sensing: Sensing, now: float
-) -> tuple[FaultState, tuple[Found, ...]]:
+) -> tuple[FaultState, tuple[FoundFault, ...]]:
     """Report boards that have been silent for too long, once; all of them are the link.
 
     A single board has longer where reports are lost, and is judged only while others report:
@@ -140,7 +142,9 @@ def listen(
         if every <= faults.silent:
             return faults, ()
         message = f"no board has reported for {silent_after_s:g} s"
-        return faults._replace(silent=every), (Found.built_in(BuiltInFault.LINK_SILENT, message),)
+        return faults._replace(silent=every), (
+            FoundFault.built_in(BuiltInFault.LINK_SILENT, message),
+        )
     if newest_s <= now - silent_after_s / 2:
         return faults, ()
     limit_s = silent_limit_s(robot.link, sensing.loss)
@@ -149,7 +153,7 @@ def listen(
     if not new:
         return faults, ()
     return faults._replace(silent=silent | faults.silent), tuple(
-        Found.built_in(
+        FoundFault.built_in(
             BuiltInFault.SENSOR_SILENT,
             f"board {board.id} ({board.module}) has not reported for {limit_s:.3g} s",
         )

@@ -63,7 +63,7 @@ class BoardSpec:
         return max((place + 1 for place, *_ in self.channels), default=0)
 
     @cached_property
-    def told(self) -> frozenset[int]:
+    def number_set(self) -> frozenset[int]:
         """Return :attr:`numbers`, to be asked whether one is among them."""
         return frozenset(self.numbers)
 

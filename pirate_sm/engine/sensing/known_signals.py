@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing import plausibility
-from pirate_sm.engine.sensing.sensor_memory import Record
+from pirate_sm.engine.sensing.sensor_memory import BoardMemory
 
 Numbers = tuple[float, ...]
 
@@ -52,7 +52,7 @@ class Sensing(NamedTuple):
     stale: frozenset[int] = frozenset()
     shares: tuple[float, ...] = ()
     angles: tuple[float, ...] = ()
-    records: tuple[Record, ...] = ()
+    records: tuple[BoardMemory, ...] = ()
     asked: MotorRequest = MotorRequest()
     loss: float = 0.0
     told: Numbers = ()

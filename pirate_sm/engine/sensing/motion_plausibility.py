@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf, isnan, nan
 
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchSpec
-from pirate_sm.engine.sensing.sensor_memory import Channel, Numbers, Reading
+from pirate_sm.engine.sensing.sensor_memory import Numbers, Reading, SensorMemory
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.fault_codes import BuiltInFault
 
@@ -13,11 +13,11 @@ from pirate_sm.model.fault_codes import BuiltInFault
 def after_motion(
     spec: PlausibilitySpec,
     watch: WatchSpec,
-    channel: Channel,
+    channel: SensorMemory,
     numbers: Numbers,
     reading: Reading,
     reports: list[FaultReport],
-) -> Channel:
+) -> SensorMemory:
     """Return the channel of something that moves, after its motion was compared with its motor."""
     value = numbers[watch.number]
     duty = abs(reading.setpoints[watch.slot])
@@ -34,12 +34,12 @@ def after_motion(
 def _stuck(
     spec: PlausibilitySpec,
     watch: WatchSpec,
-    channel: Channel,
+    channel: SensorMemory,
     value: float,
     free: bool,
     now_s: float,
     reports: list[FaultReport],
-) -> Channel:
+) -> SensorMemory:
     """Report a sensor that shows no motion although its motor is driven and bears no load."""
     if not free:
         return channel if channel.same_s == inf else channel._replace(same_s=inf)
@@ -58,11 +58,11 @@ def _stuck(
 def _unasked(
     spec: PlausibilitySpec,
     watch: WatchSpec,
-    channel: Channel,
+    channel: SensorMemory,
     good: float,
     since_s: float,
     reports: list[FaultReport],
-) -> Channel:
+) -> SensorMemory:
     """Report a motion while every wheel is at rest and nothing new has been asked for."""
     if isnan(good):
         return channel

@@ -21,17 +21,17 @@ from math import inf, isnan, nan
 
 from pirate_sm.engine.sensing.motion_plausibility import after_motion
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
-from pirate_sm.engine.sensing.sensor_memory import Channel, Numbers, Reading, Record
+from pirate_sm.engine.sensing.sensor_memory import BoardMemory, Numbers, Reading, SensorMemory
 from pirate_sm.engine.sensing.value_plausibility import believed, reach, weigh, weigh_jumped
 from pirate_sm.model.events import FaultReport
 
 
-def unseen(watched: WatchedSpec) -> Record:
+def unseen(watched: WatchedSpec) -> BoardMemory:
     """Return the record of a board that has not reported."""
-    return Record((Channel(),) * len(watched.sensors))
+    return BoardMemory((SensorMemory(),) * len(watched.sensors))
 
 
-def begin_anew(record: Record) -> Record:
+def begin_anew(record: BoardMemory) -> BoardMemory:
     """Return the record after a restart, when counters may have begun at zero.
 
     The angle of a joint survives a restart, so a sensor that was not believed still is not.
@@ -39,7 +39,7 @@ def begin_anew(record: Record) -> Record:
     channels = tuple(
         channel._replace(rest_of_s=inf, same_s=inf)
         if channel.jumped or not isnan(channel.stuck)
-        else Channel(hidden=channel.hidden)
+        else SensorMemory(hidden=channel.hidden)
         for channel in record.channels
     )
     return record._replace(channels=channels, seen=0)
@@ -48,10 +48,10 @@ def begin_anew(record: Record) -> Record:
 def sift(
     spec: PlausibilitySpec,
     watched: WatchedSpec,
-    record: Record,
+    record: BoardMemory,
     numbers: list[float],
     reading: Reading,
-) -> tuple[Record, list[FaultReport]]:
+) -> tuple[BoardMemory, list[FaultReport]]:
     """Replace the numbers that are not to be believed, and report sensors that are wrong.
 
     Args:
@@ -65,9 +65,9 @@ def sift(
         The new record, and the faults that have come to be.
     """
     reports: list[FaultReport] = []
-    channels: list[Channel] | None = None
+    channels: list[SensorMemory] | None = None
     shown = numbers
-    remembered: Sequence[Channel] = record.channels
+    remembered: Sequence[SensorMemory] = record.channels
     if record.special or not _plain(watched, numbers, reading):
         shown = list(numbers)
         channels = [
@@ -93,7 +93,7 @@ def sift(
     return _record(watched, channels, seen), reports
 
 
-def _record(watched: WatchedSpec, channels: Sequence[Channel], seen: int) -> Record:
+def _record(watched: WatchedSpec, channels: Sequence[SensorMemory], seen: int) -> BoardMemory:
     """Return the record of these channels, with the numbers that are doubted."""
     doubted = [
         watch.numbers
@@ -101,7 +101,7 @@ def _record(watched: WatchedSpec, channels: Sequence[Channel], seen: int) -> Rec
         if channel.doubted
     ]
     special = any(not channel.calm for channel in channels)
-    return Record(tuple(channels), seen, special, frozenset().union(*doubted))
+    return BoardMemory(tuple(channels), seen, special, frozenset().union(*doubted))
 
 
 def _plain(watched: WatchedSpec, numbers: Numbers, reading: Reading) -> bool:
@@ -122,12 +122,12 @@ def _plain(watched: WatchedSpec, numbers: Numbers, reading: Reading) -> bool:
 def _believe(
     spec: PlausibilitySpec,
     watch: WatchSpec,
-    channel: Channel,
+    channel: SensorMemory,
     seen: int,
     shown: list[float],
     reading: Reading,
     reports: list[FaultReport],
-) -> Channel:
+) -> SensorMemory:
     """Return the channel after a reading; what is shown of it takes its place in ``shown``."""
     if channel.calm:
         good, good_s = reading.before[watch.number], reading.now_s - reading.elapsed_s
@@ -146,7 +146,7 @@ def _believe(
 
 
 def _snapped(
-    watch: WatchSpec, channel: Channel, value: float, numbers: Numbers, reading: Reading
+    watch: WatchSpec, channel: SensorMemory, value: float, numbers: Numbers, reading: Reading
 ) -> bool:
     """Return whether the spring of a joint has unwound by as much as the joint has turned.
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 Numbers = Sequence[float]
 
 
-class Channel(NamedTuple):
+class SensorMemory(NamedTuple):
     """What is remembered of one sensor; unchanged as long as nothing is special about it.
 
     Attributes:
@@ -56,7 +56,7 @@ class Channel(NamedTuple):
         return bool(self.held) or self.jumped or not isnan(self.stuck)
 
 
-class Record(NamedTuple):
+class BoardMemory(NamedTuple):
     """What is remembered of the sensors of one board.
 
     Attributes:
@@ -65,7 +65,7 @@ class Record(NamedTuple):
         doubted: Number indexes that rest on a sensor whose last reading is not believed.
     """
 
-    channels: tuple[Channel, ...]
+    channels: tuple[SensorMemory, ...]
     seen: int = 0
     special: bool = False
     doubted: frozenset[int] = frozenset()

@@ -45,6 +45,6 @@ def look_round(moment: Moment, state: EngineState) -> EngineState:
 def _changed(
     moment: Moment, state: EngineState, surveyed: Surveyed, found: Environment
 ) -> EngineState:
-    moment.tell(found)
+    moment.emit(found)
     words = (*state.words[:-1], found.segment or None)
     return state._replace(words=words, surveyed=surveyed._replace(reported=found))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf, isnan, nan
 
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchSpec
-from pirate_sm.engine.sensing.sensor_memory import Channel, Reading
+from pirate_sm.engine.sensing.sensor_memory import Reading, SensorMemory
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.fault_codes import BuiltInFault
 
@@ -13,11 +13,11 @@ from pirate_sm.model.fault_codes import BuiltInFault
 def weigh(
     spec: PlausibilitySpec,
     watch: WatchSpec,
-    channel: Channel,
+    channel: SensorMemory,
     value: float,
     reading: Reading,
     reports: list[FaultReport],
-) -> tuple[Channel, float]:
+) -> tuple[SensorMemory, float]:
     """Return the channel after this value, and the value that is shown."""
     now_s = reading.now_s
     possible = watch.low <= value <= watch.high
@@ -47,18 +47,18 @@ def weigh(
     return channel._replace(jumped=True, held=(value,)), nan
 
 
-def believed(channel: Channel) -> Channel:
+def believed(channel: SensorMemory) -> SensorMemory:
     """Return the channel when its last reading is believed and nothing is pending."""
     channel = channel._replace(calm=True, good=nan, good_s=-inf, wound=nan, held=())
     return channel._replace(running=0.0, outside=False, jumped=False, stuck=nan)
 
 
-def reach(watch: WatchSpec, channel: Channel, reading: Reading) -> float:
+def reach(watch: WatchSpec, channel: SensorMemory, reading: Reading) -> float:
     """Return how far the value can be from the last believed one."""
     return watch.rate * max(reading.now_s - channel.good_s, reading.elapsed_s) + watch.slack
 
 
-def _goes_on(watch: WatchSpec, channel: Channel, step: float) -> bool:
+def _goes_on(watch: WatchSpec, channel: SensorMemory, step: float) -> bool:
     """Return whether the value goes on the way of a trend, or of the readings held back."""
     if channel.held:
         before = channel.held[-1] - channel.good
@@ -70,11 +70,11 @@ def _goes_on(watch: WatchSpec, channel: Channel, step: float) -> bool:
 def weigh_jumped(
     spec: PlausibilitySpec,
     watch: WatchSpec,
-    channel: Channel,
+    channel: SensorMemory,
     value: float,
     reading: Reading,
     reports: list[FaultReport],
-) -> tuple[Channel, float]:
+) -> tuple[SensorMemory, float]:
     """Return the channel of a joint that has jumped, believed again once it has jumped back.
 
     With time a joint could have turned to almost any angle, so it is not enough that it is near
@@ -90,10 +90,10 @@ def weigh_jumped(
 def _count_spike(
     spec: PlausibilitySpec,
     watch: WatchSpec,
-    channel: Channel,
+    channel: SensorMemory,
     now_s: float,
     reports: list[FaultReport],
-) -> Channel:
+) -> SensorMemory:
     """Return the channel after the readings held back turned out to be a spike, if there are any.
 
     A sensor that spikes often is reported.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Mapping
 
-from pirate_sm.loading.chart.outline import Move, StateNode
+from pirate_sm.loading.chart.outline import StateNode, WrittenTransition
 from pirate_sm.loading.problems import Problems
 from pirate_sm.spelling import nearest
 
@@ -27,7 +27,7 @@ def guard_on_leaves(guard: str, every: Mapping[str, StateNode]) -> ast.expr | No
     return tree
 
 
-def check_guard(move: Move, known: list[str], problems: Problems) -> None:
+def check_guard(move: WrittenTransition, known: list[str], problems: Problems) -> None:
     """Report what is wrong with the guard of a transition."""
     path = (*move.path, "cond")
     try:

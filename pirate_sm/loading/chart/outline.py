@@ -10,7 +10,7 @@ from typing import NamedTuple
 from pirate_sm.loading.problems import Path
 
 
-class Move(NamedTuple):
+class WrittenTransition(NamedTuple):
     """A transition as it is written: several events may lead the same way."""
 
     events: tuple[str, ...]
@@ -30,7 +30,7 @@ class StateNode:
     name: str
     initial: bool
     path: Path
-    moves: tuple[Move, ...] = ()
+    moves: tuple[WrittenTransition, ...] = ()
     inner: tuple[StateNode, ...] = ()
 
     @property

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from pirate_sm.expressions import EnumType, Vocabulary
 from pirate_sm.loading.chart.guards import check_guard, guard_on_leaves
-from pirate_sm.loading.chart.outline import ChartOutline, Move, StateNode, Transition
+from pirate_sm.loading.chart.outline import ChartOutline, StateNode, Transition, WrittenTransition
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.spelling import nearest, one_of
 
@@ -182,7 +182,7 @@ def _check_words(region: str, states: Iterable[str], path: Path, problems: Probl
         problems.add("chart.name", path, str(error), key=True)
 
 
-def _moves(body: Mapping[str, Any], at: Path, problems: Problems) -> Iterator[Move]:
+def _moves(body: Mapping[str, Any], at: Path, problems: Problems) -> Iterator[WrittenTransition]:
     listed = body.get("transitions")
     if listed is None:
         return
@@ -200,7 +200,7 @@ def _moves(body: Mapping[str, Any], at: Path, problems: Problems) -> Iterator[Mo
             problems.add("chart.transition", (*path, key), f"`{key}` must be text")
         events = tuple(_events(item["event"], (*path, "event"), problems))
         if events and not wrong:
-            yield Move(events, item["target"], item.get("cond", "").strip(), path)
+            yield WrittenTransition(events, item["target"], item.get("cond", "").strip(), path)
 
 
 def _events(given: Any, path: Path, problems: Problems) -> Iterator[str]:
@@ -244,7 +244,7 @@ def _refuse_unknown(
 
 
 def _check_move(
-    node: StateNode, move: Move, every: Mapping[str, StateNode], problems: Problems
+    node: StateNode, move: WrittenTransition, every: Mapping[str, StateNode], problems: Problems
 ) -> None:
     region, known = str(node.path[3]), list(every)
     path, target = (*move.path, "target"), move.target
