@@ -30,7 +30,7 @@ class Companion(Protocol):
 
     @property
     def listening(self) -> bool:
-        """Whether a person is being waited for."""
+        """Return whether a person is being waited for."""
         ...
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:

@@ -1,4 +1,4 @@
-"""What backends and detectors report becomes the engine's state."""
+"""Apply the reports of backends and detectors to the engine's state."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pirate_sm.model.fault_codes import BuiltInFault
 
 
 def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState:
-    """Take a board's values in, and meet the faults that they show."""
+    """Apply a frame of a board to the state and handle the faults that it shows."""
     robot, body, now_s = moment.robot, state.robot, moment.now_s
     board = robot.boards.get(event.board)
     if board is None:
@@ -27,7 +27,7 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
         body = sending.hear(board, body, sensing)
     words = state.obeyed_words(robot)
     faults, found = look(robot, state.faults, board, sensing, words, now_s)
-    # Quicker than to replace two fields by name, and this is done for every frame.
+    # Faster than replacing two fields by name; this runs for every frame.
     state = EngineState(body, sensing, state.mission, faults, *state[4:])
     for report in reports:
         state = meet(moment, state, _found(moment, report))
@@ -43,7 +43,7 @@ def _found(moment: Moment, report: FaultReport) -> FoundFault:
 
 
 def word(moment: Moment, state: EngineState, event: DetectorWord) -> EngineState:
-    """Take a detector's word in, which is valid for a time."""
+    """Apply a detector's word, which stays valid for a limited time."""
     if event.word not in moment.robot.detector_words:
         moment.warn(f"the detector said '{event.word}', an unknown word")
         return state
@@ -55,7 +55,7 @@ def word(moment: Moment, state: EngineState, event: DetectorWord) -> EngineState
 
 
 def submitted(moment: Moment, state: EngineState, event: SubmitResult) -> EngineState:
-    """Take in what has become of an array; a stop or loop that was not sent is a fault."""
+    """Apply the result of an array; a rejected stop or loop array is a fault."""
     flight = state.robot.flight
     unconfirmed = sending.why_unconfirmed(moment.robot.link, state.robot, event, moment.now_s)
     robot, finished = commands.resolve(moment, state.robot, event)
@@ -66,7 +66,7 @@ def submitted(moment: Moment, state: EngineState, event: SubmitResult) -> Engine
     if flight is None or event.setpoint_id != flight.setpoint_id:
         return state
     if event.status in {"rejected", "superseded"} and flight.purpose != "gate":
-        # Only a command can be refused; without the array the robot is not what it seems.
+        # Only a command may be refused. Without any other array the state would be wrong.
         message = f"the backend has {event.status} setpoints: {event.reason or 'no reason'}"
         state = _refused(moment, state, message)
     return state
@@ -82,7 +82,7 @@ def _refused(moment: Moment, state: EngineState, message: str) -> EngineState:
 
 
 def fault_report(moment: Moment, state: EngineState, event: FaultReport) -> EngineState:
-    """Meet a fault that a backend has found; after some of them sensing begins anew."""
+    """Handle a fault that a backend reports; after some faults all signals start as unknown."""
     if event.code in ANEW:
         state = state._replace(sensing=begin_anew(moment.robot, state.sensing, moment.now_s))
         words = state.obeyed_words(moment.robot)

@@ -66,7 +66,7 @@ class MissionDifference:
 
     @property
     def same(self) -> bool:
-        """Whether both versions can do the same, as far as is known."""
+        """Return whether both versions can do the same, as far as is known."""
         return all(each.kind == "renamed" for each in self.changes)
 
     def of(self, kind: Kind) -> tuple[BehaviourChange, ...]:

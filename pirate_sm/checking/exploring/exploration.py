@@ -39,7 +39,7 @@ class ExploredState(NamedTuple):
 
     @property
     def over(self) -> bool:
-        """Whether the run is ending here."""
+        """Return whether the run is ending here."""
         return self.state.mission.ended or self.state.mission.ending is not None
 
 
@@ -62,12 +62,12 @@ class ExploredStep(NamedTuple):
 
     @property
     def in_vain(self) -> bool:
-        """Whether a wait has lasted too long."""
+        """Return whether a wait has lasted too long."""
         return any(isinstance(e, TriggerFired) and e.trigger == WITHIN for e in self.effects)
 
     @property
     def went_wrong(self) -> bool:
-        """Whether it is a mishap, or a wait that has lasted too long."""
+        """Return whether it is a mishap, or a wait that has lasted too long."""
         return self.move.kind in MISHAPS or self.in_vain
 
 

@@ -41,7 +41,7 @@ class Visits:
 
     @property
     def never_fine(self) -> bool:
-        """Whether it was refused each time that was looked at."""
+        """Return whether it was refused each time that was looked at."""
         return bool(self.refused) and not self.given and not self.skipped
 
 

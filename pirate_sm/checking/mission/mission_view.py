@@ -28,5 +28,5 @@ class MissionView:
 
     @property
     def complete(self) -> bool:
-        """Whether all that can happen has been looked at."""
+        """Return whether all that can happen has been looked at."""
         return all(each.found.complete for each in self.seen)

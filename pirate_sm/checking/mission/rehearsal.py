@@ -32,7 +32,7 @@ class RehearsedRun:
 
     @property
     def succeeded(self) -> bool:
-        """Whether the mission came to an end that succeeds."""
+        """Return whether the mission came to an end that succeeds."""
         return self.outcome == "succeeded"
 
 

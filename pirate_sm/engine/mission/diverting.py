@@ -12,7 +12,7 @@ from pirate_sm.model.effects import Fault
 
 
 def meet(moment: Moment, state: EngineState, fault: FoundFault) -> EngineState:
-    """Handle a fault as the mission says; end the mission where it says nothing."""
+    """Log the fault and start its handler in the mission, or end the mission without one."""
     mission = state.mission
     if mission.ended:
         return state
@@ -34,7 +34,7 @@ def meet(moment: Moment, state: EngineState, fault: FoundFault) -> EngineState:
 
 
 def divert(moment: Moment, state: EngineState) -> EngineState:
-    """Stop the wheels once no array is awaited, then begin the fault's handler."""
+    """Stop the wheels as soon as no array is awaited, then start the fault's handler."""
     mission, robot = state.mission, state.robot
     handler = mission.diverting
     if handler is None or handler.go is None or robot.awaited is not None:

@@ -31,9 +31,9 @@ ROUND_AND_ROUND = "the phases go round without ever waiting"
 
 
 def advance(moment: Moment, state: EngineState) -> EngineState:
-    """Execute instructions until one has to wait.
+    """Execute instructions until one must wait.
 
-    Once its time is up no command begins any more; what else is due now comes before (rule 6).
+    No command begins after the mission's time limit; all else that is due comes first (rule 6).
     """
     instructions = moment.program.instructions
     for _ in range(MOST_TURNS * len(instructions)):
@@ -80,10 +80,10 @@ def _execute(moment: Moment, state: EngineState, it: Instruction) -> EngineState
 
 
 def without_requests(moment: Moment, state: EngineState) -> MissionState:
-    """Return the mission without the operator's answer and skip, which have had their effect.
+    """Return the mission without the operator's answer and skip, which have been processed.
 
-    A skip is kept while a command's array is in flight: whether that has moved the chart is not
-    known before.
+    A skip is kept while a command's array is in flight: until its result it is open whether the
+    chart has moved.
     """
     mission = state.mission
     doing = mission.begun and isinstance(moment.program.instructions[mission.pc], Do)
@@ -153,7 +153,7 @@ def _branch(moment: Moment, state: EngineState, it: Branch) -> EngineState:
 
 def _require(moment: Moment, state: EngineState, it: Require) -> EngineState:
     names = robot_state.states_of(moment.robot, state.robot)
-    # What any accepted array confirms is so as soon as the called mission commands something.
+    # States that any accepted array confirms will hold with the called mission's first command.
     open_ = state.robot.marks - confirmation.awaiting(moment.robot, state.robot)
     doubtful = robot_state.unconfirmed(moment.robot, state.robot._replace(marks=open_))
     wrong = [

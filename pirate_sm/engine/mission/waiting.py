@@ -1,4 +1,4 @@
-"""Execute waits and questions, and tell when time alone takes the mission on."""
+"""Execute waits and questions, and compute the next deadline of the mission."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pirate_sm.model.effects import TAKEN, Ask, TriggerFired, WaitArmed
 
 
 def next_deadline(moment: Moment, state: EngineState) -> float:
-    """Return when time alone takes the mission on, in run time."""
+    """Return the next time at which the mission continues without an event, in run time."""
     mission = state.mission
     if mission.ending:
         return mission.ending.give_up_s
@@ -23,7 +23,7 @@ def next_deadline(moment: Moment, state: EngineState) -> float:
     deadline = moment.program.time_limit_s
     instruction = moment.program.instructions[mission.pc]
     if mission.diverting or mission.pause_wanted:
-        pass  # what is in flight comes first
+        pass  # the result of the array in flight comes first
     elif mission.begun and isinstance(instruction, Wait):
         deadline = min(deadline, mission.armed_s + instruction.within_s)
         for trigger, since in zip(instruction.triggers, mission.since, strict=True):
@@ -37,7 +37,7 @@ def next_deadline(moment: Moment, state: EngineState) -> float:
 
 
 def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
-    """Arm a wait, and go on once a trigger fires or its time limit has passed."""
+    """Arm a wait, and continue once a trigger fires or the time limit has passed."""
     mission = state.mission
     clock = mission.clock(moment.now_s)
     if not mission.begun:
@@ -73,7 +73,7 @@ def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
 def _look(
     it: Wait, mission: MissionState, numbers: tuple[float, ...], words: Words, clock: float
 ) -> tuple[tuple[float, ...], int, str]:
-    """Return since when each condition is true, the trigger that fires (-1: none), and why."""
+    """Return when each condition became true, the trigger that fires (-1: none), and why."""
     if mission.skipped is not None:
         for index, trigger in enumerate(it.triggers):
             if mission.skipped in {"", trigger.name}:
@@ -97,14 +97,14 @@ def _look(
 
 
 def _is_time(trigger: TriggerSpec, mission: MissionState, clock: float) -> bool:
-    """Whether a trigger without a condition fires: its time has come, or its answer."""
+    """Return whether a time trigger is due, or the answer of an operator trigger has come."""
     if trigger.after_s is not None:
         return has_come(clock, mission.armed_s + trigger.after_s)
     return trigger.answer == mission.answer
 
 
 def question(moment: Moment, state: EngineState, it: Question) -> EngineState:
-    """Ask the operator, and go on once there is an answer or the time for it has passed."""
+    """Ask the operator, and continue once there is an answer or the timeout has passed."""
     mission = state.mission
     clock = mission.clock(moment.now_s)
     choices = tuple(choice for choice, _ in it.choices)

@@ -1,17 +1,17 @@
-"""Decide which sensor values are possible, and report sensors that show impossible ones.
+"""Decide which sensor values are plausible, and report faulty sensors.
 
-Every value of a frame is compared with what the body and the motors can do. An impossible value
-is held back for a few readings, with the last believed value in its place: a spike is over by
-then. A value that lasts is believed if it can be true: the next reading goes on the same way (a
-trend), or it belongs to a counter, which may have begun anew. The angle of a joint that has
-jumped is not believed: nobody can tell which of the two angles is right. It is unknown until it
-jumps back. So is a value outside its range, and one whose sensor is stuck.
+Every value of a frame is compared with what the body and the motors can do. An impossible value is
+held back for a few readings and replaced by the last believed value, because a spike is over by
+then. A value that persists is believed if it can be true: the next reading continues in the same
+direction (a trend), or the value is a counter, which may have restarted. The angle of a joint that
+has jumped is not believed, because either of the two angles may be the wrong one. It is unknown
+until it jumps back. A value outside its range and the value of a stuck sensor are unknown as well.
 
-A joint behind a spring can snap faster than its motor turns. Then the spring unwinds by as much as
-the joint has turned, and its torque, which another sensor measures, shows it: such an angle is
-believed at once.
+A joint behind a spring can snap faster than its motor turns. The spring then unwinds by the angle
+that the joint has turned, and its torque, which another sensor measures, changes accordingly. Such
+an angle is believed at once.
 
-Values are SI; unknown is NaN. The thresholds stand in the profile, section ``plausibility``.
+Values are in SI units; unknown is NaN. The profile holds the thresholds, in ``plausibility``.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from pirate_sm.model.events import FaultReport
 
 
 def unseen(watched: WatchedSpec) -> BoardMemory:
-    """Return the record of a board that has not reported."""
+    """Return the memory of a board that has not reported yet."""
     return BoardMemory((SensorMemory(),) * len(watched.sensors))
 
 
 def begin_anew(record: BoardMemory) -> BoardMemory:
-    """Return the record after a restart, when counters may have begun at zero.
+    """Return the memory after a restart of the firmware, when counters may start at zero.
 
-    The angle of a joint survives a restart, so a sensor that was not believed still is not.
+    Joint angles survive a restart, so an implausible joint sensor stays implausible.
     """
     channels = tuple(
         channel._replace(rest_of_s=inf, same_s=inf)
@@ -52,17 +52,17 @@ def sift(
     numbers: list[float],
     reading: Reading,
 ) -> tuple[BoardMemory, list[FaultReport]]:
-    """Replace the numbers that are not to be believed, and report sensors that are wrong.
+    """Replace implausible numbers, and report faulty sensors.
 
     Args:
         spec: Thresholds of the robot.
-        watched: The board's sensors that have limits.
-        record: What is remembered of them.
-        numbers: All numbers, those of this board as it reports them; changed in place.
-        reading: The circumstances.
+        watched: The board's sensors with limits.
+        record: The memory of these sensors.
+        numbers: All numbers, with those of this board as reported; modified in place.
+        reading: The circumstances of the frame.
 
     Returns:
-        The new record, and the faults that have come to be.
+        The new memory, and the new faults.
     """
     reports: list[FaultReport] = []
     channels: list[SensorMemory] | None = None
@@ -84,7 +84,7 @@ def sift(
                 if after is not channel:
                     remembered = channels = channels or list(remembered)
                     channels[at] = after
-    seen = record.seen if record.seen > spec.hold_back else record.seen + 1  # no need of more
+    seen = record.seen if record.seen > spec.hold_back else record.seen + 1  # limited
     if channels is None:
         return (record if seen == record.seen else record._replace(seen=seen)), reports
     for watch, channel in zip(watched.sensors, channels, strict=True):
@@ -94,7 +94,7 @@ def sift(
 
 
 def _record(watched: WatchedSpec, channels: Sequence[SensorMemory], seen: int) -> BoardMemory:
-    """Return the record of these channels, with the numbers that are doubted."""
+    """Return the memory of a board with these sensors and its doubted numbers."""
     doubted = [
         watch.numbers
         for watch, channel in zip(watched.sensors, channels, strict=True)
@@ -107,7 +107,7 @@ def _record(watched: WatchedSpec, channels: Sequence[SensorMemory], seen: int) -
 def _plain(watched: WatchedSpec, numbers: Numbers, reading: Reading) -> bool:
     """Return whether every value is in its range and near the previous one.
 
-    Most frames are like this, and every frame of a simulation passes here.
+    A fast path: most frames pass this test, and every frame is tested.
     """
     before, elapsed_s = reading.before, reading.elapsed_s
     for number, low, high in watched.ranges:
@@ -128,7 +128,7 @@ def _believe(
     reading: Reading,
     reports: list[FaultReport],
 ) -> SensorMemory:
-    """Return the channel after a reading; what is shown of it takes its place in ``shown``."""
+    """Return the sensor's memory after a reading, and write the shown value into ``shown``."""
     if channel.calm:
         good, good_s = reading.before[watch.number], reading.now_s - reading.elapsed_s
         wound = _torque(watch, reading.before)
@@ -148,9 +148,9 @@ def _believe(
 def _snapped(
     watch: WatchSpec, channel: SensorMemory, value: float, numbers: Numbers, reading: Reading
 ) -> bool:
-    """Return whether the spring of a joint has unwound by as much as the joint has turned.
+    """Return whether a joint's spring has unwound by the angle that the joint has turned.
 
-    What is left is the turn of the motor before the spring, which nobody can push.
+    The difference of the two is the motion of the motor, which no outside force can turn.
     """
     if not watch.low <= value <= watch.high:
         return False

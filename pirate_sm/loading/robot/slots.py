@@ -118,7 +118,7 @@ _SAID = {"joint": "joint", "wheel": "wheel", "roll": "roll joint"}
 def _check_targets(
     profile: model.Profile, slot: model.Slot, path: Path, problems: Problems
 ) -> bool:
-    """Whether what the slot drives is there."""
+    """Return whether what the slot drives is there."""
     known = True
     valid = {
         "joint": [joint.name for joint in profile.body.joints],
