@@ -15,7 +15,7 @@ from pirate_sm.loading.mission import LoadedMission
 
 
 class CheckError(PirateError):
-    """Is raised when a mission is refused before anything moves; holds what is wrong with it."""
+    """Raised when a mission is refused before anything moves; holds what is wrong with it."""
 
     exit_code: ClassVar[int] = 2
 

@@ -5,9 +5,8 @@
 
 The language has comparisons (also chained), `and or not`, `+ - * /`, parentheses, `abs min max`,
 `in (a, b)`, `known(x)`, `change(signal)` in waits, numbers with units, words, `true` and `false`,
-`$parameters`; nothing else can be said in it. Its
-logic is three-valued (Kleene): what follows from an unknown signal is unknown, unless the rest
-decides alone.
+and `$parameters`, and nothing else. Its logic is three-valued (Kleene): an expression with an
+unknown signal is unknown, unless the other signals decide it.
 """
 
 from __future__ import annotations

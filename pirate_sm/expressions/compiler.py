@@ -1,9 +1,9 @@
 """Compile the tree of an expression to a Python function.
 
-The source of the function is generated from the checked tree alone: from floats, slot indexes and
-words that the vocabulary knows, never from the text of the expression; it is evaluated with no
-builtins. Each node becomes an expression that yields NaN (numbers) or None (words, conditions)
-for unknown. That costs a fraction of a microsecond per evaluation where a tree walk costs tens.
+The source of the function is generated from the checked tree only: from floats, slot indexes and
+words of the vocabulary, never from the text of the expression. It is evaluated without builtins.
+Each node becomes an expression whose value is NaN (numbers) or None (words, conditions) for
+unknown. An evaluation takes a fraction of a microsecond; a tree walk would take tens.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ _NO_PARAMETERS: Final[Mapping[str, Constant]] = MappingProxyType({})
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """Is a compiled expression.
+    """A compiled expression.
 
     Attributes:
-        text: What it was compiled from.
-        type: Boolean for a condition, else a number with its dimension.
-        tree: What it means; hashable, and equal for equal meaning.
+        text: The source text.
+        type: Boolean for a condition, otherwise a number with its dimension.
+        tree: The checked tree; hashable, and equal for equal meaning.
         names: The signals it depends on.
-        evaluate: Takes the values of the vocabulary's numbers (SI, NaN for unknown) and words
-            (None for unknown), in its order, and returns the value, None for unknown.
+        evaluate: Returns the value, None for unknown. Its arguments are the values of the
+            vocabulary's numbers (SI, NaN for unknown) and words (None for unknown), in its order.
     """
 
     text: str
@@ -50,7 +50,7 @@ class Expression:
         object.__setattr__(self, "evaluate", _compiled(self.tree, self.type))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Return what rebuilds it: functions made at run time cannot be pickled."""
+        """Return the arguments for rebuilding it: generated functions cannot be pickled."""
         return Expression, (self.text, self.type, self.tree)
 
 
@@ -62,10 +62,10 @@ def compile_expression(
     Args:
         text: The expression.
         vocabulary: The names it may use.
-        parameters: What each `$name` stands for.
+        parameters: The value of each `$name`.
 
     Raises:
-        ExpressionError: It is not in the language, or names, types or dimensions do not fit.
+        ExpressionError: The syntax is invalid, or names, types or dimensions do not fit.
     """
     typed = analyse(parse(text), vocabulary, parameters)
     if not isinstance(typed.type, NumberType | BooleanType):
@@ -91,7 +91,7 @@ def compile_condition(
 
 
 def _least(*values: float) -> float:
-    """Return the least value, NaN when any is unknown: the builtin would go by the order."""
+    """Return the smallest value, NaN if any is NaN; `min` would depend on the order."""
     return math.nan if any(map(math.isnan, values)) else min(values)
 
 
@@ -116,7 +116,7 @@ def _compiled(node: tree.Node, kind: NumberType | BooleanType) -> Evaluator:
 
 
 class _Source:
-    """Writes Python source; temporaries are local to the function that it becomes."""
+    """Writes Python source with temporaries local to the generated function."""
 
     def __init__(self) -> None:
         self._temporaries = 0
@@ -171,7 +171,7 @@ class _Source:
                 raise AssertionError(f"{node} is not a condition")
 
     def _each(self, parts: tuple[tree.Node, ...], test: str) -> tuple[list[str], list[str]]:
-        """Return a temporary for each part, and a test on each that also sets it."""
+        """Return a temporary for each part, and for each a test that also assigns it."""
         values = [self.fresh() for _ in parts]
         tests = [
             f"({value} := {self.of(part)}) {test}"

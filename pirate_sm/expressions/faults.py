@@ -10,13 +10,13 @@ from pirate_sm.errors import UsageError
 
 @dataclass(frozen=True, slots=True)
 class ExpressionFault:
-    """Is one thing wrong with an expression.
+    """One fault in an expression.
 
     Attributes:
-        message: What is wrong, for a person.
-        offset: Where it stands, in characters from the start of the expression.
-        suggestion: What was probably meant instead of what stands there; empty when unknown.
-        length: How many characters it covers.
+        message: What is wrong, for users.
+        offset: Its position in characters from the start of the expression.
+        suggestion: The text that was probably meant; empty if unknown.
+        length: Number of characters that it covers.
     """
 
     message: str
@@ -26,7 +26,7 @@ class ExpressionFault:
 
 
 class ExpressionError(UsageError):
-    """Is raised for an expression that cannot be used; holds every fault that could be found."""
+    """Raised for an invalid expression; holds all its faults."""
 
     def __init__(self, faults: Iterable[ExpressionFault]) -> None:
         self.faults = tuple(sorted(faults, key=lambda fault: fault.offset))

@@ -15,7 +15,7 @@ TokenKind: TypeAlias = Literal["number", "name", "parameter", "operator", "end"]
 
 
 class Token(NamedTuple):
-    """Is one token with its place; `quantity` is the value of a number."""
+    """One token with its place; `quantity` is the value of a number."""
 
     kind: TokenKind
     text: str
@@ -43,7 +43,7 @@ def tokenize(text: str) -> list[Token]:
     """Return the tokens of an expression, ended by one of kind `end`.
 
     Raises:
-        ExpressionError: There is a character, number or unit that no expression has.
+        ExpressionError: The text contains an invalid character, number or unit.
     """
     if len(text) > LONGEST_TEXT:
         message = f"the expression is longer than {LONGEST_TEXT} characters"

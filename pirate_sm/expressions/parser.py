@@ -11,7 +11,7 @@
     operand    = number | "true" | "false" | name | "$" name | "(" condition ")"
                | name "(" condition { "," condition } ")"
 
-`in` where an operand is wanted is a word, not the operator: `detector == in`.
+In the place of an operand, `in` is a word and not the operator: `detector == in`.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ class _Parser:
         return MembershipPart(start.offset, len(start.text), operand, items, negated)
 
     def _list(self) -> tuple[AnyPart, ...]:
-        """Return what stands up to the closing parenthesis, separated by commas."""
+        """Return the parts up to the closing parenthesis, which commas separate."""
         items = [self.condition()]
         while self._is(","):
             self._advance()

@@ -20,7 +20,7 @@ _MOST_SHOWN = 50
 
 @dataclass(frozen=True, slots=True, order=True)
 class Place:
-    """Is a place in a file, counted from 1; line 0 is the file as a whole."""
+    """A place in a file, counted from 1; line 0 is the file as a whole."""
 
     file: str
     line: int = 0
@@ -39,7 +39,7 @@ class Severity(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Is one fault of a file.
+    """One fault of a file.
 
     Attributes:
         code: A stable word for programs, such as `unknown-key`.
@@ -94,7 +94,7 @@ def _marked(line: str, column: int) -> list[str]:
 
 
 class LoadError(PirateError):
-    """Is raised when files cannot be used; holds everything that is wrong with them, by place."""
+    """Raised when files cannot be used; holds everything that is wrong with them, by place."""
 
     exit_code: ClassVar[int] = 2
 

@@ -31,7 +31,7 @@ _kept_inside: ContextVar[bool] = ContextVar("kept_inside", default=False)
 
 
 class OutsideError(UsageError):
-    """Is raised for a reference that leaves the project, where that is not wanted."""
+    """Raised for a reference that leaves the project, where that is not wanted."""
 
 
 def code_of(error: PirateError, usual: str) -> str:

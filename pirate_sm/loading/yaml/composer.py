@@ -30,7 +30,7 @@ class _FatalError(Exception):
 
 @dataclass(slots=True)
 class _Open:
-    """Is a mapping or list that is still being read."""
+    """A mapping or list that is still being read."""
 
     node: Node
     anchor: str | None

@@ -19,7 +19,7 @@ from pirate_sm.units import DIMENSIONLESS, QuantityError, format_quantity, parse
 
 
 class Wording(NamedTuple):
-    """Is what to say about an error."""
+    """What to say about an error."""
 
     code: str
     message: str

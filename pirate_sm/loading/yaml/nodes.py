@@ -10,7 +10,7 @@ Children: TypeAlias = "dict[str, tuple[Node, int, int]] | list[Node] | None"
 
 @dataclass(slots=True)
 class Node:
-    """Is a value with its place; lines and columns count from 1, start and end from 0.
+    """A value with its place; lines and columns count from 1, start and end from 0.
 
     Attributes:
         value: The plain data.

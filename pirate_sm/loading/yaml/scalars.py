@@ -30,7 +30,7 @@ _MOST_DIGITS: Final = 18  # fits 64 bits, and keeps int() from quadratic work
 
 
 class ScalarError(ValueError):
-    """Is raised for a word that its tag does not allow, or a number out of all range."""
+    """Raised for a word that its tag does not allow, or a number out of all range."""
 
     def __init__(self, code: str, message: str) -> None:
         self.code = code

@@ -33,7 +33,7 @@ _WRAPPERS = {
 
 @dataclass(frozen=True, slots=True)
 class Trail:
-    """Is where an error stands.
+    """Where an error stands.
 
     Attributes:
         path: Keys and indexes in the data, without labels.

@@ -86,7 +86,7 @@ def _part(data: Any, at: Path) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class _Error:
-    """Is one error with where it stands; `wording` replaces its own when errors were merged."""
+    """One error with where it stands; `wording` replaces its own when errors were merged."""
 
     detail: ErrorDetails
     trail: Trail
