@@ -95,35 +95,27 @@ def read_mission(
     states: Mapping[str, str] | None = None,
     tolerated: Collection[str] = (),
 ) -> tuple[LoadedMission, Problems]:
-    """Return the mission as far as it can be understood, and what is wrong with it.
+    """Return the mission, without parts that have tolerated faults, and all problems found.
 
     Args:
-        path: As for :func:`load_mission`, like all others.
+        path: As for :func:`load_mission`, as are the next five arguments.
         robot: Robot.
         pipe: Pipe.
         settings: Parameters.
         start_phase: First phase.
-        states: Where it begins.
-        tolerated: Codes of faults with which it shall be returned all the same.
+        states: Initial states.
+        tolerated: Codes of faults with which a mission is still returned.
 
     Raises:
-        LoadError: There are faults of other codes; holds all of them.
-        UsageError: An argument does not fit.
+        LoadError: There are faults of other codes; holds all faults.
+        UsageError: An argument is invalid.
     """
     document = read_document(path, shown(path))
     problems = Problems(document)
     mission = _shape(document, problems, spare=bool(tolerated))
     folder = path.resolve().parent
     loaded = _robot(robot, mission, folder, problems)
-    shadow = "" if robot is not None else library.shadowing(mission.robot, loaded.folder)
-    if shadow:
-        problems.add(
-            "mission.robot_shadows",
-            ("robot",),
-            shadow,
-            expected=f"./{mission.robot}, a path",
-            severity=Severity.WARNING,
-        )
+    shadow = "" if robot is not None else _shadowing(mission, loaded, problems)
     chosen, pipe_name, pipe_document = _pipe(pipe, mission, document, folder, problems)
     if chosen is not None:
         check_fit(chosen, loaded.profile, pipe_document, problems)
@@ -139,19 +131,27 @@ def read_mission(
     if chosen is not None:
         program = replace(program, diameter_m=chosen.diameter)
     documents = (document, *loaded.documents, *called, pipe_document)
+    hashes = {each.name: _hash(each) for each in documents}
+    texts = {name: value.text for name, value in values.items()}
+    notices = (shadow,) if shadow else ()
     result = LoadedMission(
-        mission,
-        loaded,
-        spec,
-        program,
-        chosen,
-        pipe_name,
-        documents,
-        {each.name: _hash(each) for each in documents},
-        {name: value.text for name, value in values.items()},
-        (shadow,) if shadow else (),
+        mission, loaded, spec, program, chosen, pipe_name, documents, hashes, texts, notices
     )
     return result, problems
+
+
+def _shadowing(mission: Mission, loaded: LoadedRobot, problems: Problems) -> str:
+    """Report and return a notice if another robot hides the shipped one; empty if none does."""
+    shadow = library.shadowing(mission.robot, loaded.folder)
+    if shadow:
+        problems.add(
+            "mission.robot_shadows",
+            ("robot",),
+            shadow,
+            expected=f"./{mission.robot}, a path",
+            severity=Severity.WARNING,
+        )
+    return shadow
 
 
 def _shape(document: Document, problems: Problems, *, spare: bool) -> Mission:
