@@ -1,4 +1,4 @@
-"""Load a mission file, its robot, its pipe and the missions it calls into one program."""
+"""Load a mission file, its robot, its pipe and the missions it calls as one program."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ from pirate_sm.units import QuantityError
 
 @dataclass(frozen=True)
 class LoadedMission:
-    """Everything that a run needs, free of faults.
+    """A mission without faults, with everything that a run needs.
 
     Attributes:
-        documents: The files it was made from: its own first, its pipe's last (its own again
-            where that is written out in it, or where there is none).
-        files: Hash of each of them, by the name it was read under.
-        parameters: The values in force, as messages write them.
-        notices: What a person should know although nothing is wrong.
+        documents: Its source files: the mission's first, the pipe's last (the mission's again if
+            the pipe is written in it, or if there is none).
+        files: Hash of each file, by its name.
+        parameters: The values in force, as text for messages.
+        notices: Messages for the user that are not faults.
     """
 
     mission: Mission
@@ -60,19 +60,19 @@ def load_mission(
     start_phase: str | None = None,
     states: Mapping[str, str] | None = None,
 ) -> LoadedMission:
-    """Return a mission that is ready to run.
+    """Return a mission ready to run.
 
     Args:
         path: The mission's file.
-        robot: Name or path of a robot, in place of the mission's own.
-        pipe: Name or path of a pipe, in place of the mission's own.
-        settings: Values of parameters, as text.
-        start_phase: The phase to begin with, in place of the mission's own.
-        states: State names by region that the robot is in, in place of ``starts_in``.
+        robot: Name or path of a robot; overrides the mission's.
+        pipe: Name or path of a pipe; overrides the mission's.
+        settings: Parameter values as text, by name.
+        start_phase: The first phase; overrides the mission's.
+        states: Initial states of the robot by region; override ``starts_in``.
 
     Raises:
-        LoadError: Everything that is wrong with the files.
-        UsageError: An argument does not fit.
+        LoadError: The files have faults; holds all of them.
+        UsageError: An argument does not fit the mission.
     """
     loaded, problems = read_mission(
         path, robot=robot, pipe=pipe, settings=settings, start_phase=start_phase, states=states
@@ -82,7 +82,7 @@ def load_mission(
 
 
 TOLERABLE = frozenset({"mission.command"})
-"""Faults with which a mission still has a shape: the steps that have them can be left out."""
+"""Faults that can be tolerated by leaving out the steps that have them."""
 
 
 def read_mission(
@@ -155,7 +155,7 @@ def _shadowing(mission: Mission, loaded: LoadedRobot, problems: Problems) -> str
 
 
 def _shape(document: Document, problems: Problems, *, spare: bool) -> Mission:
-    """Return the mission of the document, or its sound part if that is enough."""
+    """Return the mission of the document, without its faulty phases if `spare`."""
     mission = try_validate(document, Mission, problems)
     if mission is None and spare:
         mission = without_faulty_phases(document)
@@ -205,7 +205,7 @@ def _pipe(
 def _values(
     mission: Mission, settings: Mapping[str, str], problems: Problems, *, assumed: bool
 ) -> parameters.Values:
-    """Return the parameters; one without a value gets a plausible one if `assumed`."""
+    """Return the parameter values; with `assumed`, missing ones get a plausible value."""
     values = parameters.defaults(mission.parameters, problems)
     for name, text in settings.items():
         if name not in mission.parameters:

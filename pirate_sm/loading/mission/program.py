@@ -1,4 +1,4 @@
-"""Compile a mission, with the missions it calls, into one flat program."""
+"""Compile a mission and the missions that it calls into one flat program."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def build_program(
     Steps whose fault has a tolerated code are left out.
 
     Raises:
-        LoadError: Something in it cannot be resolved; holds all that is wrong.
+        LoadError: The mission has faults; holds all of them.
         UsageError: ``states`` do not fit the robot.
     """
     mission = source.mission
