@@ -33,7 +33,7 @@ def chart_schema() -> Schema:
         **_mapping(
             {
                 "name": _text("Name of the chart.", empty=True),
-                "description": _text("One line for people.", empty=True),
+                "description": _text("One-line description.", empty=True),
                 "states": {
                     "type": "object",
                     "description": "One parallel state, which holds the state machines.",
