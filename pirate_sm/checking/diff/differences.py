@@ -1,4 +1,4 @@
-"""What one version of a mission can do and another cannot, whatever their texts look like."""
+"""Compare what two versions of a mission can do, independently of their texts."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ About: TypeAlias = Literal[
 
 @dataclass(frozen=True)
 class BehaviourChange:
-    """One difference.
+    """One difference in behaviour.
 
     Attributes:
-        text: The same as a sentence.
-        phase: Where it is, in the names of the new version; empty where it is everywhere.
-        name: What it is about.
-        before: How it was; ``after`` how it is now. Empty where there was or is none.
+        text: The difference as a sentence.
+        phase: The phase, by its new name; empty if the difference is not in one phase.
+        name: Name of the part that differs.
+        before: The old behaviour; ``after``: the new one. Empty if there is none.
     """
 
     kind: Kind
@@ -55,10 +55,10 @@ class BehaviourChange:
 
 @dataclass(frozen=True)
 class MissionDifference:
-    """Everything that differs.
+    """All differences between two versions.
 
     Attributes:
-        cut_off: Versions with too much to look at: there may be more.
+        cut_off: Versions that were too large to explore; there may be more differences.
     """
 
     changes: tuple[BehaviourChange, ...]
@@ -66,7 +66,7 @@ class MissionDifference:
 
     @property
     def same(self) -> bool:
-        """Return whether both versions can do the same, as far as is known."""
+        """Return whether no difference is known."""
         return all(each.kind == "renamed" for each in self.changes)
 
     def of(self, kind: Kind) -> tuple[BehaviourChange, ...]:
@@ -75,9 +75,9 @@ class MissionDifference:
 
 
 def compare(old: Abilities, new: Abilities) -> MissionDifference:
-    """Return what the new version can do and the old one cannot, and the other way round.
+    """Return the differences in behaviour between the old and the new version.
 
-    A phase or an end that has another name and is the same otherwise has been renamed.
+    A phase or an end that differs only in its name counts as renamed.
     """
     phases, ends = renamed(old.phases, new.phases), renamed(old.outcomes, new.outcomes)
     renamings = [
@@ -132,7 +132,7 @@ def _phases(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
 def _commands(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
     for kind, (phase, name), _, there in _one_sided(old, new, lambda each: each.commands):
         if phase not in there.phases:
-            continue  # told with the phase
+            continue  # reported with the phase
         nowhere = all(other != name for _, other in there.commands)
         if kind == "gained":
             text = f"{name} can be given in '{phase}'" + "; before, nothing gave it" * nowhere
@@ -181,7 +181,7 @@ def _outcomes(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
 
 
 def _failures(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
-    """Yield commands whose failure ends otherwise, those together that change alike."""
+    """Yield commands whose failure leads to other ends, grouped by equal changes."""
     alike: dict[tuple[str, str], dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
     for (phase, name), was, now in _both(old.failures, new.failures):
         alike[names_of_ends(was), names_of_ends(now)][phase].append(name)
@@ -197,7 +197,7 @@ def _failures(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
 
 
 def _faults(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
-    """Yield faults that lead elsewhere, phases together in which they change alike."""
+    """Yield faults with another target, with phases grouped by equal changes."""
     kept = [phase for phase in new.phases if phase in old.phases]
     codes = dict.fromkeys(code for _, code in (*old.faults, *new.faults))
     for code in codes:
@@ -227,7 +227,7 @@ def _rules(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
 
 
 def _in_order(names: Iterable[str]) -> Mapping[str, None]:
-    """Return the names as keys, in an order that does not change from run to run."""
+    """Return the names as keys, in a reproducible order."""
     return dict.fromkeys(sorted(names))
 
 
@@ -246,12 +246,12 @@ def _success(old: Success | None, new: Success | None) -> Iterator[BehaviourChan
 def _one_sided(
     old: Abilities, new: Abilities, part: Callable[[Abilities], Mapping[K, object]]
 ) -> Iterator[tuple[Kind, K, Abilities, Abilities]]:
-    """Yield what only one version has: whether it is gained, its key, who has it, who has not."""
+    """Yield parts of one version only: gained or lost, key, the version with it, the other."""
     before, after = part(old), part(new)
     yield from (("gained", key, new, old) for key in after if key not in before)
     yield from (("lost", key, old, new) for key in before if key not in after)
 
 
 def _both(old: Mapping[K, V], new: Mapping[K, V]) -> Iterator[tuple[K, V, V]]:
-    """Yield what both have and where it differs."""
+    """Yield the keys that both have with different values."""
     return ((key, old[key], new[key]) for key in new if key in old and old[key] != new[key])

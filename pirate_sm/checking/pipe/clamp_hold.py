@@ -1,4 +1,4 @@
-"""A rule about forces: clamped parts bear the weight of the robot by friction."""
+"""A rule about forces: the friction of clamped parts bears the weight of the robot."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pirate_sm.model.pipe import Pipe
 
 
 def clamps_bear_the_weight(view: PipeView) -> Iterator[Finding]:
-    """Report clamped parts that do not bear the robot's weight by friction."""
+    """Report clamped parts whose friction does not bear the robot's weight."""
     worst: tuple[float, CoursePoint, Piece] | None = None
     every = True
     for situation in view.course.situations:
@@ -40,7 +40,7 @@ def _weak(view: PipeView, situation: CoursePoint, piece: Piece, *, everywhere: b
         f" with a friction of {fit.friction:g} that holds {_grip_n(view, situation):.3g} N, and"
         f" the weight pulls {pull:.3g} N along the pipe"
     )
-    # The weight that rests on the walls helps: where even that is too little, it is certain.
+    # The weight on the walls adds friction: if even that is too little, it is certain.
     certain = fit.friction * (press + rests) < pull
     severity = Severity.ERROR if certain else Severity.WARNING
     place = view.place_of_step(situation.place)
@@ -57,7 +57,7 @@ def _held(view: PipeView, situation: CoursePoint) -> frozenset[int]:
 
 
 def _grip_n(view: PipeView, situation: CoursePoint) -> float:
-    """Return the largest friction of all clamped parts."""
+    """Return the largest friction force of all clamped parts, N."""
     configuration = situation.configuration
     return view.fit.friction * sum(
         view.fit.press_n(part, configuration) for part in _held(view, situation)
@@ -65,6 +65,6 @@ def _grip_n(view: PipeView, situation: CoursePoint) -> float:
 
 
 def _stands_in(view: PipeView, situation: CoursePoint) -> list[Piece]:
-    """Return where the robot can be: where it began, and behind the bend once it has bent."""
+    """Return the pieces in which the robot can be: the first, and the one behind a passed bend."""
     behind = view.piece_behind(situation.bent[0]) if situation.bent else None
     return [view.first_piece] if behind is None else [view.first_piece, behind]

@@ -1,4 +1,4 @@
-"""A chart as the rules look at it: its file, what the file declares, what follows from that."""
+"""A chart as seen by the rules: its file, its declarations and its table."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pirate_sm.loading.yaml.document import Document
 
 @dataclass(frozen=True)
 class ChartView:
-    """A chart under examination."""
+    """A chart that is being checked."""
 
     document: Document
     outline: ChartOutline
@@ -24,12 +24,12 @@ class ChartView:
 
     @cached_property
     def reached(self) -> ReachedCombinations:
-        """The combinations of states that commands lead to."""
+        """Return the combinations of states that commands reach."""
         return ReachedCombinations(self.table)
 
     @cached_property
     def states(self) -> dict[str, tuple[str, ...]]:
-        """The states of each region."""
+        """Return the states of each region."""
         return dict(zip(self.outline.regions, self.outline.states, strict=True))
 
     def at(
