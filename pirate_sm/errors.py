@@ -1,15 +1,15 @@
-"""Every exception this package raises on purpose.
+"""The exceptions that this package raises.
 
     PirateError                 exit code 4: a fault in this program
-    ├── UsageError              exit code 2: what a person wrote cannot be used; nothing has moved
+    ├── UsageError              exit code 2: invalid input of a person; nothing has moved
     │   ├── QuantityError       (units) a number with a wrong, missing or unknown unit
     │   └── ExpressionError     (expressions) a condition that does not parse or does not fit
-    ├── RecordingError          exit code 2: a recording cannot be read or begun
-    ├── LoadError               (loading.problems) exit code 2: files refused, each fault placed
+    ├── RecordingError          exit code 2: a recording cannot be read or started
+    ├── LoadError               (loading.problems) exit code 2: invalid files, with all faults
     └── BackendError            exit code 3: the backend or its link failed
 
-A failure that a mission is expected to meet (a refused command, a timeout, a sensor gone silent)
-is data and travels as an event; an exception is for what no mission can handle.
+A failure that a mission may handle (a refused command, a timeout, a silent sensor) is an event. An
+exception means a failure that no mission can handle.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from typing import ClassVar
 
 
 class PirateError(Exception):
-    """Is the root: whoever catches it knows the exit code and a message for a person.
+    """The base class; it carries an exit code and a message for the user.
 
     Attributes:
-        option_hint: What the command line adds to the message: the option that helps.
+        option_hint: Text that the command line adds to the message: the option that helps.
     """
 
     exit_code: ClassVar[int] = 4
@@ -32,18 +32,18 @@ class PirateError(Exception):
 
 
 class UsageError(PirateError):
-    """Is raised for arguments or text that cannot be used, before anything moves."""
+    """Raised for invalid arguments or text, before anything moves."""
 
     exit_code: ClassVar[int] = 2
 
 
 class RecordingError(PirateError):
-    """Is raised for a recording that cannot be read, or not begun where it was asked for."""
+    """Raised for a recording that cannot be read, or cannot be written at its path."""
 
     exit_code: ClassVar[int] = 2
 
 
 class BackendError(PirateError):
-    """Is raised when a backend or the link to it fails beyond what an event can say."""
+    """Raised when a backend or its link fails in a way that no event reports."""
 
     exit_code: ClassVar[int] = 3

@@ -1,7 +1,7 @@
-"""Names that choose a part of a run, and the functions that make it: ours and other packages'.
+"""Registries of named parts of a run, with built-in parts and those of other packages.
 
-A package adds a part by an entry point in its pyproject.toml; the entry point leads to a
-:class:`Plugin`. Ours are written in a table as the same kind of reference (docs/decisions).
+A package adds a part by an entry point in its pyproject.toml, which refers to a :class:`Plugin`.
+Built-in parts are listed in a table of the same kind of references (docs/decisions).
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ F = TypeVar("F")
 
 @dataclass(frozen=True)
 class Plugin(Generic[F]):
-    """What an entry point leads to.
+    """A part that an entry point refers to.
 
     Attributes:
         about: One line for ``pirate list``.
-        make: Makes the part; what it receives and returns the registry's protocol says. Imports
-            that take long belong into it, so that a list of names does not wait for them.
+        make: Makes the part; the registry's protocol defines its arguments and result. It should
+            contain slow imports, so that listing the names stays fast.
     """
 
     about: str
@@ -36,10 +36,10 @@ class ListedPart(NamedTuple):
     """One name of a registry.
 
     Attributes:
-        name: How users choose it.
-        package: Who adds it; empty where it is ours.
-        about: What its package says of it.
-        fault: Why it cannot be used; empty where it can.
+        name: The name by which users choose it.
+        package: The package that adds it; empty for a built-in part.
+        about: Description by its package.
+        fault: Why it cannot be used; empty if it can.
     """
 
     name: str
@@ -52,9 +52,10 @@ class Registry(Generic[F]):
     """Finds the parts of one kind by their names.
 
     Args:
-        kind: What they are, in the singular, and the option that chooses one: ``backend``.
-        group: Of the entry points with which other packages add some.
-        ours: Where our own are, ``package.module:NAME`` by name. Nobody else can take these names.
+        kind: The kind of part in the singular, also the option that chooses one: ``backend``.
+        group: Group of the entry points of other packages.
+        ours: References ``package.module:NAME`` of the built-in parts, by name. Other packages
+            cannot use these names.
     """
 
     def __init__(self, kind: str, group: str, ours: Mapping[str, str]) -> None:
@@ -66,9 +67,9 @@ class Registry(Generic[F]):
         """Return the function that makes the part of this name.
 
         Raises:
-            UsageError: There is none, or its package cannot be used.
+            UsageError: The name is unknown, or its package cannot be used.
         """
-        point = self._ours.get(name)  # ours need no search through what is installed
+        point = self._ours.get(name)  # built-in parts need no search of entry points
         if point is None:
             point = self._others.get(name)
         if point is None:
@@ -81,18 +82,18 @@ class Registry(Generic[F]):
             raise UsageError(f"--{self._kind} {name} cannot be used: {error}") from error
 
     def package_of(self, name: str) -> str:
-        """Return the package that adds the name; empty where it is ours."""
+        """Return the package that adds the name; empty for a built-in part."""
         return "" if name in self._ours else _package(self._others[name])
 
     @property
     def names(self) -> list[str]:
-        """Every name that can be chosen, in alphabetical order."""
+        """Return all names in alphabetical order."""
         return sorted({*self._ours, *self._others})
 
     def listed(self) -> Iterator[ListedPart]:
-        """Yield every name with what its package says of it, and whatever cannot be used.
+        """Yield every name with its description, also parts that cannot be used.
 
-        A package that fails while it is imported is reported and does not disturb the others.
+        A package whose import fails is reported and does not affect the others.
         """
         for name in self.names:
             point = self._ours.get(name) or self._others[name]
@@ -104,13 +105,13 @@ class Registry(Generic[F]):
             yield ListedPart(point.name, _package(point), fault="the name is taken")
 
     def forget(self) -> None:
-        """Look anew for what is installed, when it is asked for the next time."""
+        """Discard the cached entry points; the next access searches for them again."""
         self.__dict__.pop("_found", None)
         self.__dict__.pop("_others", None)
 
     @cached_property
     def _found(self) -> list[EntryPoint]:
-        """What packages add, in an order that does not depend on the order of installation."""
+        """Return the entry points of packages, in an order independent of the installation."""
         return sorted(entry_points(group=self._group), key=lambda each: (each.name, _package(each)))
 
     @cached_property
@@ -123,14 +124,14 @@ class Registry(Generic[F]):
         return [point for point in self._found if self._others.get(point.name) is not point]
 
     def _load(self, point: EntryPoint) -> Plugin[F]:
-        """Return what an entry point leads to.
+        """Return the part that an entry point refers to.
 
         Raises:
-            UsageError: It cannot be imported, or is something else; says which package is at fault.
+            UsageError: The import fails, or the object is no part; the message names the package.
         """
         try:
             plugin = point.load()
-        except (Exception, SystemExit) as error:  # whatever another package does at its import
+        except (Exception, SystemExit) as error:  # imports of other packages may raise anything
             if point.name in self._ours:
                 raise
             what = f"{point.value} fails with {type(error).__name__}: {error}"

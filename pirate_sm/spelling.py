@@ -1,4 +1,4 @@
-"""The nearest valid name for a misspelt one, and lists of names for messages."""
+"""Find the nearest valid name for a misspelt one, and format lists of names for messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Refuse to run a mission that is certainly wrong."""
+"""Refuse to run a mission with errors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pirate_sm.loading.mission import LoadedMission
 
 
 class CheckError(PirateError):
-    """Is raised when a mission is refused before anything moves; holds what is wrong with it."""
+    """Raised for a mission that is refused before anything moves; holds its findings."""
 
     exit_code: ClassVar[int] = 2
 
@@ -28,13 +28,13 @@ class CheckError(PirateError):
 
 
 def pass_or_raise(loaded: LoadedMission) -> MissionCheck:
-    """Raise an error if a mission is certainly wrong, except for what its files allow.
+    """Return the result of a mission's check, or raise an error if it has errors.
 
     Returns:
-        What was found all the same.
+        The check, with findings that do not prevent the run.
 
     Raises:
-        CheckError: Something is.
+        CheckError: The mission has errors that its files do not allow.
     """
     texts = {document.name: document.text for document in loaded.documents}
     check = check_loaded(loaded)

@@ -1,4 +1,4 @@
-"""Facts about a connected robot, as plain data."""
+"""What was found out about a connected robot, as plain data."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _SHOWN_IN: Mapping[Dimension, tuple[str, int]] = {
     CURRENT: ("mA", 0),
     TORQUE: ("mNm", 0),
 }
-"""The unit in which people read a quantity, and the number of decimals."""
+"""The unit that people read a quantity in, and with how many decimals."""
 
 
 class Subject(NamedTuple):
@@ -39,11 +39,11 @@ class Subject(NamedTuple):
     plan: LinkPlan
 
 
-class Finding(NamedTuple):
-    """A finding for people, in one sentence.
+class DoctorFinding(NamedTuple):
+    """Something that a person should know, in one sentence.
 
     Attributes:
-        level: ``no-go``: no mission may start. ``suspicious``: one may. ``note``: all is well.
+        level: ``no-go``: no mission must start. ``suspicious``: one may. ``note``: all is well.
     """
 
     level: Level
@@ -52,12 +52,12 @@ class Finding(NamedTuple):
 
 @dataclass(frozen=True)
 class TopicFact:
-    """A topic that the device offers or should offer.
+    """A topic that the device offers, or should.
 
     Attributes:
-        id: Number of the topic; None if the device does not offer it.
-        type: The device's message type; likewise ``md5``.
-        our_type: The profile's message type; empty for a topic that we do not need.
+        id: None where the device does not offer it.
+        type: What the device calls its messages; likewise ``md5``.
+        our_type: What the profile says; empty for a topic that we do not need.
         per_s: Messages per second.
     """
 
@@ -72,7 +72,7 @@ class TopicFact:
 
     @property
     def agrees(self) -> bool:
-        """Whether the topic is usable or not needed."""
+        """Whether it is usable, or not needed."""
         if not self.our_type:
             return True
         return (self.type, self.md5) == (self.our_type, self.our_md5)
@@ -80,14 +80,14 @@ class TopicFact:
 
 @dataclass(frozen=True)
 class ChannelFact:
-    """The readings of one sensor.
+    """What one sensor showed.
 
     Attributes:
-        raw: Its last count; None if none came. Likewise ``least`` and ``most``.
-        value: The last value in SI; None if it has no signal or none came.
-        shown: The value with its unit, for people.
-        spikes: Number of implausible values.
-        same: Length of the longest run of equal values.
+        raw: Its last value, in counts; None where none came. Likewise ``least`` and ``most``.
+        value: The last value in SI; None where it has no signal or nothing came.
+        shown: The value with its unit, as people read it.
+        spikes: How many values could not be true.
+        same: How often it showed one and the same value in a row.
         trouble: What is wrong with it, one sentence each.
     """
 
@@ -105,11 +105,11 @@ class ChannelFact:
 
 @dataclass(frozen=True)
 class BoardFact:
-    """The reports of one board.
+    """What one board said.
 
     Attributes:
-        per_s: Frames per second; ``expected_per_s`` is the rate by the profile's cycle.
-        longest_gap_s: Longest time between two of its frames.
+        per_s: Frames per second; ``expected_per_s`` by the profile's cycle.
+        longest_gap_s: Between two of its frames.
     """
 
     id: int
@@ -123,17 +123,17 @@ class BoardFact:
 
 @dataclass(frozen=True)
 class LinkFact:
-    """Statistics of the link.
+    """What became of bytes and frames.
 
     Attributes:
-        answer_s: Time from the opening of the port to the introduction of the topics.
+        answer_s: From the opening of the port until the device introduced its topics.
         dropped: Bytes that belonged to no frame.
-        unreadable: Payloads that do not fit their type.
-        strange: Frames and readings of unknown topics, boards or channels.
-        damaged: Echoes of values that were not written.
+        unreadable: Payloads that were not what their type says.
+        strange: Frames and readings of nothing that is known.
+        damaged: Echoes of something else than was written.
         repeats: Frames written again.
         resets: How often the device had to be asked anew.
-        time_requests: How often it requested the time.
+        time_requests: How often it asked the time.
         asked_ms: Round trips of requests for topics.
         echoed_ms: Round trips of arrays.
     """
@@ -153,11 +153,11 @@ class LinkFact:
 
 @dataclass(frozen=True)
 class TurnFact:
-    """Whether a wheel turned on command.
+    """Whether a wheel turned when it was asked to.
 
     Attributes:
-        slot: The slot that drives it.
-        turned_rad: Its sensor's angle of turning; None without readings.
+        slot: What drives it.
+        turned_rad: How far its sensor says that it did; None where it says nothing.
     """
 
     slot: str
@@ -167,10 +167,10 @@ class TurnFact:
 
 @dataclass(frozen=True)
 class MoveFact:
-    """The result of the test with setpoints.
+    """The test with setpoints.
 
     Attributes:
-        sent: Number of arrays; ``accepted`` is how many were echoed as written.
+        sent: How many arrays; ``accepted`` of them were echoed as they were written.
     """
 
     sent: int
@@ -180,13 +180,13 @@ class MoveFact:
 
 @dataclass(frozen=True)
 class Facts:
-    """All facts.
+    """Everything that was found out.
 
     Attributes:
-        strangers: Boards that report but are not in the profile.
-        words: Lines of the firmware's log, with levels as in ROS.
+        strangers: Boards that report though the profile does not listen to them.
+        words: What the firmware said, with its level as in ROS.
         refused: Why topics cannot be used.
-        move: None if no setpoints were sent.
+        move: None where nothing was sent.
     """
 
     port: str
@@ -200,7 +200,7 @@ class Facts:
     words: tuple[tuple[int, str], ...]
     refused: tuple[str, ...]
     move: MoveFact | None = None
-    findings: tuple[Finding, ...] = field(default=())
+    findings: tuple[DoctorFinding, ...] = field(default=())
 
     @property
     def go(self) -> bool:
@@ -208,7 +208,7 @@ class Facts:
         return not any(finding.level == "no-go" for finding in self.findings)
 
     def as_data(self) -> dict[str, Any]:
-        """Return mappings, lists, text and numbers; NaN and infinity become None."""
+        """Mappings, lists, text and numbers; what no number can say is None."""
         data = asdict(self) | {"go": self.go}
         data["findings"] = [each._asdict() for each in self.findings]
         data["words"] = [{"level": level, "text": text} for level, text in self.words]
@@ -217,7 +217,7 @@ class Facts:
 
 
 def shown(value: float, dimension: Dimension) -> str:
-    """Return the value with its unit, for people."""
+    """Return the value with its unit as people read it."""
     if dimension in _SHOWN_IN:
         unit, decimals = _SHOWN_IN[dimension]
         return f"{value / UNITS[unit].value:z.{decimals}f} {unit}"

@@ -1,6 +1,6 @@
-"""Find robots, missions and pipes by the name of their file, or by a path.
+"""Find robots, missions and pipes by name or by path.
 
-What is shipped stands inside the installed package, or at the root of a source tree.
+The shipped ones are inside the installed package, or at the root of a source tree.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _LONGEST_NAME = 100
 
 
 def shipped() -> Path:
-    """Return the folder that holds what is shipped: ``sequences`` and ``hardware_profiles``."""
+    """Return the folder with the shipped ``sequences`` and ``hardware_profiles``."""
     packaged = _PACKAGE / "_data"
     return packaged if packaged.is_dir() else _PACKAGE.parent
 
@@ -44,10 +44,10 @@ def find_robot(name: str, beside: Path | None = None) -> Path:
 
     Args:
         name: A shipped robot's name, or the path of a folder or of the profile in it.
-        beside: A folder from which relative paths are tried first.
+        beside: A folder to which relative paths refer first.
 
     Raises:
-        UsageError: There is none.
+        UsageError: No such robot exists.
     """
     for path in _candidates(name, beside):
         if _is_file(path / PROFILE_FILE):
@@ -61,11 +61,11 @@ def find_robot(name: str, beside: Path | None = None) -> Path:
 
 
 def shadowing(name: str, found: Path) -> str:
-    """Return a notice if a shipped robot's name has led elsewhere; else an empty text.
+    """Return a notice if a local folder hides the shipped robot of this name; empty otherwise.
 
     Args:
-        name: As a file gives it.
-        found: The folder that it has led to.
+        name: The robot's name in a file.
+        found: The folder found under this name.
     """
     known = {path.name: path for path in robots()}
     if _is_path(name) or name not in known or known[name].resolve() == found.resolve():
@@ -131,7 +131,7 @@ def _by_name(kind: str, name: str, known: dict[str, Path]) -> Path:
 
 
 def _is_file(path: Path) -> bool:
-    """Return whether it is one; a name that no file can have is none."""
+    """Return whether a file exists at this path; False for an invalid name."""
     try:
         return path.is_file()
     except (OSError, ValueError):

@@ -1,7 +1,7 @@
-"""The faults that any robot can have: code, origin, meaning, and whether a mission may handle them.
+"""The built-in faults of all robots: code, origin, meaning, and whether missions may handle them.
 
-Whoever raises, handles or explains one of them takes it from here. A robot's own faults are rules
-of its profile, see :class:`pirate_sm.model.profile.FaultRule`.
+This is the only list of built-in faults. A robot's own faults are rules in its profile, see
+:class:`pirate_sm.model.profile.FaultRule`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class _About(NamedTuple):
 
 
 class BuiltInFault(Enum):
-    """A fault that any robot can have."""
+    """A built-in fault, which any robot can have."""
 
     SENSOR_SILENT = _About(
         "sensor.silent", "sensors", True, "a board does not report, or a sensor has no value"
@@ -82,7 +82,7 @@ class BuiltInFault(Enum):
 
     @property
     def code(self) -> str:
-        """Return the name that missions and views use."""
+        """Return the code that missions and views use."""
         return self.value.code
 
     @property
@@ -92,16 +92,16 @@ class BuiltInFault(Enum):
 
     @property
     def origin(self) -> Origin:
-        """Return what the fault is seen by."""
+        """Return the source that reports the fault."""
         return self.value.origin
 
     @property
     def meaning(self) -> str:
-        """Return what is wrong."""
+        """Return the meaning of the fault."""
         return self.value.meaning
 
     def report(self, message: str) -> FaultReport:
-        """Return a report that this fault has come up."""
+        """Return a report of this fault."""
         return FaultReport(self.code, message)
 
 

@@ -1,7 +1,7 @@
-"""The JSON Schema of a chart: as much of the statechart library's own as a chart here may use.
+"""The JSON Schema of a chart: the subset of the statechart library's format that is supported.
 
-:mod:`pirate_sm.loading.chart.outline` says the same with words; what refers to what, and whether a
-guard can be read, only it can tell.
+:mod:`pirate_sm.loading.chart.outline_reader` checks the same, and also references and guards, which
+a schema cannot check.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def chart_schema() -> Schema:
         **_mapping(
             {
                 "name": _text("Name of the chart.", empty=True),
-                "description": _text("One line for people.", empty=True),
+                "description": _text("One-line description.", empty=True),
                 "states": {
                     "type": "object",
                     "description": "One parallel state, which holds the state machines.",

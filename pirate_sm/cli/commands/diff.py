@@ -10,7 +10,7 @@ import sys
 from dataclasses import asdict
 from textwrap import wrap
 
-from pirate_sm.checking.diff.differences import Difference, Kind, compare
+from pirate_sm.checking.diff.differences import Kind, MissionDifference, compare
 from pirate_sm.checking.diff.read_behaviour import abilities_of
 from pirate_sm.cli.options.checks import DiffOptions
 from pirate_sm.cli.options.values import read_settings
@@ -54,7 +54,7 @@ def run_diff(options: DiffOptions) -> int:
     return SAME if difference.same else DIFFERENT
 
 
-def _text(difference: Difference, old: str, new: str) -> str:
+def _text(difference: MissionDifference, old: str, new: str) -> str:
     lines = [f"{old} → {new}: {_summary(difference)}"]
     for kind in _KINDS:
         changes = difference.of(kind)
@@ -73,13 +73,13 @@ def _text(difference: Difference, old: str, new: str) -> str:
     return writable("\n".join(lines))
 
 
-def _summary(difference: Difference) -> str:
+def _summary(difference: MissionDifference) -> str:
     counts = ((kind, len(difference.of(kind))) for kind in _KINDS)
     counted = ", ".join(f"{count} {kind}" for kind, count in counts if count)
     return f"both can do the same{', ' if counted else ''}{counted}" if difference.same else counted
 
 
-def _json(difference: Difference, old: str, new: str) -> str:
+def _json(difference: MissionDifference, old: str, new: str) -> str:
     whole = {
         "format": FORMAT,
         "old": old,

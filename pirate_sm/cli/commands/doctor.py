@@ -13,7 +13,7 @@ from pirate_sm.cli.options.values import read_duration
 from pirate_sm.cli.output.doctor_tables import LiveTables, plain_text
 from pirate_sm.cli.output.terminal import agree, is_terminal
 from pirate_sm.cli.robot_connection import StoppedError, connection, find_loaded, subject_of
-from pirate_sm.diagnosis.facts import Facts, Finding, Subject
+from pirate_sm.diagnosis.facts import DoctorFinding, Facts, Subject
 from pirate_sm.diagnosis.judgement import judged
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.diagnosis.moving import DUTY, TURN_FOR_S, Moving
@@ -51,7 +51,7 @@ def run_doctor(options: DoctorOptions) -> int:
     except StoppedError as stopped:
         say(f"{stopped}; whatever was turned has been stopped")
         return stopped.exit_code
-    notes = tuple(Finding("note", notice) for notice in notices)
+    notes = tuple(DoctorFinding("note", notice) for notice in notices)
     facts = replace(facts, findings=(*facts.findings, *notes))
     if options.json:
         print(json.dumps(facts.as_data()))
@@ -88,7 +88,7 @@ def _look_around(listening: Listening, subject: Subject, options: DoctorOptions)
     if not options.move:
         return facts
     if not facts.go:
-        note = Finding("note", "nothing was sent: a robot that is no-go is not moved")
+        note = DoctorFinding("note", "nothing was sent: a robot that is no-go is not moved")
         others = tuple(each for each in facts.findings if each.level != "note")
         return replace(facts, findings=(*others, note))
     move = Moving(listening, say).run()

@@ -9,7 +9,7 @@ from pirate_sm.drawing.graph.chart_graph import chart_graph
 from pirate_sm.drawing.graph.graph import Cluster, Graph
 from pirate_sm.drawing.robot.criterion_text import angle, done_when, listed, seconds
 from pirate_sm.drawing.robot.written_page import Block, Drawing, Heading, Paragraph, Table
-from pirate_sm.engine.robot.command_needs import Change, Need, changes, needs
+from pirate_sm.engine.robot.command_needs import Need, RegionChange, changes, needs
 from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.pipe_file import reach
 from pirate_sm.loading.robot import LoadedRobot
@@ -151,7 +151,7 @@ def _need(robot: LoadedRobot, need: Need, word: str = "") -> str:
     return (listed(parts, word) if word else "; ".join(parts)) or "nothing"
 
 
-def _change(robot: LoadedRobot, change: Change) -> tuple[str, str, str, str]:
+def _change(robot: LoadedRobot, change: RegionChange) -> tuple[str, str, str, str]:
     region = robot.table.regions[change.region]
     slots = {robot.profile.slots[slot].name for slot in change.slots}
     before = listed(change.before, "or") + (" (or it stays)" if change.sometimes else "")

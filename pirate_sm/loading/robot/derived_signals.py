@@ -1,4 +1,4 @@
-"""Find the types of derived signals and check what they are derived from."""
+"""Determine the types of derived signals, and check their sources."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pirate_sm.units import ANGLE, CURRENT, DIMENSIONLESS, LENGTH, SPEED, TIME, 
 
 
 def add_derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
-    """Add the types of all derived signals, or report why a signal cannot be derived."""
+    """Add the types of all derived signals; report signals that cannot be derived."""
     profile = signals.profile
     told = [c.signal for board in profile.boards for c in board.channels if c.signal]
     hidden = len(set(told)) < len(told)  # one that is told twice hides the one that is missing
@@ -52,7 +52,7 @@ def _valid_sources(
         case kinds.RateOf() | kinds.TorqueOf() | kinds.RollOf() | kinds.PitchOf() | kinds.NormOf():
             measured = [c.signal for board in profile.boards for c in board.channels if c.signal]
             numbers = [name for name, kind in types.items() if isinstance(kind, NumberType)]
-            return [*numbers, *measured]  # one with a faulty conversion is known all the same
+            return [*numbers, *measured]  # also those with a faulty conversion
 
 
 def _dimension(

@@ -1,4 +1,4 @@
-"""Slots of the wire: what each drives, its limits, and how it is brought to an angle."""
+"""Resolve the slots of the wire: what each drives, its limits and its control loops."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Slots:
     problems: Problems
 
     def index(self, name: str, path: Path) -> int:
-        """The slot's index on the wire; 0 and a problem when there is none of that name."""
+        """Return the slot's index on the wire; 0 after reporting an unknown name."""
         names = [slot.name for slot in self.specs]
         if name in names:
             return names.index(name)
@@ -34,7 +34,7 @@ class Slots:
 
 
 def resolve_slots(profile: model.Profile, signals: Signals, problems: Problems) -> Slots:
-    """Every slot knows its limits, its angle and its loop, or the problems say why not."""
+    """Return the slots with their limits, signals and loops; report their faults."""
     specs = [
         _slot(profile, signals, slot, ("boards", number, "slots", place), problems)
         for number, board in enumerate(profile.boards)
@@ -101,7 +101,7 @@ def _slot(
 def _velocity(
     profile: model.Profile, signals: Signals, slot: model.Slot, motor: model.Motor, path: Path
 ) -> VelocitySpec | None:
-    """Return how the slot's wheel is kept at a speed; None where it cannot be."""
+    """Return the velocity loop of the slot's wheel; None without one."""
     settings = motor.velocity_loop
     wheel = next((each for each in profile.body.wheels if each.name == slot.wheel), None)
     if settings is None or wheel is None:
@@ -118,7 +118,7 @@ _SAID = {"joint": "joint", "wheel": "wheel", "roll": "roll joint"}
 def _check_targets(
     profile: model.Profile, slot: model.Slot, path: Path, problems: Problems
 ) -> bool:
-    """Whether what the slot drives is there."""
+    """Return whether the joint or wheel that the slot drives exists; report it otherwise."""
     known = True
     valid = {
         "joint": [joint.name for joint in profile.body.joints],
