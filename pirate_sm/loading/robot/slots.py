@@ -9,7 +9,6 @@ from pirate_sm.engine.robot.command_spec import PositionSpec, SlotSpec, Velocity
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import profile as model
-from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE, ANGULAR_SPEED, TORQUE
 
 
@@ -26,10 +25,7 @@ class Slots:
         names = [slot.name for slot in self.specs]
         if name in names:
             return names.index(name)
-        self.problems.add(
-            "robot.slot", path, f"there is no slot '{name}'",
-            expected=one_of(names), suggestion=nearest(name, names) or "",
-        )  # fmt: skip
+        self.problems.add_unknown("robot.slot", path, "slot", name, names)
         return 0
 
 
@@ -48,10 +44,7 @@ def _slot(
 ) -> SlotSpec:
     motor = profile.motors.get(slot.motor)
     if motor is None:
-        problems.add(
-            "robot.motor", (*path, "motor"), f"there is no motor '{slot.motor}'",
-            expected=one_of(profile.motors), suggestion=nearest(slot.motor, profile.motors) or "",
-        )  # fmt: skip
+        problems.add_unknown("robot.motor", (*path, "motor"), "motor", slot.motor, profile.motors)
         motor = model.Motor(kind="none")
     known = _check_targets(profile, slot, path, problems)
     link = profile.link
@@ -126,12 +119,10 @@ def _check_targets(
         "roll": [link.roll for link in profile.body.links if link.roll],
     }
     for kind, names in valid.items():
-        name = getattr(slot, kind)
+        name, said = getattr(slot, kind), _SAID[kind]
         if name is not None and name not in names:
             known = False
-            problems.add(
-                f"robot.{kind}", (*path, kind), f"the body has no {_SAID[kind]} '{name}'",
-                expected=one_of(names) if names else f"no slot for a {_SAID[kind]}",
-                suggestion=nearest(name, names) or "",
-            )  # fmt: skip
+            message, none = f"the body has no {said} '{name}'", f"no slot for a {said}"
+            at = (*path, kind)
+            problems.add_unknown(f"robot.{kind}", at, said, name, names, message=message, none=none)
     return known
