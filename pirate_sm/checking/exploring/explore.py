@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, isnan
-from typing import Any
+from typing import Any, NamedTuple
 
 from pirate_sm.checking.exploring.alternating_sensors import lasting
 from pirate_sm.checking.exploring.answers import NOWHERE, Moment, TooManyQuestionsError, Trigger
@@ -98,6 +98,16 @@ def _telling(program: Program) -> Program:
     )
 
 
+class _Arrival(NamedTuple):
+    """Where a step of the engine has come to: the node before, what happened, what came of it."""
+
+    source: int
+    move: Move
+    state: EngineState
+    effects: tuple[Effect, ...]
+    moment: Moment
+
+
 @dataclass
 class _Walk:
     engine: Engine
@@ -110,9 +120,7 @@ class _Walk:
     _sure: deque[int] = field(default_factory=deque)
     _unsure: deque[int] = field(default_factory=deque)
     _outlasted: set[Any] = field(default_factory=set)
-    _held_back: list[tuple[int, Move, EngineState, tuple[Effect, ...], Moment]] = field(
-        default_factory=list
-    )
+    _held_back: list[_Arrival] = field(default_factory=list)
 
     def begin(self, body: RobotState | None) -> None:
         self._try(-1, START, partial(self.engine.start, body=body))
@@ -124,7 +132,7 @@ class _Walk:
             elif self._held_back:
                 held, self._held_back = self._held_back, []
                 for arrival in held:
-                    self._enter(*arrival, False)
+                    self._enter(arrival, sure=False)
             elif self._unsure:
                 self._leave(self._unsure.popleft())
             elif not self._outlast():
@@ -194,7 +202,7 @@ class _Walk:
                 if known is None or any(
                     isinstance(each, TriggerFired) and each.trigger not in known for each in effects
                 ):
-                    self._arrive(source, move, state, effects, moment)
+                    self._arrive(_Arrival(source, move, state, effects, moment))
                 more = (conditions.tests - tests) / _TESTS_A_STEP
                 tests = conditions.tests
                 self.found.work += 1 + len(effects) / _EFFECTS_A_STEP + more
@@ -204,41 +212,25 @@ class _Walk:
         except TooManyQuestionsError:
             self.found.complete = False
 
-    def _arrive(
-        self,
-        source: int,
-        move: Move,
-        state: EngineState,
-        effects: tuple[Effect, ...],
-        moment: Moment,
-    ) -> None:
-        sure = moment.answer.sure and (source < 0 or self.found.nodes[source].sure)
-        if sure:
-            self._enter(source, move, state, effects, moment, sure)
+    def _arrive(self, it: _Arrival) -> None:
+        if it.moment.answer.sure and (it.source < 0 or self.found.nodes[it.source].sure):
+            self._enter(it, sure=True)
         else:  # until all that is sure is known
-            self._held_back.append((source, move, state, effects, moment))
+            self._held_back.append(it)
 
-    def _enter(
-        self,
-        source: int,
-        move: Move,
-        state: EngineState,
-        effects: tuple[Effect, ...],
-        moment: Moment,
-        sure: bool,
-    ) -> None:
-        told = tuple([effect for effect in effects if type(effect) not in _QUIET])
+    def _enter(self, it: _Arrival, *, sure: bool) -> None:
+        told = tuple([effect for effect in it.effects if type(effect) not in _QUIET])
         fresh = len(self.found.nodes)
-        target = self._known.setdefault(key_of(state), fresh)
-        if target == source and not told:
+        target = self._known.setdefault(key_of(it.state), fresh)
+        if target == it.source and not told:
             return
         if target == fresh:
             if target >= self.most:
                 self.found.complete = False
                 return
-            self.found.nodes.append(Node(state, move.at_s, len(self.found.steps), sure))
+            self.found.nodes.append(Node(it.state, it.move.at_s, len(self.found.steps), sure))
             (self._sure if sure else self._unsure).append(target)
-        self.found.steps.append(Step(source, target, move, told, moment, sure))
+        self.found.steps.append(Step(it.source, target, it.move, told, it.moment, sure))
 
 
 def _due(wait: Wait, state: EngineState, now: float) -> Collection[Trigger]:
