@@ -58,7 +58,6 @@ class Places:
         *,
         severity: Severity | None = None,
         mend: str = "",
-        related: tuple[tuple[Place, str], ...] = (),
         happens: tuple[Exploration, int] | None = None,
         playable: bool = True,
     ) -> Finding:
@@ -70,7 +69,6 @@ class Places:
             message: What is wrong.
             severity: How surely; None: as is usual for the code.
             mend: How to mend it.
-            related: Further places.
             happens: The step of an exploration in which it comes about; becomes its story.
             playable: Whether the mission as it stands can be led there.
         """
@@ -87,7 +85,6 @@ class Places:
             message,
             mend=mend,
             excerpt=excerpt,
-            related=related,
             story=told,
             course=(happens,) if happens and sure else (),
         )

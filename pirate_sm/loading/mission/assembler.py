@@ -20,11 +20,6 @@ class Label:
     def __init__(self) -> None:
         self.index = -2
 
-    @property
-    def placed(self) -> bool:
-        """Return whether an instruction stands at it."""
-        return self.index >= 0
-
 
 class TooLongError(Exception):
     """The program has become longer than ``MOST_INSTRUCTIONS``."""

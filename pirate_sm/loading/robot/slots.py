@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 from pirate_sm.engine.robot.command_spec import PositionSpec, SlotSpec, VelocitySpec
@@ -52,18 +52,10 @@ def _slot(
         limit = slot.limit if slot.limit is not None else inf
         angle = signals.number(slot.roll, (*path, "roll"), ANGLE) if slot.roll and known else -1
         return SlotSpec(slot.name, "angle", -limit, limit, link.angle_resolution, angle)
-    self_locking = motor.kind == "sprung_worm"
+    locks = motor.kind == "sprung_worm"
+    duty = SlotSpec(slot.name, "duty", -1.0, 1.0, link.duty_resolution, self_locking=locks)
     if slot.joint is None:
-        velocity = _velocity(profile, signals, slot, motor, path)
-        return SlotSpec(
-            slot.name,
-            "duty",
-            -1.0,
-            1.0,
-            link.duty_resolution,
-            velocity=velocity,
-            self_locking=self_locking,
-        )
+        return replace(duty, velocity=_velocity(profile, signals, slot, motor, path))
     joints = profile.body.joints
     place = next((n for n, joint in enumerate(joints) if joint.name == slot.joint), -1)
     torque = joints[place].torque if place >= 0 else None
@@ -77,17 +69,12 @@ def _slot(
             settings.limit,
             motor.stall_torque or inf,
         )  # fmt: skip
-    return SlotSpec(
-        slot.name,
-        "duty",
-        -1.0,
-        1.0,
-        link.duty_resolution,
+    return replace(
+        duty,
         angle=signals.number(slot.joint, (*path, "joint"), ANGLE) if known else -1,
         rate=signals.rate_of(slot.joint),
         torque=signals.number(torque, torque_path, TORQUE) if torque else -1,
         position=loop,
-        self_locking=self_locking,
     )
 
 
