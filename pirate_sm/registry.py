@@ -13,7 +13,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Generic, NamedTuple, TypeVar
 
 from pirate_sm.errors import UsageError
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 
 F = TypeVar("F")
 
@@ -73,8 +73,7 @@ class Registry(Generic[F]):
         if point is None:
             point = self._others.get(name)
         if point is None:
-            close = nearest(name, self.names)
-            hint = f"did you mean '{close}'?" if close else f"expected {one_of(self.names)}"
+            hint = meant(name, self.names)
             raise UsageError(f"--{self._kind} {name}: there is no such {self._kind}: {hint}")
         try:
             return self._load(point).make

@@ -26,6 +26,19 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
     return by_fold[close[0]] if close else None
 
 
+def meant(word: str, known: Iterable[str], otherwise: str = "") -> str:
+    """Return a hint for a name that is not known: the nearest valid one, else what is expected.
+
+    Args:
+        word: The name.
+        known: The names that are valid.
+        otherwise: What to say where none is near, in place of the valid names.
+    """
+    names = list(known)
+    close = nearest(word, names)
+    return f"did you mean '{close}'?" if close else otherwise or f"expected {one_of(names)}"
+
+
 def one_of(names: Iterable[str], limit: int = 12) -> str:
     """Return `a`, `one of a, b, c`, or a shortened list when there are more than `limit`."""
     listed = list(names)

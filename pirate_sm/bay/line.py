@@ -67,7 +67,7 @@ class Line:
         start, done = self._outlet.write(len(data), now_s)
         if self.connected and self._loss_out.arrives(frame.topic):
             late = self._late(self._late_out)
-            self._outlet.carry(self._damage_out.damage(data), start + late)
+            self._outlet.send(self._damage_out.damage(data), start + late)
         return done
 
     def collect(self, now_s: float) -> bytes:

@@ -7,23 +7,40 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from dataclasses import dataclass
 
 # Rounding must not lose a byte that ends at this time.
 _SLACK = 1e-6
 
 
+@dataclass(slots=True)
 class _Run:
     """Bytes that follow one another without a gap; the first is complete one byte time later."""
 
-    __slots__ = ("data", "start_s", "taken")
-
-    def __init__(self, start_s: float, data: bytes) -> None:
-        self.start_s = start_s
-        self.data = data
-        self.taken = 0
+    start_s: float
+    data: bytes
+    taken: int = 0
 
 
-class Inlet:
+class _Way:
+    """One direction of the line, with the bytes that are under way."""
+
+    def __init__(self, bytes_per_s: float) -> None:
+        self._rate = bytes_per_s
+        self._runs: deque[_Run] = deque()
+        self._end_s = -math.inf
+
+    def send(self, data: bytes, start_s: float) -> None:
+        """Put the bytes on the line from this time on, behind those before them."""
+        start = max(self._end_s, start_s)
+        self._runs.append(_Run(start, data))
+        self._end_s = start + len(data) / self._rate
+
+    def _arrived(self, run: _Run, now_s: float) -> int:
+        return min(int((now_s - run.start_s) * self._rate + _SLACK), len(run.data))
+
+
+class Inlet(_Way):
     """The line from the host, and the ring that the firmware reads from.
 
     Args:
@@ -35,17 +52,9 @@ class Inlet:
     """
 
     def __init__(self, bytes_per_s: float, ring: int | None) -> None:
+        super().__init__(bytes_per_s)
         self.lost = 0
-        self._rate = bytes_per_s
         self._ring = ring
-        self._runs: deque[_Run] = deque()
-        self._end_s = -math.inf
-
-    def send(self, data: bytes, now_s: float) -> None:
-        """Put the bytes on the line, behind earlier ones."""
-        start = max(self._end_s, now_s)
-        self._runs.append(_Run(start, data))
-        self._end_s = start + len(data) / self._rate
 
     def read(self, now_s: float) -> list[tuple[int, float]]:
         """Empty the ring and return its bytes with their times of arrival."""
@@ -53,7 +62,7 @@ class Inlet:
         room = math.inf if self._ring is None else self._ring
         while self._runs:
             run = self._runs[0]
-            arrived = min(int((now_s - run.start_s) * self._rate + _SLACK), len(run.data))
+            arrived = self._arrived(run, now_s)
             for index in range(run.taken, arrived):
                 if len(found) < room:
                     found.append((run.data[index], run.start_s + (index + 1) / self._rate))
@@ -72,7 +81,7 @@ class Inlet:
         self.lost = lost
 
 
-class Outlet:
+class Outlet(_Way):
     """The firmware's send ring and the line to the host.
 
     A write to a full ring blocks, as the firmware's does, until its last byte is in the ring. So
@@ -84,11 +93,9 @@ class Outlet:
     """
 
     def __init__(self, bytes_per_s: float, ring: int) -> None:
-        self._rate = bytes_per_s
+        super().__init__(bytes_per_s)
         self._ring_s = ring / bytes_per_s
-        self._runs: deque[_Run] = deque()
         self._line_free_s = -math.inf
-        self._end_s = -math.inf
 
     def write(self, size: int, now_s: float) -> tuple[float, float]:
         """Put this many bytes into the ring.
@@ -100,18 +107,12 @@ class Outlet:
         self._line_free_s = start + size / self._rate
         return start, max(now_s, self._line_free_s - self._ring_s)
 
-    def carry(self, data: bytes, start_s: float) -> None:
-        """Send the bytes to the host from this time on, behind earlier ones."""
-        start = max(self._end_s, start_s)
-        self._runs.append(_Run(start, data))
-        self._end_s = start + len(data) / self._rate
-
     def collect(self, now_s: float) -> bytes:
         """Return the bytes that have reached the host since the last call."""
         found: list[bytes] = []
         while self._runs:
             run = self._runs[0]
-            there = min(int((now_s - run.start_s) * self._rate + _SLACK), len(run.data))
+            there = self._arrived(run, now_s)
             if there > run.taken:
                 found.append(run.data[run.taken : there])
                 run.taken = there
@@ -136,7 +137,7 @@ class Outlet:
         """Drop the bytes that have not reached the host, because the firmware has restarted."""
         kept: deque[_Run] = deque()
         for run in self._runs:
-            there = int((now_s - run.start_s) * self._rate + _SLACK)
+            there = self._arrived(run, now_s)
             if there > run.taken:
                 run.data = run.data[:there]
                 kept.append(run)

@@ -13,6 +13,7 @@ from pirate_sm.engine.mission.operator import why_not_command
 from pirate_sm.engine.mission.pausing import why_not_on, why_not_to
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.engine.robot.robot_state import RobotState, state_change
+from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import GoTo, Resume
 from pirate_sm.showing.snapshot import Scene, Snapshot
@@ -124,20 +125,22 @@ def going_on(snapshot: Snapshot) -> GoTo | Resume:
 
 
 def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[Control, ...]:
-    """Return the controls of a mission, in the order of their keys."""
-    fresh = untouched(snapshot)
-    return (
-        _control("go", "Start" if fresh else "Resume", _why_not_go(snapshot, entries)),
-        _control("pause", "Pause", _why_not_pause(snapshot)),
-        _control("step", "Next step", _why_not_step(snapshot, entries)),
-        _control("skip", "Skip the wait", _why_not_skip(snapshot)),
-        _control("hand_back", "Hand back at …", _general(snapshot) or _why_not_paused(snapshot)),
-        _control("abort", "Abort", _why_not_abort(snapshot)),
-    )
-
-
-def _control(name: str, label: str, reason: str) -> Control:
-    return Control(name, CONTROLS[name], label, reason)
+    """Return everything that can be done with a mission, in the order of its keys."""
+    general, state = _general(snapshot), snapshot.state
+    start = "Start" if untouched(snapshot) else "Resume"
+    if general or state is None:
+        reasons = (general,) * len(CONTROLS)
+    else:
+        reasons = (
+            _why_not_go(snapshot, state, entries),
+            _why_not_pause(state),
+            _why_not_step(snapshot, state, entries),
+            _why_not_skip(snapshot, state),
+            "" if state.mission.paused else "pause the mission first",
+            "it has not begun" if untouched(snapshot) else "",
+        )
+    labels = (start, "Pause", "Next step", "Skip the wait", "Hand back at …", "Abort")
+    return tuple(map(Control, CONTROLS, CONTROLS.values(), labels, reasons))
 
 
 def _general(snapshot: Snapshot) -> str:
@@ -148,54 +151,30 @@ def _general(snapshot: Snapshot) -> str:
     return "" if snapshot.scene.mission else NO_MISSION
 
 
-def _why_not_paused(snapshot: Snapshot) -> str:
-    assert snapshot.state is not None
-    return "" if snapshot.state.mission.paused else "pause the mission first"
-
-
-def _why_not_go(snapshot: Snapshot, entries: Entries | None) -> str:
-    general = _general(snapshot)
-    if general or snapshot.state is None:
-        return general
-    if not snapshot.state.mission.paused:
+def _why_not_go(snapshot: Snapshot, state: EngineState, entries: Entries | None) -> str:
+    if not state.mission.paused:
         return "it is running"
     if untouched(snapshot):
         program = snapshot.scene.loaded.program
         return phase_reason(snapshot, program.phase_of[program.start], entries)
-    return why_not_on(snapshot.state)
+    return why_not_on(state)
 
 
-def _why_not_step(snapshot: Snapshot, entries: Entries | None) -> str:
-    state = snapshot.state
-    if not _general(snapshot) and state is not None and not state.mission.paused:
+def _why_not_step(snapshot: Snapshot, state: EngineState, entries: Entries | None) -> str:
+    if not state.mission.paused:
         return ""  # it pauses after the step under way
-    return _why_not_go(snapshot, entries)
+    return _why_not_go(snapshot, state, entries)
 
 
-def _why_not_pause(snapshot: Snapshot) -> str:
-    general = _general(snapshot)
-    if general or snapshot.state is None:
-        return general
-    mission = snapshot.state.mission
-    return "it is paused" if mission.paused or mission.pause_wanted else ""
+def _why_not_pause(state: EngineState) -> str:
+    return "it is paused" if state.mission.paused or state.mission.pause_wanted else ""
 
 
-def _why_not_skip(snapshot: Snapshot) -> str:
-    general = _general(snapshot)
-    if general or snapshot.state is None:
-        return general
-    mission = snapshot.state.mission
-    if mission.paused:
+def _why_not_skip(snapshot: Snapshot, state: EngineState) -> str:
+    if state.mission.paused:
         return "nothing is passed over while paused"
-    waits = isinstance(snapshot.scene.loaded.program.instructions[mission.pc], Wait)
-    return "" if waits and mission.begun else "nothing is waited for"
-
-
-def _why_not_abort(snapshot: Snapshot) -> str:
-    general = _general(snapshot)
-    if general:
-        return general
-    return "it has not begun" if untouched(snapshot) else ""
+    waits = isinstance(snapshot.scene.loaded.program.instructions[state.mission.pc], Wait)
+    return "" if waits and state.mission.begun else "nothing is waited for"
 
 
 def why_not_mission(snapshot: Snapshot, loaded: LoadedMission) -> str:

@@ -28,13 +28,13 @@ TAKEN = frozenset({LEAVE, MISSIONS, *CONTROLS.values()})
 """Letters that no command gets."""
 
 
-def letters_for(names: Sequence[str], taken: frozenset[str] = TAKEN) -> dict[str, str]:
+def letters_for(names: Sequence[str]) -> dict[str, str]:
     """Return a lower-case letter for each name, in order, as far as there are letters.
 
     The first that is free of: the capitals of the name, its other letters, the rest of the
     alphabet from its end.
     """
-    free = [letter for letter in ascii_lowercase if letter not in taken]
+    free = [letter for letter in ascii_lowercase if letter not in TAKEN]
     found: dict[str, str] = {}
     for name in names:
         capitals = [letter.lower() for letter in name if letter.isupper()]

@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 
 from pirate_sm.model.events import DetectorWord
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant, one_of
 
 LONGEST_LINE = 4096
 """Bytes; valid lines are far shorter."""
@@ -51,9 +51,8 @@ def _word(said: dict[str, object], words: Sequence[str]) -> str:
     if not isinstance(word, str):
         raise LineError(f"'word' is a text, {one_of(words)}")
     if word not in words:
-        close = nearest(word, words)
-        hint = f"did you mean '{close}'?" if close else f"expected {one_of(words)}"
-        raise LineError(f"unknown word '{_short(word.encode(errors='replace'))}': {hint}")
+        shown = _short(word.encode(errors="replace"))
+        raise LineError(f"unknown word '{shown}': {meant(word, words)}")
     return word
 
 

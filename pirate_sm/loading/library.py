@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 SUFFIXES = (".yaml", ".yml")
@@ -125,9 +125,7 @@ def _is_path(name: str) -> bool:
 def _by_name(kind: str, name: str, known: dict[str, Path]) -> Path:
     if name in known:
         return known[name]
-    close = nearest(name, known)
-    hint = f"; did you mean '{close}'?" if close else f"; expected {one_of(sorted(known))}"
-    raise UsageError(f"there is no {kind} '{_cut(name)}'{hint}")
+    raise UsageError(f"there is no {kind} '{_cut(name)}'; {meant(name, sorted(known))}")
 
 
 def _is_file(path: Path) -> bool:

@@ -14,7 +14,7 @@ from pirate_sm.loading.yaml.document import Document
 from pirate_sm.loading.yaml.validation import try_validate, validate
 from pirate_sm.model.events import SignalReport
 from pirate_sm.model.trace_script import UNKNOWN, Course, Happening, ScriptEntry
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant, one_of
 from pirate_sm.units import QuantityError, read_quantity
 
 
@@ -97,5 +97,4 @@ def _word(name: str, value: str, kind: EnumType) -> str | None:
 
 def _meant(name: str, robot: RobotSpec) -> str:
     known = [each for each in robot.vocabulary.with_changes.types if each not in robot.regions]
-    close = nearest(name, known)
-    return f"did you mean '{close}'?" if close else "the robot has no such signal"
+    return meant(name, known, "the robot has no such signal")

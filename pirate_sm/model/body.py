@@ -99,11 +99,16 @@ class Body(Frozen):
     joints: Annotated[tuple[Joint, ...], Field(min_length=1)]
     parts: Annotated[dict[Name, Part], Field(min_length=1)]
 
-    def legs_m(self, part: Name) -> tuple[float, ...]:
-        """Return the lengths of the legs of a part's V, m; a link with a roll joint is no leg."""
+    def apex_of(self, part: Name) -> Joint | None:
+        """Return the joint at the apex of a part's V."""
         apex = self.parts[part].apex
-        at = next((joint.wheel for joint in self.joints if joint.name == apex), "")
-        node = next((i for i, wheel in enumerate(self.wheels) if wheel.name == at), 0)
+        return next((joint for joint in self.joints if joint.name == apex), None)
+
+    def legs_m(self, part: Name) -> tuple[float, ...]:
+        """Return the lengths of the legs of a part's V; a link with a roll joint is none."""
+        apex = self.apex_of(part)
+        wheel = apex.wheel if apex else ""
+        node = next((i for i, each in enumerate(self.wheels) if each.name == wheel), 0)
         beside = self.links[max(node - 1, 0) : node + 1] or self.links[-1:]
         legs = tuple(link.length for link in beside if link.roll is None)
         return legs or tuple(link.length for link in beside)

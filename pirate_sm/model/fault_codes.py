@@ -23,7 +23,14 @@ class _About(NamedTuple):
 
 
 class BuiltInFault(Enum):
-    """A built-in fault, which any robot can have."""
+    """A fault that any robot can have.
+
+    Attributes:
+        code: The name that missions and views use.
+        origin: What the fault is seen by.
+        catchable: Whether a mission may handle it (rule 10).
+        meaning: What is wrong.
+    """
 
     SENSOR_SILENT = _About(
         "sensor.silent", "sensors", True, "a board does not report, or a sensor has no value"
@@ -80,25 +87,8 @@ class BuiltInFault(Enum):
         "mission.runaway", "program", False, "phases follow each other faster than sensors report"
     )
 
-    @property
-    def code(self) -> str:
-        """Return the code that missions and views use."""
-        return self.value.code
-
-    @property
-    def catchable(self) -> bool:
-        """Return whether a mission may handle it (rule 10)."""
-        return self.value.catchable
-
-    @property
-    def origin(self) -> Origin:
-        """Return the source that reports the fault."""
-        return self.value.origin
-
-    @property
-    def meaning(self) -> str:
-        """Return the meaning of the fault."""
-        return self.value.meaning
+    def __init__(self, code: str, origin: Origin, catchable: bool, meaning: str) -> None:
+        self.code, self.origin, self.catchable, self.meaning = code, origin, catchable, meaning
 
     def report(self, message: str) -> FaultReport:
         """Return a report of this fault."""

@@ -5,6 +5,7 @@ The language and its twelve rules are documented in ``docs/missions.md``.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Literal, TypeAlias, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, Tag, model_validator
@@ -194,6 +195,29 @@ Step: TypeAlias = Annotated[
     BeforeValidator(_bare_command),
     AlsoWritten(lambda _: [{DEFINED: "CommandName"}]),
 ]
+
+
+def every_step(
+    steps: Sequence[Step], at: tuple[str | int, ...] = ()
+) -> Iterator[tuple[Step, tuple[str | int, ...]]]:
+    """Yield the steps and those inside them, in the order of the file, each with where it stands.
+
+    Args:
+        steps: The steps.
+        at: Where they stand: keys and list indexes from the root of the file.
+    """
+    for number, step in enumerate(steps):
+        path = (*at, number)
+        yield step, path
+        match step:
+            case RepeatStep():
+                yield from every_step(step.repeat.do, (*path, "repeat", "do"))
+            case ChooseStep():
+                for arm, choice in enumerate(step.choose):
+                    yield from every_step(choice.do, (*path, "choose", arm, "do"))
+                yield from every_step(step.otherwise, (*path, "else"))
+            case CommandStep() | CallStep() | AskStep() | WaitStep() | LogStep():
+                pass
 
 
 class FaultHandler(Frozen):

@@ -21,7 +21,7 @@ from pirate_sm.model.base import (
 )
 from pirate_sm.model.body import Body
 from pirate_sm.model.criteria import Criterion
-from pirate_sm.model.derived import Conversion, Derived
+from pirate_sm.model.derived import Conversion, Derived, DiameterOf
 from pirate_sm.model.plausibility import Plausibility
 from pirate_sm.model.quantities import (
     Angle,
@@ -362,6 +362,13 @@ class Profile(Frozen):
     def slots(self) -> tuple[Slot, ...]:
         """Return all slots in the order of the wire."""
         return tuple(slot for board in self.boards for slot in board.slots)
+
+    def diameter_of(self, part: Name) -> str:
+        """Return the signal of the inner diameter that a part shows; empty where there is none."""
+        for name, it in self.derived.items():
+            if isinstance(it, DiameterOf) and it.diameter_of == part:
+                return name
+        return ""
 
     @property
     def heard(self) -> tuple[Board, ...]:

@@ -44,12 +44,10 @@ class Measured:
     until_s: float
     travel: Travel | None
 
-    def signal(
-        self, name: str, scale: float = 1.0, label: str = "", *, main: bool = False
-    ) -> Series:
-        """Return the signal with this name."""
+    def signal(self, name: str, scale: float = 1.0) -> Series:
+        """Return a signal by its name."""
         index = self.robot.vocabulary.numbers.index(name)
-        return self.signals.series(index, label or name, scale=scale, main=main)
+        return self.signals.series(index, name, scale=scale)
 
     def rim(self, number: int, scale: float = 1.0) -> Series:
         """Return the forward speed of a wheel's rim, m/s."""

@@ -8,10 +8,8 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from pirate_sm.expressions.vocabulary import FUNCTIONS, KEYWORDS
-from pirate_sm.loading.chart.outline_reader import RESERVED
+from pirate_sm.expressions.vocabulary import KEYWORDS
 from pirate_sm.schemas.model_schema import DRAFT
-from pirate_sm.units import UNITS
 
 Schema = dict[str, Any]
 
@@ -21,7 +19,6 @@ _EVENTS: Final = rf"^\s*{_NAME}(\s+{_NAME})*\s*$"
 _WORD: Final = "[A-Za-z_][A-Za-z0-9_]*"
 _NO_WORDS: Final = "|".join(sorted(KEYWORDS - {"in"}))
 _STATE: Final = rf"^{_WORD}\.(?!(?:{_NO_WORDS})$){_WORD}$"
-_TAKEN: Final = sorted({*RESERVED, *KEYWORDS, *FUNCTIONS, *UNITS})
 
 
 def chart_schema() -> Schema:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import replace
 
 from pirate_sm.backends.trace import IDEAL, SCRIPTED, TraceBackend, Verdicts
@@ -14,7 +13,7 @@ from pirate_sm.registry import Plugin
 from pirate_sm.runtime.course_player import CoursePlayer, longest_s
 from pirate_sm.runtime.trace_repeats import LoopWatch
 from pirate_sm.runtime.trigger_script import Firing, TriggerScript
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 from pirate_sm.wiring.run_order import Order
 
@@ -63,21 +62,13 @@ def _check_firings(firings: tuple[Firing, ...], loaded: LoadedMission) -> None:
     phases = {wait.phase for wait in waits}
     for firing in firings:
         if firing.phase and firing.phase not in phases:
-            raise UsageError(
-                f"no phase '{firing.phase}' waits for anything: {_meant(firing.phase, phases)}"
-            )
+            hint = meant(firing.phase, sorted(phases))
+            raise UsageError(f"no phase '{firing.phase}' waits for anything: {hint}")
         here = [wait for wait in waits if firing.phase in ("", wait.phase)]
         triggers = {trigger.name for wait in here for trigger in wait.triggers} | {"within"}
         if firing.trigger not in triggers:
-            raise UsageError(
-                f"nothing waits for a trigger '{firing.trigger}': "
-                f"{_meant(firing.trigger, triggers)}"
-            )
-
-
-def _meant(word: str, known: Collection[str]) -> str:
-    close = nearest(word, known)
-    return f"did you mean '{close}'?" if close else f"expected {one_of(sorted(known))}"
+            hint = meant(firing.trigger, sorted(triggers))
+            raise UsageError(f"nothing waits for a trigger '{firing.trigger}': {hint}")
 
 
 BACKEND: Plugin[MakeBackend] = Plugin("nothing moves; shows what would be sent", make)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, isnan
-from typing import Any
+from typing import Any, NamedTuple
 
 from pirate_sm.checking.exploring.alternating_sensors import lasting
 from pirate_sm.checking.exploring.answers import (
@@ -108,6 +108,16 @@ def _telling(program: Program) -> Program:
     )
 
 
+class _Arrival(NamedTuple):
+    """Where a step of the engine has come to: the node before, what happened, what came of it."""
+
+    source: int
+    move: PossibleEvent
+    state: EngineState
+    effects: tuple[Effect, ...]
+    moment: StepAnswers
+
+
 @dataclass
 class _Walk:
     engine: Engine
@@ -120,9 +130,7 @@ class _Walk:
     _sure: deque[int] = field(default_factory=deque)
     _unsure: deque[int] = field(default_factory=deque)
     _outlasted: set[Any] = field(default_factory=set)
-    _held_back: list[tuple[int, PossibleEvent, EngineState, tuple[Effect, ...], StepAnswers]] = (
-        field(default_factory=list)
-    )
+    _held_back: list[_Arrival] = field(default_factory=list)
 
     def begin(self, body: RobotState | None) -> None:
         self._try(-1, START, partial(self.engine.start, body=body))
@@ -134,7 +142,7 @@ class _Walk:
             elif self._held_back:
                 held, self._held_back = self._held_back, []
                 for arrival in held:
-                    self._enter(*arrival, False)
+                    self._enter(arrival, sure=False)
             elif self._unsure:
                 self._leave(self._unsure.popleft())
             elif not self._outlast():
@@ -204,7 +212,7 @@ class _Walk:
                 if known is None or any(
                     isinstance(each, TriggerFired) and each.trigger not in known for each in effects
                 ):
-                    self._arrive(source, move, state, effects, moment)
+                    self._arrive(_Arrival(source, move, state, effects, moment))
                 more = (conditions.tests - tests) / _TESTS_A_STEP
                 tests = conditions.tests
                 self.found.work += 1 + len(effects) / _EFFECTS_A_STEP + more
@@ -214,41 +222,27 @@ class _Walk:
         except TooManyQuestionsError:
             self.found.complete = False
 
-    def _arrive(
-        self,
-        source: int,
-        move: PossibleEvent,
-        state: EngineState,
-        effects: tuple[Effect, ...],
-        moment: StepAnswers,
-    ) -> None:
-        sure = moment.answer.sure and (source < 0 or self.found.nodes[source].sure)
-        if sure:
-            self._enter(source, move, state, effects, moment, sure)
+    def _arrive(self, it: _Arrival) -> None:
+        if it.moment.answer.sure and (it.source < 0 or self.found.nodes[it.source].sure):
+            self._enter(it, sure=True)
         else:  # postponed until all sure steps are known
-            self._held_back.append((source, move, state, effects, moment))
+            self._held_back.append(it)
 
-    def _enter(
-        self,
-        source: int,
-        move: PossibleEvent,
-        state: EngineState,
-        effects: tuple[Effect, ...],
-        moment: StepAnswers,
-        sure: bool,
-    ) -> None:
-        told = tuple([effect for effect in effects if type(effect) not in _QUIET])
+    def _enter(self, it: _Arrival, *, sure: bool) -> None:
+        told = tuple([effect for effect in it.effects if type(effect) not in _QUIET])
         fresh = len(self.found.nodes)
-        target = self._known.setdefault(key_of(state), fresh)
-        if target == source and not told:
+        target = self._known.setdefault(key_of(it.state), fresh)
+        if target == it.source and not told:
             return
         if target == fresh:
             if target >= self.most:
                 self.found.complete = False
                 return
-            self.found.nodes.append(ExploredState(state, move.at_s, len(self.found.steps), sure))
+            self.found.nodes.append(
+                ExploredState(it.state, it.move.at_s, len(self.found.steps), sure)
+            )
             (self._sure if sure else self._unsure).append(target)
-        self.found.steps.append(ExploredStep(source, target, move, told, moment, sure))
+        self.found.steps.append(ExploredStep(it.source, target, it.move, told, it.moment, sure))
 
 
 def _due(wait: Wait, state: EngineState, now: float) -> Collection[Trigger]:

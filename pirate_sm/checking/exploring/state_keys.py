@@ -14,34 +14,22 @@ def key_of(state: EngineState) -> Any:
     """Return a key that is equal for states that can only continue in the same way."""
     mission, body = state.mission, state.robot
     flight, motion = body.flight, body.motion
+    robot = (
+        (body.configuration, body.marks, body.values, body.seeking),
+        flight and (flight.purpose, flight.values),
+        motion and (motion.command, motion.stage, isnan(motion.accepted_s)),
+        state.rules,
+    )
     if mission.diverting is not None:  # the place of the fault is irrelevant now
         where = mission.diverting.go, mission.diverting.go_name, mission.stopped, mission.handling
-        return (
-            where,
-            body.configuration,
-            body.marks,
-            body.values,
-            body.seeking,
-            flight and (flight.purpose, flight.values),
-            motion and (motion.command, bool(motion.place), motion.stage, isnan(motion.accepted_s)),
-            state.rules,
-        )
+        return where, motion and bool(motion.place), robot
     return (
-        mission.pc,
-        mission.begun,
-        mission.tries,
-        mission.handling,
+        (mission.pc, mission.begun, mission.tries, mission.handling, mission.ended),
         mission.result.done if mission.result else None,
         tuple(map(isnan, mission.since)),
         mission.ending and (mission.ending.outcome, mission.ending.end),
-        mission.ended,
-        body.configuration,
-        body.marks,
-        body.values,
-        body.seeking,
-        flight and (flight.purpose, flight.values),
-        motion and (motion.command, motion.place, motion.stage, isnan(motion.accepted_s)),
-        state.rules,
+        motion and motion.place,
+        robot,
     )
 
 

@@ -15,7 +15,7 @@ from pirate_sm.engine.mission.program import Branch
 from pirate_sm.expressions import Expression
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
-from pirate_sm.model.mission import ChooseStep, Mission, RepeatStep, Step
+from pirate_sm.model.mission import ChooseStep, Mission, every_step
 
 
 def branches(view: MissionView) -> Iterator[Finding]:
@@ -98,16 +98,6 @@ def _arms(loaded: LoadedMission, places: Places) -> Iterator[Finding]:
 def _chooses(mission: Mission) -> Iterator[tuple[ChooseStep, Path]]:
     """Yield every `choose` of a mission with its path."""
     for name, phase in mission.phases.items():
-        yield from _among(phase.do, ("phases", name, "do"))
-
-
-def _among(steps: Sequence[Step], at: Path) -> Iterator[tuple[ChooseStep, Path]]:
-    for number, step in enumerate(steps):
-        path = (*at, number)
-        if isinstance(step, RepeatStep):
-            yield from _among(step.repeat.do, (*path, "repeat", "do"))
-        elif isinstance(step, ChooseStep):
-            yield step, path
-            for arm, choice in enumerate(step.choose):
-                yield from _among(choice.do, (*path, "choose", arm, "do"))
-            yield from _among(step.otherwise, (*path, "else"))
+        for step, path in every_step(phase.do, ("phases", name, "do")):
+            if isinstance(step, ChooseStep):
+                yield step, path

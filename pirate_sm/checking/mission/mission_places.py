@@ -58,7 +58,6 @@ class Places:
         *,
         severity: Severity | None = None,
         mend: str = "",
-        related: tuple[tuple[Place, str], ...] = (),
         happens: tuple[Exploration, int] | None = None,
         playable: bool = True,
     ) -> Finding:
@@ -87,7 +86,6 @@ class Places:
             message,
             mend=mend,
             excerpt=excerpt,
-            related=related,
             story=told,
             course=(happens,) if happens and sure else (),
         )

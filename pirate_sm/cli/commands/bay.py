@@ -17,7 +17,7 @@ from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 from pirate_sm.units import DIMENSIONLESS, read_quantity
 from pirate_sm.wiring.sim import COMPILING, start_values
 
@@ -122,9 +122,7 @@ def _topics(names: Sequence[str]) -> tuple[Topic, ...]:
 
     for name in names:
         if name not in TOPICS:
-            close = nearest(name, TOPICS)
-            hint = f"did you mean '{close}'?" if close else f"expected {one_of(TOPICS)}"
-            raise UsageError(f"there is no topic '{name}': {hint}")
+            raise UsageError(f"there is no topic '{name}': {meant(name, TOPICS)}")
     return tuple(topic for topic in TOPICS if topic in names)
 
 

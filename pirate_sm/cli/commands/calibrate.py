@@ -26,7 +26,7 @@ from pirate_sm.loading.robot.calibration_files import (
 )
 from pirate_sm.model.calibration import Calibration
 from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 from pirate_sm.units import ANGLE, read_quantity
 
 KEPT, REFUSED = 0, 1
@@ -79,9 +79,7 @@ def _joints(loaded: LoadedRobot, skip: Sequence[str]) -> tuple[str, ...]:
     joints = joints_of(loaded)
     for name in skip:
         if name not in joints:
-            close = nearest(name, joints)
-            hint = f"did you mean '{close}'?" if close else f"expected {one_of(joints)}"
-            raise UsageError(f"--skip {name}: there is no such joint; {hint}")
+            raise UsageError(f"--skip {name}: there is no such joint; {meant(name, joints)}")
     left = tuple(name for name in joints if name not in skip)
     if not left:
         raise UsageError("there is no joint left to calibrate")

@@ -24,7 +24,7 @@ from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.yaml.document import Document, read_document
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 
 WRITERS: dict[str, Callable[[Graph], str]] = {"mermaid": mermaid, "dot": dot, "svg": svg}
 _BY_SUFFIX = {".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".mermaid": "mermaid"}
@@ -98,8 +98,7 @@ def _found(what: str) -> Path:
     known |= {mission.stem: mission for mission in library.missions()}
     if what in known:
         return known[what]
-    close = nearest(what, known)
-    hint = f"did you mean '{close}'?" if close else f"expected {one_of(sorted(known))}"
+    hint = meant(what, sorted(known))
     raise UsageError(f"there is no mission, robot or file '{what}'; {hint}")
 
 

@@ -26,7 +26,7 @@ from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.mission.manual_mission import by_hand
 from pirate_sm.loading.mission.start_configuration import read_states
 from pirate_sm.loading.robot import LoadedRobot, load_robot
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 from pirate_sm.visible import visible
 
 FOUND, NONE = 0, 1
@@ -111,9 +111,7 @@ def _to_phase(loaded: LoadedRobot, body: RobotState, text: str) -> Found:
         raise UsageError(f"{name} is a mission for {mission.robot.name}, not {loaded.normal.name}")
     phases = mission.program.phases
     if phase not in phases:
-        close = nearest(phase, phases)
-        hint = f"did you mean '{close}'?" if close else f"expected {one_of(phases)}"
-        raise UsageError(f"{name} has no phase '{phase}'; {hint}")
+        raise UsageError(f"{name} has no phase '{phase}'; {meant(phase, phases)}")
     body = at_rest_in(mission.robot, body.configuration)
     plan = restoring(mission, [phase], body, beginnings(mission)).get(phase)
     if plan is None:

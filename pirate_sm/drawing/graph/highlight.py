@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from pirate_sm.drawing.graph.graph import EdgeKind, Graph, NodeKind
 from pirate_sm.errors import UsageError
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 
 Stop: TypeAlias = str | tuple[str, str] | tuple[str, str, EdgeKind]
 
@@ -102,6 +102,4 @@ def _shown(name: str, known: set[str]) -> str | None:
 def _unknown(graph: Graph, name: str) -> str:
     hidden = {NodeKind.INITIAL, NodeKind.ANYWHERE}
     names = [node.id for node in graph.nodes if node.kind not in hidden]
-    close = nearest(name, names)
-    hint = f"did you mean '{close}'?" if close else f"expected {one_of(names)}"
-    return f"{graph.title} has no '{name}' to mark: {hint}"
+    return f"{graph.title} has no '{name}' to mark: {meant(name, names)}"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
-from pirate_sm.drawing.graph.step_text import amount, every_step, short, step_lines, trigger_text
+from pirate_sm.drawing.graph.step_text import amount, short, step_lines, trigger_text
 from pirate_sm.loading import library
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.yaml.document import read_document
@@ -56,7 +56,7 @@ def called_missions(mission: model.Mission, file: Path, prefix: str = "") -> tup
     """
     found: dict[str, Called] = {}
     for name, phase in mission.phases.items():
-        for step in every_step(phase.do):
+        for step, _ in model.every_step(phase.do):
             if not isinstance(step, model.CallStep):
                 continue
             path = library.find_mission(step.call, file.resolve().parent)
@@ -124,7 +124,7 @@ def _ways(phase: model.Phase) -> Iterator[tuple[str, EdgeKind, str]]:
     if phase.go is not None:
         yield phase.go, EdgeKind.GO, ""
     yield from _wait_ways(phase)
-    for step in every_step(phase.do):
+    for step, _ in model.every_step(phase.do):
         if isinstance(step, model.WaitStep):
             yield from _wait_ways(step)
         if isinstance(step, model.AskStep):

@@ -106,27 +106,6 @@ def short(step: model.Step) -> str:
             return "log"
 
 
-def every_step(steps: Iterable[model.Step]) -> Iterator[model.Step]:
-    """Yield the steps and those inside them, in the order of the file."""
-    for step in steps:
-        yield step
-        match step:
-            case model.RepeatStep():
-                yield from every_step(step.repeat.do)
-            case model.ChooseStep():
-                for choice in step.choose:
-                    yield from every_step(choice.do)
-                yield from every_step(step.otherwise)
-            case (
-                model.CommandStep()
-                | model.CallStep()
-                | model.AskStep()
-                | model.WaitStep()
-                | model.LogStep()
-            ):
-                pass
-
-
 def trigger_text(trigger: Trigger) -> str:
     """Return the condition of the trigger, after its name if it has one."""
     match trigger:

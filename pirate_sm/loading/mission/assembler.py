@@ -20,11 +20,6 @@ class Label:
     def __init__(self) -> None:
         self.index = -2
 
-    @property
-    def placed(self) -> bool:
-        """Return whether its position is set."""
-        return self.index >= 0
-
 
 class TooLongError(Exception):
     """Raised when the program exceeds ``MOST_INSTRUCTIONS``."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 
@@ -42,8 +41,8 @@ class Calls:
             inner = len(source.mission.ends)
             for phase in source.mission.phases.values():
                 inner += 1 + bool(phase.wait)
-                for step in _all(phase.do):
-                    inner += 1
+                for step, _ in model.every_step(phase.do):
+                    inner += not isinstance(step, model.RepeatStep)
                     if isinstance(step, model.CallStep):
                         called = self._quietly(step.call, source.path.resolve().parent)
                         if called is not None:
@@ -87,27 +86,6 @@ class Calls:
             self.files[file] = document
             self._known[file] = Source(validate(document, model.Mission), document, file)
         return self._known[file]
-
-
-def _all(steps: Sequence[model.Step]) -> Iterator[model.Step]:
-    """Yield the steps that become instructions, also those inside of others."""
-    for step in steps:
-        match step:
-            case model.RepeatStep():
-                yield from _all(step.repeat.do)
-            case model.ChooseStep():
-                yield step
-                for choice in step.choose:
-                    yield from _all(choice.do)
-                yield from _all(step.otherwise)
-            case (
-                model.CommandStep()
-                | model.CallStep()
-                | model.AskStep()
-                | model.WaitStep()
-                | model.LogStep()
-            ):
-                yield step
 
 
 def robot_of(source: Source) -> FilePath | str:

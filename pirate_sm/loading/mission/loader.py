@@ -23,7 +23,7 @@ from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import Pipe
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 from pirate_sm.units import QuantityError
 
 
@@ -224,9 +224,7 @@ def _values(
 
 
 def _unknown(kind: str, name: str, known: Mapping[str, object]) -> UsageError:
-    close = nearest(name, known)
-    others = f"expected {one_of(known)}" if known else "it has none"
-    hint = f"did you mean '{close}'?" if close else others
+    hint = meant(name, known, "" if known else "it has none")
     return UsageError(f"the mission has no {kind} '{name}': {hint}")
 
 

@@ -36,19 +36,11 @@ def words_behind(profile: model.Profile) -> frozenset[str]:
 
 def _vee(profile: model.Profile, signals: Signals, name: str) -> Vee:
     body = profile.body
-    apex = next((joint for joint in body.joints if joint.name == body.parts[name].apex), None)
-    diameter = next(
-        (
-            signal
-            for signal, derived in profile.derived.items()
-            if isinstance(derived, kinds.DiameterOf) and derived.diameter_of == name
-        ),
-        "",
-    )
+    apex = body.apex_of(name)
     return Vee(
         tuple(index for index, wheel in enumerate(body.wheels) if wheel.part == name),
         _number(signals, apex.name) if apex else -1,
-        _number(signals, diameter),
+        _number(signals, profile.diameter_of(name)),
         apex.end_stop if apex else 0.0,
     )
 

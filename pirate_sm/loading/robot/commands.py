@@ -23,7 +23,7 @@ from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import criteria
 from pirate_sm.model import profile as model
 from pirate_sm.model.fault_codes import BuiltInFault
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import one_of
 from pirate_sm.units import ANGLE, Quantity, describe
 
 
@@ -130,13 +130,9 @@ def _denied(
         if name in parts:
             yield parts.index(name)
             continue
-        problems.add(
-            "robot.name",
-            ("faults", number, "denies", place),
-            f"the robot has no part '{name}' that a chart state holds",
-            expected=one_of(sorted(parts)),
-            suggestion=nearest(name, parts) or "",
-        )
+        message = f"the robot has no part '{name}' that a chart state holds"
+        at: Path = ("faults", number, "denies", place)
+        problems.add_unknown("robot.name", at, "part", name, sorted(parts), message=message)
 
 
 def _check_catchable(

@@ -9,7 +9,6 @@ from pirate_sm.loading.problems import Path
 from pirate_sm.loading.robot.signals import Signals, check_name
 from pirate_sm.model import derived as kinds
 from pirate_sm.model import profile as model
-from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE, CURRENT, DIMENSIONLESS, LENGTH, SPEED, TIME, TORQUE, Dimension
 
 
@@ -25,12 +24,9 @@ def add_derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> No
         for source in _sources(derived):
             valid = _valid_sources(profile, derived, types)
             if source not in valid and not hidden:
-                signals.problems.add(
-                    "robot.signal",
-                    path,
-                    f"'{source}' is not known here",
-                    expected=one_of(sorted(set(valid))),
-                    suggestion=nearest(source, valid) or "",
+                known, message = sorted(set(valid)), f"'{source}' is not known here"
+                signals.problems.add_unknown(
+                    "robot.signal", path, "signal", source, known, message=message
                 )
         types[name] = NumberType(_dimension(signals, derived, types, path))
         check_name(name, types[name], path, signals.problems, key=True)

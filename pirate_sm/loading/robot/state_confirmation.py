@@ -21,7 +21,6 @@ from pirate_sm.engine.robot.criteria import AcceptedSpec
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import seen as model
-from pirate_sm.model.derived import DiameterOf
 
 Actuation = tuple[Mapping[str, tuple[StageSpec, ...]], ...]
 
@@ -67,16 +66,8 @@ def _part(name: str, how: model.HeldPart, signals: Signals) -> HeldSpec | None:
     path: Path = ("seen", "parts", name)
     profile, problems = signals.profile, signals.problems
     body = profile.body
-    apex = next((joint for joint in body.joints if joint.name == body.parts[name].apex), None)
-    diameter = next(
-        (
-            signal
-            for signal, each in profile.derived.items()
-            if isinstance(each, DiameterOf) and each.diameter_of == name
-        ),
-        None,
-    )
-    if diameter is None:
+    apex, diameter = body.apex_of(name), profile.diameter_of(name)
+    if not diameter:
         problems.add(
             "robot.seen",
             path,
@@ -90,7 +81,7 @@ def _part(name: str, how: model.HeldPart, signals: Signals) -> HeldSpec | None:
     joints = [
         _joint(joint, signals, (*path, "loaded", number)) for number, joint in enumerate(how.loaded)
     ]
-    if apex is None or diameter is None:
+    if apex is None or not diameter:
         return None
     return HeldSpec(
         tuple(joint for joint in joints if joint is not None),

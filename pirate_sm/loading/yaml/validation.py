@@ -22,19 +22,18 @@ _UNKNOWN_KEY = ("extra_forbidden", "unexpected_keyword_argument")
 _MISSING_KEY = ("missing", "missing_argument", "missing_keyword_only_argument")
 
 
-def validate(document: Document, model: type[M], at: Path = ()) -> M:
+def validate(document: Document, model: type[M]) -> M:
     """Return the model that a document describes.
 
     Args:
         document: The file.
         model: A pydantic model.
-        at: Path of the part to validate; the whole document if empty.
 
     Raises:
         LoadError: The document is invalid; holds all faults.
     """
     problems = Problems(document)
-    result = try_validate(document, model, problems, at)
+    result = try_validate(document, model, problems)
     problems.raise_errors()
     assert result is not None
     return result

@@ -2,6 +2,6 @@
 
 ``guard`` decides what to do (``guard_actions``); ``process`` is the process around it, which the
 runner starts by ``guardian_process``. ``notes`` are the messages between the two. ``guarded_port``
-and ``virtual_port`` are the port as the runner sees it. With ``takeover`` a new run gets the port
-from a guardian that has outlived its runner.
+is the port as the runner sees it. With ``takeover`` a new run gets the port from a guardian that
+has outlived its runner.
 """
