@@ -26,6 +26,13 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
     return by_fold[close[0]] if close else None
 
 
+def meant(word: str, known: Iterable[str], limit: int = 12) -> str:
+    """Return `did you mean 'a'?` for the nearest of the known names, else `expected one of …`."""
+    names = list(known)
+    close = nearest(word, names)
+    return f"did you mean '{close}'?" if close else f"expected {one_of(names, limit)}"
+
+
 def one_of(names: Iterable[str], limit: int = 12) -> str:
     """Return `a`, `one of a, b, c`, or a shortened list when there are more than `limit`."""
     listed = list(names)

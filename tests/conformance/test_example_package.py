@@ -10,17 +10,22 @@ from pathlib import Path
 
 import pytest
 
+import pirate_sm
 from pirate_sm.detectors.registry import DETECTORS
-from pirate_sm.errors import BackendError
 from pirate_sm.loading.mission import load_mission
-from pirate_sm.registry import Plugin
 from pirate_sm.testing import BackendContract, Candidate, DetectorContract, Subject
-from pirate_sm.wiring import BACKENDS, Order, prepare
+from pirate_sm.wiring import BACKENDS, Order
 
 from .candidates import NEWT, TAKE_HOLD, candidate
 from .installed import EXAMPLE, install, install_metadata
 
 ROOT = Path(__file__).resolve().parents[2]
+RAISES = """
+from pirate_sm.registry import Plugin
+def make(*arguments):
+    raise KeyError("rig")
+PART = Plugin("raises", make)
+"""
 
 
 @pytest.fixture(scope="module")
@@ -30,8 +35,11 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     install(EXAMPLE, target)
     (target / "breaks.py").write_text("raise RuntimeError('no licence found')\n")
     (target / "odd.py").write_text("THING = 3\n")
+    (target / "raises.py").write_text(RAISES)
     points = {"broken": "breaks:BACKEND", "odd": "odd:THING", "gone": "nowhere:X", "sim": "odd:X"}
-    install_metadata(target, "pirate-faulty", {"pirate_sm.backends": points})
+    points["raising"] = "raises:PART"
+    groups = {"pirate_sm.backends": points, "pirate_sm.detectors": {"raising": "raises:PART"}}
+    install_metadata(target, "pirate-faulty", groups)
     return target
 
 
@@ -98,39 +106,49 @@ def test_what_a_package_adds_is_listed_and_what_is_wrong_with_another_is_told(si
     assert "pirate-faulty" in lines["broken"]
     assert "RuntimeError: no licence found" in lines["broken"]
     assert "No module named 'nowhere'" in lines["gone"]
-    assert "is a int, expected" in lines["odd"]
+    assert "is of type int, expected" in lines["odd"]
     assert {"sim", "serial", "trace"} <= lines.keys()
     assert "the name is taken" in result.stdout
 
 
 @pytest.mark.parametrize(
-    ("backend", "why"),
+    ("option", "name", "code", "why"),
     [
-        ("broken", "pirate-faulty: breaks:BACKEND fails with RuntimeError: no licence found"),
-        ("slow_lime", "did you mean 'slow_line'"),
+        ("--backend", "broken", 2, "breaks:BACKEND fails with RuntimeError: no licence found"),
+        ("--backend", "gone", 2, "nowhere:X fails with ModuleNotFoundError: No module named"),
+        ("--backend", "odd", 2, "odd:THING is of type int, expected a pirate_sm.registry.Plugin"),
+        ("--backend", "raising", 3, "raises:PART fails with KeyError: 'rig'"),
+        ("--detector", "raising", 3, "raises:PART fails with KeyError: 'rig'"),
     ],
 )
-def test_a_backend_that_cannot_be_had_moves_nothing(site: Path, backend: str, why: str) -> None:
-    result = pirate(site, "run", "mitre_bend", "--backend", backend)
+def test_a_faulty_package_is_named_with_its_entry_point_and_nothing_moves(
+    site: Path, option: str, name: str, code: int, why: str
+) -> None:
+    result = pirate(site, "run", "mitre_bend", option, name)
+
+    part = option.removeprefix("--")
+    whose = f"the {part} '{name}' cannot be used: package pirate-faulty: "
+    assert (result.returncode, result.stdout) == (code, "")
+    assert result.stderr.startswith(f"{whose}{why}")
+    assert "Traceback" not in result.stderr
+
+
+def test_the_api_names_a_faulty_package_in_the_same_words(example: Path) -> None:
+    with pytest.raises(pirate_sm.UsageError, match="pirate-faulty: odd:THING is of type int"):
+        pirate_sm.run("mitre_bend", "odd")
+    for options in ({"backend": "raising"}, {"detector": "raising"}):
+        with pytest.raises(pirate_sm.BackendError, match="raises:PART fails with KeyError"):
+            pirate_sm.run("mitre_bend", **options)  # type: ignore[arg-type]
+
+
+def test_a_backend_that_is_misspelt_is_suggested(site: Path) -> None:
+    result = pirate(site, "run", "mitre_bend", "--backend", "slow_lime")
 
     assert result.returncode == 2
-    assert why in result.stderr
-    assert "Traceback" not in result.stderr
+    assert "did you mean 'slow_line'" in result.stderr
 
 
 def test_an_option_that_a_detector_refuses_is_told(site: Path) -> None:
     result = pirate(site, "run", "mitre_bend", "--detector", "clock:soon")
 
     assert (result.returncode, result.stderr.strip()) == (2, "expected clock:SECONDS")
-
-
-def test_a_factory_of_another_package_that_breaks_is_named(
-    example: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def broken(order: object, loaded: object, say: object) -> None:
-        raise KeyError("rig")
-
-    monkeypatch.setattr("pirate_example.slow_line.BACKEND", Plugin("breaks", broken))
-
-    with pytest.raises(BackendError, match="'slow_line' of package pirate-example fails: KeyError"):
-        prepare(Order(str(NEWT / "patrol.yaml"), "slow_line"))

@@ -116,7 +116,7 @@ def _read(path: Path, model: type[M]) -> M | str:
     try:
         return validate(read_document(path), model)
     except PirateError as error:
-        return str(error).partition("\n")[0]
+        return error.for_terminal.partition("\n")[0]
 
 
 def _table(title: str, rows: Iterable[Row]) -> None:

@@ -76,7 +76,7 @@ class ExportOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class ReportOptions:
-    """Tell a recorded run on one page that opens anywhere, offline; list many runs.
+    """Tell a recorded run on one page that opens anywhere, offline.
 
     Of several recordings, or of a folder, each has its page beside it, and index.html lists them.
     Pages of a folder that is read-only stand beside the list: name that with --output.
@@ -98,7 +98,7 @@ class ReportOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class RepairOptions:
-    """Give a recording that was cut short its end and its index, in a new file.
+    """Write a recording that was cut short anew, with its index.
 
     Exit codes: 0 written, or it is whole already; 2 it cannot be read or the file not be written.
     """
