@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -11,15 +13,20 @@ from pathlib import Path
 import pytest
 
 import pirate_sm
-from pirate_sm.detectors.registry import DETECTORS
+from pirate_sm.backends.protocol import Backend
+from pirate_sm.companion import Companion
+from pirate_sm.detectors.registry import DETECTORS, Asked, Detecting, Places
 from pirate_sm.loading.mission import load_mission
+from pirate_sm.model.events import DetectorWord, FaultReport, SensorFrame, SubmitResult
 from pirate_sm.testing import BackendContract, Candidate, DetectorContract, Subject
 from pirate_sm.wiring import BACKENDS, Order
+from pirate_sm.wiring.prepared import Equipment
 
 from .candidates import NEWT, TAKE_HOLD, candidate
 from .installed import EXAMPLE, install, install_metadata
 
 ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "extending.md").read_text("utf-8")
 RAISES = """
 from pirate_sm.registry import Plugin
 def make(*arguments):
@@ -152,3 +159,38 @@ def test_an_option_that_a_detector_refuses_is_told(site: Path) -> None:
     result = pirate(site, "run", "mitre_bend", "--detector", "clock:soon")
 
     assert (result.returncode, result.stderr.strip()) == (2, "expected clock:SECONDS")
+
+
+def test_the_tests_in_the_documentation_pass_as_they_are_written(
+    site: Path, tmp_path: Path
+) -> None:
+    block = re.search(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    assert block is not None
+    (tmp_path / "test_contract.py").write_text(block[1], "utf-8")
+
+    result = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(site)])},
+        check=False,
+    )
+
+    assert result.returncode == 0, result.stdout
+    assert int(result.stdout.split(" passed")[0].split()[-1]) > 25
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        *(Backend, Equipment, SubmitResult, SensorFrame, FaultReport, Candidate),
+        *(Companion, Asked, Detecting, Places, DetectorWord, Subject),
+    ],
+)
+def test_the_documentation_explains_every_member_of_the_types_that_it_names(kind: type) -> None:
+    members = {*dir(kind), *inspect.get_annotations(kind)} - {*dir(tuple)}
+    code = " ".join(re.findall(r"`([^`\n]+)`", PAGE))
+
+    assert re.search(rf"\b{kind.__name__}\b", code)
+    assert [m for m in members if m[0] != "_" and not re.search(rf"\b{m}\b", code)] == []
