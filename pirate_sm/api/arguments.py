@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable, Mapping
+from math import isnan
+from numbers import Integral, Real
 from os import PathLike, fspath
 from typing import Any, TypeAlias, TypedDict, Unpack, cast
 
@@ -164,7 +166,8 @@ def _order(
     for option in ("robot", "pipe"):
         rest[option] = _path_or_none(rest.get(option))
     defects = (defects,) if isinstance(defects, str) else defects
-    _refuse_kinds({**rest, "defects": defects})
+    _refuse_kinds({**rest, "backend": backend, "defects": defects})
+    rest |= {name: float(rest[name]) for name in _NUMBERS if rest.get(name) is not None}
     return Order(
         name,
         backend,
@@ -207,32 +210,38 @@ def _path_or_none(name: object) -> str | None:
 
 def is_number(value: object) -> bool:
     """Return whether the value is a number; NaN and truth values are none."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and value == value  # noqa: PLR0124 - NaN is not equal to itself
+    return not isinstance(value, bool) and isinstance(value, Real) and not isnan(value)
 
 
-def whole(number: object, what: str, least: int) -> int:
+def whole(number: Any, what: str, least: int) -> int:
     """Return the number, if it is an integer that is not too small.
 
     Raises:
         UsageError: It is something else.
     """
-    if not isinstance(number, int) or isinstance(number, bool) or number < least:
+    if isinstance(number, bool) or not isinstance(number, Integral) or number < least:
         raise UsageError(f"{what}: expected a whole number from {least} on, got {number!r}")
-    return number
+    return int(number)
 
 
 def _refuse_kinds(options: Mapping[str, object]) -> None:
     for names, fits, expected in (
-        (("start_jitter_m", "diameter_jitter_m", "friction_jitter"), is_number, "a number"),
-        (("start_at_m",), lambda value: value is None or is_number(value), "a number of m"),
+        (_NUMBERS[:3], is_number, "a number"),
+        (_NUMBERS[3:], lambda value: value is None or is_number(value), "a number of m"),
         (("detector", "start_phase", "port"), lambda v: isinstance(v, str | None), "a text"),
-        (("states",), lambda value: isinstance(value, Mapping | None), "states by region"),
+        (("backend",), lambda value: isinstance(value, str), "the name of a backend"),
+        (("states",), _are_states, "names of states by region"),
         (("defects",), lambda value: isinstance(value, Iterable), "names of defects"),
     ):
         for name in names:
             if name in options and not fits(options[name]):
                 raise UsageError(f"{name}: expected {expected}, got {options[name]!r}")
+
+
+def _are_states(value: object) -> bool:
+    if not isinstance(value, Mapping):
+        return value is None
+    return all(isinstance(text, str) for text in (*value.keys(), *value.values()))
 
 
 def _refuse_unknown(options: Mapping[str, object]) -> None:
@@ -242,6 +251,7 @@ def _refuse_unknown(options: Mapping[str, object]) -> None:
             raise UsageError(f"there is no option '{name}': {meant(name, sorted(known))}")
 
 
+_NUMBERS = ("start_jitter_m", "diameter_jitter_m", "friction_jitter", "start_at_m")
 _OF_LOADING = ("robot", "pipe", "set")
 _OF_START = ("start_phase", "states")
 """Where a mission begins is written into a recording with the options, not with the mission."""

@@ -10,6 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from pirate_sm.api.arguments import path_of
 from pirate_sm.engine.engine import Engine
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
@@ -218,10 +219,11 @@ def read(recording: str | PathLike[str]) -> Run:
 
     Raises:
         RecordingError: It cannot be read, or is of a version that cannot be used any more.
+        UsageError: It is no path.
     """
     from pirate_sm.report.recording_report import known_poses
 
-    found = read_recording(Path(recording))
+    found = read_recording(Path(path_of(recording)))
     with recorded_mission(found.header) as loaded:
         return Run(
             loaded,

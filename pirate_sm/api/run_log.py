@@ -11,6 +11,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Generic, TypeVar
 
+from pirate_sm.api.arguments import path_of
 from pirate_sm.api.result import Run
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
@@ -120,12 +121,13 @@ def noted(
 
     Raises:
         RecordingError: The file cannot be made.
+        UsageError: It is no path.
     """
     header = run_header(prepared, inf, datetime.now(UTC).astimezone())
     if record is None:
         yield Notes(prepared, header, None)
         return
-    path = Path(record)
+    path = Path(path_of(record))
     recording = RunRecorder(prepared, header, requested_recording(path, header))
     recording.follow(prepared, state)
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
+from math import inf
 from os import PathLike
 from types import TracebackType
 from typing import Self, Unpack
@@ -169,7 +170,7 @@ class Session:
             until: A mission time in s; a condition as missions write it, such as
                 ``"odometry >= 200 mm"``; None: until a command can be given, which is when the
                 newest one is done or has failed (:attr:`status` says which).
-            within_s: So much time passes at most.
+            within_s: How long to wait at most where no mission time is given, s.
 
         Returns:
             True when it has come; False when time ran out or the run has ended before.
@@ -235,6 +236,8 @@ class Session:
 def _refuse_time(until: object, within_s: object) -> None:
     if not (isinstance(until, str | None) or is_number(until)):
         raise UsageError(f"expected a time in s or a condition as text, got {until!r}")
+    if until == inf:
+        raise UsageError("until: expected a time in s that comes, got inf")
     if not is_number(within_s):
         raise UsageError(f"within_s: expected a time in s, got {within_s!r}")
 

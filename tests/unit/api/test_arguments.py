@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import pirate_sm
@@ -65,8 +66,12 @@ def test_a_loaded_mission_takes_no_options_of_loading(patrol: pirate_sm.LoadedMi
         (lambda: pirate_sm.run(PATROL, "trace", defects=3), "defects: expected names of defects"),
         (lambda: pirate_sm.run(PATROL, start_jitter_m="1"), "start_jitter_m: expected a number"),
         (lambda: pirate_sm.run(PATROL, start_at_m="1 m"), "start_at_m: expected a number of m"),
+        (lambda: pirate_sm.run(PATROL, None), "backend: expected the name of a backend, got None"),
+        (lambda: pirate_sm.run(PATROL, "trace", record=3), "expected a name or a path, got 3"),
+        (lambda: pirate_sm.read(None), "expected a name or a path, got None"),
+        (lambda: pirate_sm.run(PATROL, states={"Grip": 3}), "states: expected names of states"),
         (lambda: pirate_sm.run(PATROL, detector=3), "detector: expected a text, got 3"),
-        (lambda: pirate_sm.run(PATROL, states="Held"), "states: expected states by region"),
+        (lambda: pirate_sm.run(PATROL, states="Held"), "states: expected names of states"),
         (lambda: pirate_sm.run(PATROL, "trace", seed=-1), "seed: expected a whole number from 0"),
         (lambda: pirate_sm.run(PATROL, "trace", pip="x"), "no option 'pip': did you mean 'pipe'"),
         (lambda: pirate_sm.sweep(PATROL, "12", backend="trace"), "seeds: expected whole numbers"),
@@ -170,3 +175,10 @@ def test_what_takes_longer_than_a_moment_is_logged(
     (record,) = caplog.records
     assert (record.name, record.levelname) == ("pirate_sm", "INFO")
     assert "Compiling the simulator" in record.getMessage()
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    run = pirate_sm.run(PATROL, "trace", seed=np.int64(3), friction_jitter=np.float32(0.5))
+
+    assert (run.header.options["seed"], run.header.options["friction_jitter"]) == (3, 0.5)
+    assert pirate_sm.sweep(PATROL, np.arange(2), backend="trace", workers=1)["seed"] == [0, 1]
