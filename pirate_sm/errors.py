@@ -14,21 +14,48 @@ exception means a failure that no mission can handle.
 
 from __future__ import annotations
 
-from typing import ClassVar
+from copyreg import __newobj__  # type: ignore[attr-defined]
+from typing import Any, ClassVar, NamedTuple
+
+
+class Hint(NamedTuple):
+    """What helps, in the words of the command line and in those of Python.
+
+    Attributes:
+        option: ``: use --backend trace``.
+        argument: ``: use backend='trace'``.
+    """
+
+    option: str
+    argument: str
+
+
+_NO_HINT = Hint("", "")
 
 
 class PirateError(Exception):
     """The base class; it carries an exit code and a message for the user.
 
-    Attributes:
-        option_hint: Text that the command line adds to the message: the option that helps.
+    Its text is for a caller from Python; the command line shows :attr:`for_terminal`.
     """
 
     exit_code: ClassVar[int] = 4
 
-    def __init__(self, *arguments: object, option_hint: str = "") -> None:
+    def __init__(self, *arguments: object, hint: Hint = _NO_HINT) -> None:
         super().__init__(*arguments)
-        self.option_hint = option_hint
+        self._hint = hint
+
+    @property
+    def for_terminal(self) -> str:
+        """The message with the options that help."""
+        return f"{super().__str__()}{self._hint.option}"
+
+    def __str__(self) -> str:
+        return f"{super().__str__()}{self._hint.argument}"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # An error reaches another process without being made again from what made it here.
+        return __newobj__, (type(self), *self.args), vars(self)
 
 
 class UsageError(PirateError):

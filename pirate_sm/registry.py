@@ -6,16 +6,16 @@ Built-in parts are listed in a table of the same kind of references (docs/decisi
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
-from typing import Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar, cast
 
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import BackendError, PirateError, UsageError
 from pirate_sm.spelling import meant
 
-F = TypeVar("F")
+F = TypeVar("F", bound=Callable[..., Any])
 
 
 @dataclass(frozen=True)
@@ -52,19 +52,23 @@ class Registry(Generic[F]):
     """Finds the parts of one kind by their names.
 
     Args:
-        kind: The kind of part in the singular, also the option that chooses one: ``backend``.
-        group: Group of the entry points of other packages.
-        ours: References ``package.module:NAME`` of the built-in parts, by name. Other packages
-            cannot use these names.
+        kind: What they are, in the singular, and the option that chooses one: ``backend``.
+        group: Of the entry points with which other packages add some.
+        ours: Where our own are, ``package.module:NAME`` by name. Nobody else can take these names.
+        returns: What a function that makes a part must return.
     """
 
-    def __init__(self, kind: str, group: str, ours: Mapping[str, str]) -> None:
+    def __init__(self, kind: str, group: str, ours: Mapping[str, str], returns: type) -> None:
         self._kind = kind
         self._group = group
+        self._returns = returns
         self._ours = {name: EntryPoint(name, value, group) for name, value in ours.items()}
 
     def find(self, name: str) -> F:
         """Return the function that makes the part of this name.
+
+        That of another package raises a ``BackendError`` for whatever goes wrong in it, except
+        for the errors of this package.
 
         Raises:
             UsageError: The name is unknown, or its package cannot be used.
@@ -73,12 +77,12 @@ class Registry(Generic[F]):
         if point is None:
             point = self._others.get(name)
         if point is None:
-            hint = meant(name, self.names)
-            raise UsageError(f"--{self._kind} {name}: there is no such {self._kind}: {hint}")
+            raise UsageError(f"there is no {self._kind} '{name}'; {meant(name, self.names)}")
         try:
-            return self._load(point).make
+            make = self._load(point).make
         except UsageError as error:
-            raise UsageError(f"--{self._kind} {name} cannot be used: {error}") from error
+            raise UsageError(f"the {self._kind} '{name}' cannot be used: {error}") from error
+        return make if name in self._ours else self._guarded(make, point)
 
     def package_of(self, name: str) -> str:
         """Return the package that adds the name; empty for a built-in part."""
@@ -136,11 +140,31 @@ class Registry(Generic[F]):
             what = f"{point.value} fails with {type(error).__name__}: {error}"
             raise UsageError(f"package {_package(point)}: {what}") from error
         if not isinstance(plugin, Plugin):
-            found = f"{point.value} is a {type(plugin).__name__}"
+            found = f"{point.value} is of type {type(plugin).__name__}"
             raise UsageError(
                 f"package {_package(point)}: {found}, expected a pirate_sm.registry.Plugin"
             )
         return plugin
+
+    def _guarded(self, make: F, point: EntryPoint) -> F:
+        """Return the function of another package so that its faults are said to be its own."""
+        what = f"the {self._kind} '{point.name}' cannot be used"
+        whose = f"{what}: package {_package(point)}: {point.value}"
+
+        def guarded(*arguments: Any, **options: Any) -> Any:
+            try:
+                made = make(*arguments, **options)
+            except PirateError:
+                raise
+            except (Exception, SystemExit) as error:
+                fault = f"{type(error).__name__}: {error}"
+                raise BackendError(f"{whose} fails with {fault}") from error
+            if not isinstance(made, self._returns):
+                expected, found = self._returns.__name__, type(made).__name__
+                raise BackendError(f"{whose} returns a value of type {found}, expected {expected}")
+            return made
+
+        return cast(F, guarded)
 
 
 def _package(point: EntryPoint) -> str:

@@ -26,17 +26,18 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
     return by_fold[close[0]] if close else None
 
 
-def meant(word: str, known: Iterable[str], otherwise: str = "") -> str:
-    """Return a hint for a name that is not known: the nearest valid one, else what is expected.
+def meant(word: str, known: Iterable[str], otherwise: str = "", *, limit: int = 12) -> str:
+    """Return a hint for an unknown name: the nearest valid one, else what is expected.
 
     Args:
         word: The name.
         known: The names that are valid.
         otherwise: What to say where none is near, in place of the valid names.
+        limit: How many of the valid names to list.
     """
     names = list(known)
     close = nearest(word, names)
-    return f"did you mean '{close}'?" if close else otherwise or f"expected {one_of(names)}"
+    return f"did you mean '{close}'?" if close else otherwise or f"expected {one_of(names, limit)}"
 
 
 def one_of(names: Iterable[str], limit: int = 12) -> str:

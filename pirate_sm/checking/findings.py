@@ -63,6 +63,10 @@ class Finding:
     course: tuple[tuple[Exploration, int], ...] = field(default=(), compare=False, repr=False)
     allowed: str = field(default="", compare=False)
 
+    def __repr__(self) -> str:
+        allowed = f" (allowed: {self.allowed})" if self.allowed else ""
+        return f"<Finding {self.place}: {self.severity.word} [{self.code}] {self.message}{allowed}>"
+
     @property
     def order(self) -> tuple[Place, str, str]:
         """Return the sort key: place, then code, then message."""

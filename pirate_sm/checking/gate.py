@@ -10,7 +10,7 @@ from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_loaded
 from pirate_sm.checking.reports.check_report import CheckedFile, Report
 from pirate_sm.checking.reports.text import text_report
-from pirate_sm.errors import PirateError
+from pirate_sm.errors import Hint, PirateError
 from pirate_sm.loading.mission import LoadedMission
 
 
@@ -23,8 +23,9 @@ class CheckError(PirateError):
         self.findings = findings
         report = Report(findings, (CheckedFile(name, Kind.MISSION),))
         said = text_report(report, lambda role, text: text)
-        hint = "; --no-check runs the mission all the same"
-        super().__init__(f"{said}\nnothing has moved", option_hint=hint)
+        all_the_same = "runs the mission all the same"
+        hint = Hint(f"; --no-check {all_the_same}", f"; check=False {all_the_same}")
+        super().__init__(f"{said}\nnothing has moved", hint=hint)
 
 
 def pass_or_raise(loaded: LoadedMission) -> MissionCheck:

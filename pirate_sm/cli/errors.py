@@ -37,7 +37,7 @@ def guarded(work: Callable[[], int], debug: bool) -> int:
     except PirateError as error:
         if debug:
             show_traceback(error)
-        say(f"{error}{error.option_hint}")
+        say(error.for_terminal)
         return error.exit_code
     except Exception as error:
         say_bug(error, debug)

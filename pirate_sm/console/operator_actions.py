@@ -129,7 +129,7 @@ class OperatorActions(HandBackActions, MissionActions):
         """Take in the result of a worker, or show why it failed."""
         worker, error = event.worker, event.worker.error
         if event.state is WorkerState.ERROR and isinstance(error, PirateError):
-            self.notify(str(error), severity="error", timeout=10, markup=False)
+            self.notify(error.for_terminal, severity="error", timeout=10, markup=False)
         elif event.state is WorkerState.ERROR and isinstance(error, Exception):
             self._handle_exception(error)
         elif event.state is WorkerState.SUCCESS:

@@ -17,7 +17,7 @@ from pirate_sm.detectors.sim_detector import TruePlaces
 from pirate_sm.detectors.socket_detector import OutsideWords
 from pirate_sm.detectors.socket_listener import read_address
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import Hint, UsageError
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.true_position import Truth
@@ -106,7 +106,10 @@ def detecting(text: str | None, usual: str, asked: Asked) -> Detecting:
     if asked.first_wheel_m is not None and name != "odometry":
         raise UsageError(
             "only the detector odometry takes a place where it begins to count",
-            option_hint=": --start-at goes with --detector odometry",
+            hint=Hint(
+                ": --start-at goes with --detector odometry",
+                ": start_at_m goes with detector='odometry'",
+            ),
         )
     argument = rest if colon else None
     return make(replace(asked, by_name=text is not None, argument=argument))
@@ -131,8 +134,8 @@ def _odometry(asked: Asked) -> Detecting:
     if asked.pipe is None and not asked.by_name:
         return Detecting("none", (), ("detector: none, the mission names no pipe",))
     if asked.pipe is None:
-        message = "the detector odometry needs to know the pipe"
-        raise UsageError(message, option_hint=": give it with --pipe")
+        hint = Hint(": give it with --pipe", ": give it with pipe='NAME'")
+        raise UsageError("the detector odometry needs to know the pipe", hint=hint)
     odometry = Odometry(asked.profile, asked.robot, asked.pipe, asked.first_wheel_m)
     place = f"{odometry.first_wheel_m * 1000:.4g} mm"
     notice = f"detector: odometry, counted from the first wheel at {place} of the pipe"
@@ -162,4 +165,5 @@ DETECTORS: Registry[MakeDetector] = Registry(
     "detector",
     "pirate_sm.detectors",
     {name: f"{__name__}:{name.upper()}" for name in ("sim", "odometry", "operator", "socket")},
+    returns=Detecting,
 )

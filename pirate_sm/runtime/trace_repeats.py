@@ -52,7 +52,7 @@ class LoopWatch:
 
 LOOP = (
     "the trace has come back to a situation in which it has been before: from here the mission "
-    "would repeat itself without end (name other triggers with --fire)"
+    "would repeat itself without end (other triggers must be fired)"
 )
 
 

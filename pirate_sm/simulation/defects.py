@@ -18,7 +18,7 @@ from pirate_sm.model.simulation import Defect
 from pirate_sm.simulation.acting_defect import Counts, Effect, Incident, Sudden
 from pirate_sm.simulation.electronics import Electronics
 from pirate_sm.simulation.loss import Loss
-from pirate_sm.spelling import nearest
+from pirate_sm.spelling import meant
 
 AtWork: TypeAlias = tuple[Defect, np.random.Generator]
 """A defect and its own random numbers."""
@@ -214,9 +214,7 @@ def named(names: Sequence[str], defects: Mapping[str, Defect], seed: int) -> lis
     found: list[AtWork] = []
     for number, name in enumerate(names):
         if name not in defects:
-            near = nearest(name, defects)
-            hint = f"; did you mean '{near}'?" if near else ""
-            raise UsageError(f"there is no defect '{name}'{hint}")
+            raise UsageError(f"there is no defect '{name}'; {meant(name, defects)}")
         found.append((defects[name], np.random.default_rng((seed, number))))
     return found
 

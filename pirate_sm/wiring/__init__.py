@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 from pirate_sm.detectors.registry import Asked, Detecting, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Wait
-from pirate_sm.errors import BackendError, PirateError, UsageError
+from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.registry import Registry
@@ -20,6 +20,7 @@ BACKENDS: Registry[MakeBackend] = Registry(
     "backend",
     "pirate_sm.backends",
     {name: f"pirate_sm.wiring.{name}:BACKEND" for name in ("serial", "sim", "trace")},
+    returns=Equipment,
 )
 
 
@@ -62,7 +63,7 @@ def prepare(
         from pirate_sm.checking.gate import pass_or_raise
 
         pass_or_raise(loaded)
-    made = _made(make, order, loaded, say)
+    made = make(order, loaded, say)
     loaded = made.loaded or loaded
     found = _detecting(order, loaded, made)
     nominal = made.backend.completion == "nominal"
@@ -81,27 +82,13 @@ def prepare(
     )
 
 
-def _made(make: MakeBackend, order: Order, loaded: LoadedMission, say: Say) -> Equipment:
-    """Return the factory's equipment; an error in another package names that package."""
-    package = BACKENDS.package_of(order.backend)
-    try:
-        return make(order, loaded, say)
-    except Exception as error:
-        if isinstance(error, PirateError) or not package:
-            raise
-        what = f"{type(error).__name__}: {error}"
-        raise BackendError(
-            f"the backend '{order.backend}' of package {package} fails: {what}"
-        ) from error
-
-
 def _detecting(order: Order, loaded: LoadedMission, made: Equipment) -> Detecting:
     """Return the detector of the run."""
     if made.usual_detector is None:
         if order.detector is not None or order.start_at_m is not None:
             raise UsageError(
                 f"the backend {order.backend} takes no detector and no place to start at",
-                option_hint=" (--detector, --start-at)",
+                hint=Hint(" (--detector, --start-at)", " (detector, start_at_m)"),
             )
         return Detecting("none")
     profile, robot = loaded.loaded_robot.profile, loaded.robot

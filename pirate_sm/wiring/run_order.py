@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from pirate_sm.errors import Hint
 from pirate_sm.model.trace_script import Happening
 from pirate_sm.runtime.trigger_script import Firing
+
+USE_TRACE = Hint(": use --backend trace", ": use backend='trace'")
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pirate_sm.detectors.registry import Places
 from pirate_sm.engine.robot.robot_state import at_rest_in
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.registry import Plugin
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
-from pirate_sm.wiring.run_order import Order
+from pirate_sm.wiring.run_order import USE_TRACE, Order
 
 COMPILING = (
     "Compiling the simulator to machine code for this processor, so that it runs hundreds of "
@@ -27,12 +27,10 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
             installed.
     """
     if loaded.pipe is None:
-        message = "the mission names no pipe to simulate"
-        raise UsageError(message, option_hint=": give one with --pipe NAME")
+        hint = Hint(": give one with --pipe NAME", ": give one with pipe='NAME'")
+        raise UsageError("the mission names no pipe to simulate", hint=hint)
     if order.firings or order.course:
-        raise UsageError(
-            "triggers can be fired in a trace only", option_hint=": use --backend trace"
-        )
+        raise UsageError("triggers can be fired in a trace only", hint=USE_TRACE)
     try:
         from pirate_sm.backends.simulated import SimulatorBackend
         from pirate_sm.simulation.surroundings import Jitter

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from pirate_sm.backends.trace import IDEAL, SCRIPTED, TraceBackend, Verdicts
 from pirate_sm.engine.mission.program import Wait
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.trace_script import resolve_course
 from pirate_sm.registry import Plugin
@@ -17,6 +17,8 @@ from pirate_sm.spelling import meant
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 from pirate_sm.wiring.run_order import Order
 
+USE_SIM = Hint(": use --backend sim", ": use backend='sim'")
+
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """Return a trace, with the companions that fire triggers in it.
@@ -25,9 +27,9 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         UsageError: An option is for another backend, or no wait has a trigger to be fired.
     """
     if order.defects:
-        raise UsageError("a defect needs a robot that moves", option_hint=": use --backend sim")
+        raise UsageError("a defect needs a robot that moves", hint=USE_SIM)
     if order.detector is not None or order.start_at_m is not None:
-        raise UsageError("a detector needs a robot that moves", option_hint=": use --backend sim")
+        raise UsageError("a detector needs a robot that moves", hint=USE_SIM)
     if order.course:
         return _course(order, loaded)
     _check_firings(order.firings, loaded)

@@ -102,7 +102,9 @@ def _existing(name: str) -> Path:
     if name in known:
         return known[name]
     close = nearest(name, known)
-    hint = f"; did you mean '{close}'?" if close else ""
+    shipped = "" if library.is_path(name) else ", ".join(p.stem for p in library.missions())
+    others = f"; shipped missions are {shipped}" if shipped else ""
+    hint = f"; did you mean '{close}'?" if close else others
     visible = name.replace("\0", "\\0")[:_LONGEST_NAME]
     raise UsageError(f"there is no file or folder '{visible}'{hint}")
 

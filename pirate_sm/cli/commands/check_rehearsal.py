@@ -65,7 +65,7 @@ def _rehearsed(loaded: LoadedMission, path: Path, seeds: int) -> Rehearsal:
         try:
             run, nearest = _run(loaded, path, seed, early)
         except UsageError as error:
-            return Rehearsal(shown(path), skipped=f"{error}{error.option_hint}")
+            return Rehearsal(shown(path), skipped=error.for_terminal)
         runs.append(run)
         for call in nearest:
             if call.about not in calls or call.share > calls[call.about][0].share:

@@ -104,7 +104,7 @@ def _described(path: Path, model: type[Mission] | type[Pipe]) -> str:
     try:
         return validate(read_document(path), model).description
     except PirateError as error:
-        return str(error).partition("\n")[0]
+        return error.for_terminal.partition("\n")[0]
 
 
 def _table(title: str, rows: Iterable[Row]) -> None:

@@ -76,7 +76,7 @@ class ExportOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class ReportOptions:
-    """Write a recorded run as one HTML page that works offline; list many runs.
+    """Write a recorded run as one HTML page that works offline.
 
     Of several recordings, or of a folder, each has its page beside it, and index.html lists them.
     Pages of a folder that is read-only stand beside the list: name that with --output.
@@ -98,7 +98,7 @@ class ReportOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class RepairOptions:
-    """Complete a recording that was cut short, with its end and index, in a new file.
+    """Complete a recording that was cut short, in a new file.
 
     Exit codes: 0 written, or it is whole already; 2 it cannot be read or the file not be written.
     """

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library, references
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import parameter_values as parameters
@@ -49,6 +49,10 @@ class LoadedMission:
     files: Mapping[str, str]
     parameters: Mapping[str, str]
     notices: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        where = f"in pipe {self.pipe_name}" if self.pipe_name else "without a pipe"
+        return f"<LoadedMission {self.mission.mission}: robot {self.robot.name}, {where}>"
 
 
 def load_mission(
@@ -213,13 +217,14 @@ def _values(
         try:
             value = parameters.read_value(mission.parameters[name], text)
         except QuantityError as error:
-            raise UsageError(f"--set {name}={text}: {error}") from None
+            raise UsageError(f"parameter '{name}': {error}") from None
         values[name] = parameters.Value(value, text)
     for name in mission.parameters.keys() - values.keys():
         if assumed:
             values[name] = parameters.sample(mission.parameters[name])
         elif mission.parameters[name].default is None:
-            raise UsageError(f"parameter '{name}' has no default: give it with --set {name}=…")
+            hint = Hint(f": give it with --set {name}=…", f": give it with set={{'{name}': …}}")
+            raise UsageError(f"parameter '{name}' has no default", hint=hint)
     return values
 
 

@@ -16,6 +16,7 @@ from functools import cached_property
 from hashlib import file_digest
 from math import inf
 from pathlib import Path
+from typing import Any
 
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.file_names import shown
@@ -64,6 +65,10 @@ class Recording:
     header: RunHeader
     content: Content = field(repr=False)
     watch: Callable[[float], None] = field(default=_no_progress, repr=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Another process reads the file itself: what this one has read stays here.
+        return Recording, (self.path, self.header, self.content, self.watch)
 
     @property
     def complete(self) -> bool:

@@ -42,7 +42,7 @@ def unanswered(
         return f"{port} speaks something else than rosserial, it says '{shown}': another device?"
     return (
         f"{port} sends bytes that make no sense at {baud} baud: the firmware uses another speed "
-        "(--baud), or it is another device"
+        "(option baud), or it is another device"
     )
 
 
