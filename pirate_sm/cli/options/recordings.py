@@ -43,7 +43,7 @@ class ReplayOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class CompareOptions:
-    """Compare two recorded runs, aligned by what the mission has reached.
+    """Compare two recorded runs, aligned by the mission's progress.
 
     Exit codes: 0 the same course, 1 they part, 2 one cannot be read.
     """
