@@ -1,4 +1,4 @@
-"""A robot's setpoints, and what states and commands make of them."""
+"""Specifications of slots, loops, writes, postures and commands, with names as indexes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class VelocitySpec(NamedTuple):
     """A velocity loop: duty = target / no-load speed, plus an integral of the error.
 
     Attributes:
-        gain: What a fresh frame adds to the integral, as a share of the error.
+        gain: Share of the error that each new frame adds to the integral.
         limit: Largest duty cycle used.
         no_load_rad_s: Speed of the motor at full duty without load.
         speed: Number index of the wheel's angular speed.
@@ -137,7 +137,7 @@ class GripSpec(NamedTuple):
 
 
 class Write(NamedTuple):
-    """What a stage does to a slot.
+    """The write of a stage to one slot.
 
     Attributes:
         how: ``set`` a value. ``seek`` an angle by a position loop. ``turn`` at a speed by a
@@ -169,14 +169,14 @@ StageSpec: TypeAlias = tuple[Write, ...]
 
 @dataclass(frozen=True)
 class PostureSpec:
-    """What a command brings the joints to before its states' own actuation.
+    """A posture: joint angles that a command reaches before the actuation of its states.
 
     Attributes:
-        name: Of the posture, for people.
+        name: Name of the posture, for messages.
         writes: Its setpoints.
-        done: What shows, besides every joint at its angle, that it has been reached.
-        within_rad: How far a joint may be from its angle; NaN for the threshold of its loop.
-        refuse: Why the command is impossible here; empty where it is not.
+        done: Criterion of completion, besides every joint at its angle.
+        within_rad: Tolerance of the angles; NaN for the threshold of the position loop.
+        refuse: Why the command is impossible here; empty if it is possible.
     """
 
     name: str
@@ -188,14 +188,14 @@ class PostureSpec:
 
 @dataclass(frozen=True)
 class CommandSpec:
-    """A command beyond the chart.
+    """The properties of a command that the chart does not define.
 
     Attributes:
-        postures: By the configuration that it leads to, the posture that comes first, or None;
-            empty for a command that needs none anywhere.
-        asks_for: Condition on the states of the regions; where it holds, the command is unneeded.
-        asks_parts: Parts that are held wherever it holds; where there are any, their clamps decide
-            whether the command is unneeded.
+        postures: The posture for each target configuration, or None; empty for a command without
+            postures.
+        asks_for: Condition on the states of the regions. Where it holds, the command is unneeded.
+        asks_parts: Parts that are held wherever ``asks_for`` holds. If there are any, the command
+            is unneeded only while their clamps are confirmed.
     """
 
     name: str
@@ -208,5 +208,5 @@ class CommandSpec:
     asks_parts: frozenset[int] = frozenset()
 
     def posture(self, configuration: int) -> PostureSpec | None:
-        """Return the posture that comes first where the command leads to this configuration."""
+        """Return the posture that precedes a change to this configuration, or None."""
         return self.postures[configuration] if self.postures else None

@@ -1,4 +1,4 @@
-"""Whether signals show that what a command asked for has happened."""
+"""Evaluate the criteria that show that a command is done."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def _bears(torque: int, least_nm: float, numbers: Numbers, loops: Loops) -> bool
 
 
 def still(speeds: tuple[int, ...], numbers: Numbers, below: float) -> bool:
-    """Whether at least one of the wheels can be heard, and all of these turn slower."""
+    """Return whether at least one wheel reports and all reporting wheels turn slower."""
     heard = [abs(numbers[speed]) for speed in speeds if not isnan(numbers[speed])]
     return bool(heard) and max(heard) < below
 
@@ -87,7 +87,7 @@ def must_hold_s(
 def in_words(
     robot: RobotSpec, criterion: CriterionSpec, numbers: Numbers, loops: tuple[PositionLoop, ...]
 ) -> str:
-    """Return in words what shows that the command is done, and which joints a wall has stopped."""
+    """Return what shows that the command is done, with the joints that a wall has stopped."""
     match criterion:
         case ReachedSpec():
             names = robot.vocabulary.numbers
