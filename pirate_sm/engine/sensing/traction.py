@@ -12,7 +12,7 @@ At other times it is unknown; the friction that is used is then a lower bound of
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, inf, isnan, nan, sin
+from math import copysign, cos, inf, isnan, nan, sin
 from statistics import median
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -143,7 +143,7 @@ def _wheel(
 ) -> Slipping:
     """Fill in the signals of one wheel; return what is remembered of its slipping."""
     slip_m_s = numbers[wheel.speed] * wheel.metres_per_rad - body_m_s
-    force_n = numbers[wheel.torque] / wheel.metres_per_rad if wheel.torque >= 0 else nan
+    force_n = torque_nm(wheel, numbers, setpoint) / wheel.metres_per_rad
     _put(numbers, wheel.slip_speed, slip_m_s)
     known = abs(body_m_s) >= wheel.unknown_below_m_s and body_m_s != 0
     _put(numbers, wheel.slip, -slip_m_s / body_m_s if known else nan)
@@ -166,6 +166,19 @@ def _wheel(
     return after
 
 
+def torque_nm(wheel: WheelTraction, numbers: Sequence[float], setpoint: float) -> float:
+    """Return the torque of a wheel's motor, NaN where it is unknown.
+
+    Its size is that of the signal, whose sign is the setpoint's (eq. 5-3). A motor that the weight
+    turns faster than its setpoint brakes: its torque has the sign of ``duty - speed / no-load
+    speed``.
+    """
+    if wheel.torque < 0:
+        return nan
+    way = setpoint - numbers[wheel.speed] / wheel.no_load_rad_s
+    return copysign(numbers[wheel.torque], way) if setpoint else numbers[wheel.torque]
+
+
 def _put(numbers: list[float], target: int, value: float) -> None:
     if target >= 0:
         numbers[target] = value
@@ -185,7 +198,10 @@ def _normal_forces(
     body = robot.body
     turn_rad = body.heading_in_pipe(numbers, held, 0)
     headings = body.headings(body.angles(numbers), 0, turn_rad)
-    torques = [numbers[wheel.torque] if wheel.torque >= 0 else 0.0 for wheel in spec.wheels]
+    torques = [
+        torque_nm(wheel, numbers, setpoints[wheel.slot]) if wheel.torque >= 0 else 0.0
+        for wheel in spec.wheels
+    ]
     joints = [numbers[joint] if joint >= 0 else 0.0 for joint in spec.joint_torques]
     drives = [t / wheel.metres_per_rad for t, wheel in zip(torques, spec.wheels, strict=True)]
     braked = [setpoints[wheel.slot] == 0 for wheel in spec.wheels]

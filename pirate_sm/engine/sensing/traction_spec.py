@@ -16,6 +16,7 @@ class WheelTraction(NamedTuple):
         torque: Number index of the torque of its motor.
         metres_per_rad: How far ahead it rolls.
         stall_nm: Torque of its motor at full duty when it stands.
+        no_load_rad_s: Speed of its motor at full duty without load; infinite where it is not known.
         slip_speed: Target, m/s; positive where the rim is faster than the body.
         slip: Target, slip ratio (thesis eq. 2-1).
         normal_force: Target, N.
@@ -33,6 +34,7 @@ class WheelTraction(NamedTuple):
     torque: int
     metres_per_rad: float
     stall_nm: float
+    no_load_rad_s: float
     slip_speed: int = -1
     slip: int = -1
     normal_force: int = -1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import inf
 
 from pirate_sm.engine.sensing.board_spec import BoardSpec
 from pirate_sm.engine.sensing.traction_spec import TractionSpec, WheelTraction
@@ -37,10 +38,11 @@ def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> Tract
             ),
             -1,
         )
-        stall_nm = profile.motors[slot.motor].stall_torque or 0.0
+        motor = profile.motors[slot.motor]
+        limits = motor.stall_torque or 0.0, motor.no_load_speed or inf
         at = board.position if board else -1
         own = WheelTraction(
-            wheel.place, at, wheel.slot, wheel.speed, torque, wheel.metres_per_rad, stall_nm
+            wheel.place, at, wheel.slot, wheel.speed, torque, wheel.metres_per_rad, *limits
         )
         wheels.append(_with_targets(signals, own, body.wheels[wheel.place].name, wanted))
         module = board.module if board else ""
