@@ -79,7 +79,7 @@ class BuiltInFault(Enum):
     )
     GRIP_EXHAUSTED = _About(
         "grip.exhausted",
-        "surroundings",
+        "sensors",
         True,
         "a part presses as hard as it may, and friction may not bear the robot",
     )

@@ -70,11 +70,11 @@ class _Unanswered(NamedTuple):
 
     Attributes:
         at_s: When it was written.
-        overtaken: Whether a newer array has replaced it; otherwise it was a refresh.
+        overtaken: The array that a newer one has replaced; None for a refresh.
     """
 
     at_s: float
-    overtaken: bool = False
+    overtaken: _ArrayUnderWay | None = None
 
 
 class SetpointLink:
@@ -292,8 +292,11 @@ class SetpointLink:
         """Count refreshes and overtaken arrays as lost whose echo is overdue."""
         limit_s = now - self._longest_s
         for number in [n for n, each in self._unanswered.items() if each.at_s <= limit_s]:
-            del self._unanswered[number]
+            older = self._unanswered.pop(number).overtaken
             self.quality.lose(1.0)
+            if older is not None and not older.reported and number == older.numbers[-1]:
+                older.reported = True
+                self._report(older.order.setpoint_id, "unknown", "a newer array came, and no echo")
 
     # --- what is answered -------------------------------------------------------------------
 
@@ -321,8 +324,9 @@ class SetpointLink:
         unanswered = self._unanswered.pop(number, None)
         if unanswered is not None:
             self.quality.lose(0.0)
-            if unanswered.overtaken:
+            if unanswered.overtaken is not None:
                 self.quality.learn(now - at_s)
+                self._confirm_overtaken(unanswered.overtaken, counts)
         if flight is None or number not in flight.numbers:
             return  # of an array given up, or of another copy of an accepted one
         self.applied = counts
@@ -336,6 +340,13 @@ class SetpointLink:
             self._flight = None
         else:
             del flight.numbers[: place + 1]  # only later copies still matter
+
+    def _confirm_overtaken(self, older: _ArrayUnderWay, counts: Integers) -> None:
+        """Report an array that was in force until the newer one came."""
+        self.applied = counts
+        if not older.reported:
+            older.reported = True
+            self._report(older.order.setpoint_id, "accepted", "")
 
     def unreadable(self, now: float) -> None:
         """Handle an echo that cannot be decoded."""
@@ -355,11 +366,17 @@ class SetpointLink:
             self.reassert(now)
 
     def _overtake(self, flight: _ArrayUnderWay, newer: _WantedArray) -> None:
-        """Give an array up because a newer one waits; its echo may still come."""
+        """Wait no longer with a newer array; the result follows when the echo comes or is overdue.
+
+        In a stream on a bad line a newer array always waits: without the late echoes nothing of it
+        would ever be confirmed.
+        """
         for number in flight.numbers:
             if number in self._recent:
-                self._unanswered[number] = _Unanswered(self._recent[number][1], overtaken=True)
-        self._end(flight, f"array {newer.setpoint_id} came before its echo")
+                self._unanswered[number] = _Unanswered(self._recent[number][1], flight)
+        self._flight = None
+        if not (flight.numbers and flight.numbers[-1] in self._unanswered):
+            self._end(flight, f"array {newer.setpoint_id} came before its echo")
 
     def _end(self, flight: _ArrayUnderWay, reason: str) -> None:
         self._flight = None
