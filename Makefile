@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects mutants clean
+.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects loops mutants clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -20,6 +20,7 @@ help:
 	@echo "make defects every known defect of the robot, in several missions"
 	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
 	@echo "make kills   the bend in real time, and something dies at a random moment of it"
+	@echo "make loops   velocity and torque loops over a bad link to the emulated bay"
 	@echo "make bends   the bend in real time, and nothing goes wrong"
 	@echo "make mutants 250 small faults in the code, to be found by the tests (an hour)"
 	@echo "make golden  the golden traces, help texts and pictures of screens anew, after a change that is meant"
@@ -77,6 +78,9 @@ kills: $(VENV)/.ready-soak
 
 bends: $(VENV)/.ready-soak
 	$(BIN)/python -m benchmarks.bends
+
+loops: $(VENV)/.ready-soak
+	$(BIN)/python -m benchmarks.loops
 
 mutants: $(VENV)/.ready-mutants
 	$(BIN)/python -m benchmarks.mutants

@@ -192,7 +192,11 @@ def loaded_mission() -> LoadedMission:
 
 def bay_of(seed: int, switches: Switches) -> tuple[VirtualBay, LinkPlan]:
     """The emulated bay where that mission starts, and what the driver needs to know of it."""
-    loaded = loaded_mission()
+    return bay_at(loaded_mission(), seed, switches)
+
+
+def bay_at(loaded: LoadedMission, seed: int, switches: Switches) -> tuple[VirtualBay, LinkPlan]:
+    """The emulated bay where a mission starts, and what the driver needs to know of it."""
     robot, folder = loaded.loaded_robot, loaded.loaded_robot.folder
     assert loaded.pipe is not None
     plan = read_plan(Path(folder), robot.profile, loaded.robot)
