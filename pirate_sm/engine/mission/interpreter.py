@@ -160,15 +160,18 @@ def _switch_control(moment: Moment, state: EngineState, it: SwitchControl) -> En
         mission = mission._replace(begun=True, armed_s=clock)
         return state._replace(robot=robot, mission=mission)
     late = unsettled(body, state.sensing)
-    if moment.nominal or mission.skipped is not None or not late:
+    if mission.skipped is not None or not late:
         return go(state, it.next)
-    if has_come(clock, mission.armed_s + it.timeout_s):
-        name = moment.robot.controls[it.control].name
-        slots = ", ".join(moment.robot.slots[slot].name for slot in late)
-        limit = f"{it.timeout_s:g} s"
-        cause = f"control {name} ({it.place}): {slots} did not bear the torque within {limit}"
-        return fail(moment, state, cause, it.failed)
-    return state
+    if mission.result is None and moment.nominal:
+        done = has_come(clock, mission.armed_s + it.nominal_s)
+        return go(state, it.next) if done else state
+    if mission.result is None and not has_come(clock, mission.armed_s + it.timeout_s):
+        return state
+    name = moment.robot.controls[it.control].name
+    slots = ", ".join(moment.robot.slots[slot].name for slot in late)
+    why = mission.result.reason if mission.result else f"not within {it.timeout_s:g} s"
+    cause = f"control {name} ({it.place}): {slots} did not bear the torque: {why}"
+    return fail(moment, state, cause, it.failed)
 
 
 def _branch(moment: Moment, state: EngineState, it: Branch) -> EngineState:

@@ -16,6 +16,9 @@ MOST_PHASES = 1_000
 """Limit of phases begun within one second of mission time [decided]. At a bus cycle of 10 ms at
 most 100 waits can end in a second; a mission that begins more phases runs in a circle."""
 
+CONTROL_NOMINAL_S = 1.0
+"""How long joints take on paper to bear the torques of a control; 1 s in the simulator."""
+
 STOP = -1
 """A failure's target when nothing handles it: the safe stop, mission failed."""
 
@@ -64,6 +67,11 @@ class SwitchControl(NamedTuple):
     next: int
     failed: int
     place: str
+
+    @property
+    def nominal_s(self) -> float:
+        """Return how long the joints take on paper."""
+        return min(self.timeout_s, CONTROL_NOMINAL_S)
 
 
 class Branch(NamedTuple):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import nan
 
+from pirate_sm.engine.mission.program import SwitchControl
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands
 from pirate_sm.engine.robot.robot_state import Finished
@@ -41,10 +42,13 @@ def show(moment: Moment, state: EngineState, report: SignalReport) -> EngineStat
 
 def fail_command(moment: Moment, state: EngineState, event: CommandFailed) -> EngineState:
     """End the command under way as timed out, unless its array is still in flight."""
-    body = state.robot
+    body, mission = state.robot, state.mission
+    result = Finished(False, event.reason)
+    switches = isinstance(moment.program.instructions[mission.pc], SwitchControl) and mission.begun
+    if moment.nominal and switches and body.awaited is None:
+        return state._replace(mission=mission._replace(result=result))
     if not moment.nominal or body.motion is None or body.awaited is not None:
         moment.warn("no command is under way that a script could let fail")
         return state
     body = commands.fail(moment, body, event.reason)
-    mission = state.mission._replace(result=Finished(False, event.reason))
-    return state._replace(robot=body, mission=mission)
+    return state._replace(robot=body, mission=mission._replace(result=result))
