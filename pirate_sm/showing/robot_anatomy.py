@@ -114,7 +114,7 @@ def _readings(profile: Profile) -> Iterator[ShownReading]:
                 yield ShownReading(label, name, written)
 
 
-_MOST_KINDS = 7
+_MOST_KINDS = 6
 
 
 def _written(derived: kinds.Derived) -> tuple[int, str]:
@@ -131,12 +131,18 @@ def _written(derived: kinds.Derived) -> tuple[int, str]:
         case kinds.SpeedOf():
             return 4, "speed"
         case kinds.NormOf():
-            return 6, "acceleration"
-        case kinds.BodySpeedOf():
-            return 5, "speed"
-        case kinds.RateOf() | kinds.TorqueOf() | kinds.SlipSpeedOf() | kinds.SlipOf():
+            return 5, "acceleration"
+        case kinds.RateOf() | kinds.TorqueOf():
             return -1, ""
-        case kinds.NormalForceOf() | kinds.FrictionUsedOf() | kinds.FrictionOf() | kinds.LeastOf():
+        case (
+            kinds.BodySpeedOf()
+            | kinds.SlipSpeedOf()
+            | kinds.SlipOf()
+            | kinds.NormalForceOf()
+            | kinds.FrictionUsedOf()
+            | kinds.FrictionOf()
+            | kinds.LeastOf()
+        ):
             return -1, ""
 
 

@@ -74,8 +74,16 @@ def _board(signals: Signals, number: int, board: model.Board, position: int) -> 
                 diameters += _diameter(signals, part, told, target)
             case kinds.RateOf() | kinds.TorqueOf() | kinds.OdometryOf() | kinds.SpeedOf():
                 pass  # without its source; made of all wheels
-            case _:
-                pass  # of slip and friction, see `resolve_traction`
+            case (
+                kinds.BodySpeedOf()
+                | kinds.SlipSpeedOf()
+                | kinds.SlipOf()
+                | kinds.NormalForceOf()
+                | kinds.FrictionUsedOf()
+                | kinds.FrictionOf()
+                | kinds.LeastOf()
+            ):
+                pass  # see `resolve_traction`
     wheels = tuple(w for w in signals.wheels if names[w.angle] in told)
     return BoardSpec(
         board.id,

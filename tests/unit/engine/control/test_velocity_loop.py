@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pirate_sm.engine.control.circumstances import Circumstances
 from pirate_sm.engine.control.velocity_loop import VelocityLoop
 from pirate_sm.engine.robot.command_spec import VelocitySpec
 
@@ -17,7 +18,7 @@ SPEEDS = st.floats(-20, 20)
 
 def after(loop: VelocityLoop, *speeds: float) -> VelocityLoop:
     for speed in speeds:
-        loop = loop.heard((speed,))
+        loop = loop.heard(Circumstances((speed,)))
     return loop
 
 
@@ -45,7 +46,7 @@ def test_a_loaded_wheel_comes_to_its_speed_although_frames_are_late(target, drop
     loop, speeds = VelocityLoop(2, SPEC, target), [0.0] * delay
 
     for _ in range(60):
-        loop = loop.heard((speeds[-delay],))
+        loop = loop.heard(Circumstances((speeds[-delay],)))
         speeds.append(5.0 * (loop.duty(()) - drop))
 
     assert speeds[-10:] == pytest.approx([target] * 10, rel=0.01)
