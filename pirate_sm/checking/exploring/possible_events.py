@@ -8,6 +8,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.engine.mission.program import HandlerSpec, Program, Question, Wait
+from pirate_sm.engine.mission.scripted_signals import awaits_torques
 from pirate_sm.engine.robot import robot_state
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
@@ -69,6 +70,8 @@ class Moves:
             yield Move("accepted", SubmitResult(number, "accepted"), now)
             if body.flight.purpose == "gate":
                 yield Move("rejected", SubmitResult(number, "rejected", REFUSED), now)
+            elif mission.diverting is None and awaits_torques(self._program, state):
+                yield Move("failed", CommandFailed(NOT_DONE), now)
         elif body.motion is not None and mission.diverting is None:
             yield Move("time", Tick(), state.wake_at_s)
             yield Move("failed", CommandFailed(NOT_DONE), now)

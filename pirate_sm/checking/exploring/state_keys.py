@@ -37,6 +37,7 @@ def key_of(state: EngineState) -> Any:
         mission.ended,
         body.configuration,
         body.marks,
+        body.control,
         body.values,
         body.seeking,
         flight and (flight.purpose, flight.values),

@@ -162,9 +162,10 @@ def _switch_control(moment: Moment, state: EngineState, it: SwitchControl) -> En
         if robot.awaited is not None:
             return state
     late = unsettled(state.robot, state.sensing)
-    if moment.nominal or mission.skipped is not None or not late:
+    failed = mission.result is not None  # a script says so
+    if not failed and (moment.nominal or mission.skipped is not None or not late):
         return go(state, it.next)
-    if has_come(clock, mission.armed_s + it.timeout_s):
+    if failed or has_come(clock, mission.armed_s + it.timeout_s):
         name = moment.robot.controls[it.control].name
         slots = ", ".join(moment.robot.slots[slot].name for slot in late)
         limit = f"{it.timeout_s:g} s"
