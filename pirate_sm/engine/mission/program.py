@@ -233,9 +233,12 @@ class Program:
         return f" ({turn})" if turn else ""
 
     def beginning(self, phase: str) -> int | None:
-        """Return the index of the instruction that enters a phase, None where there is none."""
-        for index, each in enumerate(self.instructions):
-            if isinstance(each, Enter) and each.phase == phase:
+        """Return the index of the instruction that a phase begins at, None where there is none.
+
+        A mission's own control comes before it enters its first phase.
+        """
+        for index, (each, home) in enumerate(zip(self.instructions, self.phase_of, strict=True)):
+            if home == phase and isinstance(each, Enter | SwitchControl):
                 return index
         return None
 

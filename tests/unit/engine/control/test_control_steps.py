@@ -9,6 +9,7 @@ import pytest
 from driving import Driver, command, write_mission
 from rolling_newt import BEARING, CONTROLS, SWITCH
 
+from pirate_sm.engine.robot.robot_state import state_change
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 from pirate_sm.recording.format.engine_state_text import state_from_text, state_to_text
@@ -324,6 +325,19 @@ def test_a_mission_whose_control_is_late_leads_where_its_failures_lead(bearing):
     sent_during(driver, 0.4)
 
     assert driver.phases == ["late"]
+
+
+def test_a_mission_that_is_handed_its_first_phase_takes_its_control(bearing):
+    """So it is started at the console: it begins paused, and the operator hands it over."""
+    engine = bearing(f"control: gentle\n{SWITCH}", nominal=True).engine
+    begun, _ = engine.start(0.0, paused=True)
+    change = state_change(engine.robot, begun.robot)
+
+    after, effects = engine.step(begun, ev.GoTo("still", change.states, change.unconfirmed), 1.0)
+
+    assert begun.robot.control == 0
+    assert after.robot.control == 1
+    assert [each for each in effects if isinstance(each, fx.Setpoints)]
 
 
 CALLED = """\
