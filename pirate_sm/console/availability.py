@@ -11,7 +11,7 @@ from pirate_sm.checking.plans.phase_entry import why_not_from
 from pirate_sm.console.key_bindings import CONTROLS
 from pirate_sm.engine.mission.operator import why_not_command
 from pirate_sm.engine.mission.pausing import why_not_on, why_not_to
-from pirate_sm.engine.mission.program import Wait
+from pirate_sm.engine.mission.program import SwitchControl, Wait
 from pirate_sm.engine.robot.robot_state import RobotState, state_change
 from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission
@@ -173,7 +173,8 @@ def _why_not_pause(state: EngineState) -> str:
 def _why_not_skip(snapshot: Snapshot, state: EngineState) -> str:
     if state.mission.paused:
         return "nothing is passed over while paused"
-    waits = isinstance(snapshot.scene.loaded.program.instructions[state.mission.pc], Wait)
+    it = snapshot.scene.loaded.program.instructions[state.mission.pc]
+    waits = isinstance(it, Wait | SwitchControl)
     return "" if waits and state.mission.begun else "nothing is waited for"
 
 

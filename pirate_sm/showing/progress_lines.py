@@ -6,7 +6,7 @@ from math import isinf, isnan
 
 from rich.text import Text
 
-from pirate_sm.engine.mission.program import Wait
+from pirate_sm.engine.mission.program import SwitchControl, Wait
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.text_styles import ACCENT, GOOD, MUTED, WARN, line
 
@@ -31,12 +31,16 @@ def waiting(snapshot: Snapshot, width: int) -> list[Text]:
     if state is None or not state.mission.begun:
         return []
     here = snapshot.scene.loaded.program.instructions[state.mission.pc]
+    spent_s = state.mission.clock(snapshot.engine_s) - state.mission.armed_s
+    if isinstance(here, SwitchControl):
+        name = snapshot.scene.robot.controls[here.control].name or "the usual control"
+        said = line(("○ ", WARN), f"{name}: until the joints bear their torques")
+        return [said, bar(spent_s, here.timeout_s, width)]
     if not isinstance(here, Wait):
         return []
     lines = [
         line(("○ ", WARN), f"{each.text} ", (f"→ {each.go_name}", MUTED)) for each in here.triggers
     ]
-    spent_s = state.mission.clock(snapshot.engine_s) - state.mission.armed_s
     return [*lines, bar(spent_s, here.within_s, width)]
 
 

@@ -18,6 +18,7 @@ ENDS = {
     "call": "entered",
     "choose": "clamped",
     "condition": "lit",
+    "control": "arrived",
     "held": "steady",
     "inline_pipe": "arrived",
     "log": "said",

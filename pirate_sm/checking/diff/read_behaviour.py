@@ -63,6 +63,7 @@ def _facts(loaded: LoadedMission) -> dict[str, str]:
         "polarity": robot.polarity,
         "first phase": first.phase if isinstance(first, steps.Enter) else "",
         **begun,
+        "control": loaded.mission.control or "none",
         "time limit": "none" if isinf(limit_s) else f"{limit_s:g} s",
     }
 

@@ -7,7 +7,8 @@ from math import isinf
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.checking.exploring.conditions import Conditions
-from pirate_sm.engine.mission.program import HandlerSpec, Program, Question, SwitchControl, Wait
+from pirate_sm.engine.mission.program import HandlerSpec, Program, Question, Wait
+from pirate_sm.engine.mission.scripted_signals import awaits_torques
 from pirate_sm.engine.robot import robot_state
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
@@ -68,7 +69,9 @@ class Moves:
             yield PossibleEvent("accepted", SubmitResult(number, "accepted"), now)
             if body.flight.purpose == "gate":
                 yield PossibleEvent("rejected", SubmitResult(number, "rejected", REFUSED), now)
-        elif (body.motion is not None or self._switches(state)) and mission.diverting is None:
+            elif mission.diverting is None and awaits_torques(self._program, state):
+                yield PossibleEvent("failed", CommandFailed(NOT_DONE), now)
+        elif body.motion is not None and mission.diverting is None:
             yield PossibleEvent("time", Tick(), state.wake_at_s)
             yield PossibleEvent("failed", CommandFailed(NOT_DONE), now)
         if mission.diverting is not None:
@@ -77,11 +80,6 @@ class Moves:
             yield from self._spoken(state, now)
         if not mission.handling:
             yield from self._faults(state, now)
-
-    def _switches(self, state: EngineState) -> bool:
-        """Return whether joints are coming to the torques of another control."""
-        instruction = self._program.instructions[state.mission.pc]
-        return state.mission.begun and isinstance(instruction, SwitchControl)
 
     def _spoken(self, state: EngineState, now: float) -> Iterator[PossibleEvent]:
         """Yield the events for which a wait or a question waits."""

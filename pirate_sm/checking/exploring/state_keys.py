@@ -15,7 +15,7 @@ def key_of(state: EngineState) -> Any:
     mission, body = state.mission, state.robot
     flight, motion = body.flight, body.motion
     robot = (
-        (body.configuration, body.marks, body.values, body.seeking),
+        (body.configuration, body.marks, body.control, body.values, body.seeking),
         flight and (flight.purpose, flight.values),
         motion and (motion.command, motion.stage, isnan(motion.accepted_s)),
         state.rules,

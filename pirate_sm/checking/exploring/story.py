@@ -58,7 +58,8 @@ def _what(found: Exploration, step: ExploredStep, written: Written) -> str:
         case "rejected":
             return f"the setpoints of {name}{place} are refused by the robot"
         case "failed":
-            return f"{name}{place} is not done in time"
+            failed = f"{name}{place} is not done in time"
+            return failed if name else "the torques are not borne in time"
         case "fault":
             return f"the fault {step.move.word} comes up"
         case "answer":

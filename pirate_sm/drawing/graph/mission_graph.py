@@ -105,8 +105,11 @@ def _nodes(part: Called) -> Iterator[Node]:
 
 def _edges(part: Called) -> Iterator[Edge]:
     mission, prefix = part.mission, part.prefix
-    states = ", ".join(f"{region}={state}" for region, state in (mission.starts_in or {}).items())
-    yield Edge(f"{prefix}{START}", f"{prefix}{mission.start}", EdgeKind.START, states)
+    begins = [f"{region}={state}" for region, state in (mission.starts_in or {}).items()]
+    if mission.control is not None:
+        begins.append(f"control {mission.control}")
+    start = f"{prefix}{mission.start}"
+    yield Edge(f"{prefix}{START}", start, EdgeKind.START, ", ".join(begins))
     for name, phase in mission.phases.items():
         for target, kind, label in _ways(phase):
             yield Edge(f"{prefix}{name}", f"{prefix}{target}", kind, label)

@@ -38,6 +38,7 @@ def robot_page(robot: LoadedRobot) -> list[Block]:
         *_other_names(robot.profile),
         Heading(2, "States"),
         *(block for place in range(len(robot.table.regions)) for block in _region(robot, place)),
+        *_controls(robot.profile),
         *_safety(robot.profile),
     ]
 
@@ -184,6 +185,24 @@ def _region(robot: LoadedRobot, place: int) -> Iterator[Block]:
         for name in robot.table.states[place]
     ]
     yield Table(("state", "motors", "holds"), rows)
+
+
+def _controls(profile: Profile) -> Iterator[Block]:
+    if profile.controls:
+        yield Heading(2, "Controls")
+        yield Paragraph("Other ways to actuate these states, which a mission chooses by name.")
+    for name, control in profile.controls.items():
+        yield Heading(3, name)
+        if control.description:
+            yield Paragraph(control.description)
+        if control.extends is not None:
+            yield Paragraph(f"{control.extends}, with these changes.", "As")
+        rows = [
+            (region, state, _given(profile, stages))
+            for region, states in control.actuation.items()
+            for state, stages in states.items()
+        ]
+        yield Table(("region", "state", "motors"), rows)
 
 
 def _picture(outline: ChartOutline, place: int) -> Graph:

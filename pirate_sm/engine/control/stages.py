@@ -16,6 +16,8 @@ from pirate_sm.engine.robot.done import holds
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     POSTURE,
+    STOPPED,
+    Mark,
     Motion,
     Numbers,
     RobotState,
@@ -58,15 +60,23 @@ def switched_array(
 ) -> tuple[Numbers, Loops]:
     """Return the array and the loops that actuate the present states by another control.
 
-    Only slots are written to which the two controls write something else.
+    Only slots are written to which the two controls write something else. Wheels that were stopped
+    from outside their state stay stopped, and a joint that a command has brought to an angle stays
+    there: commands alone drive and seek.
     """
     values = list(known_values(state.latest, sensing.numbers, robot))
     loops = {each.slot: each for each in state.loops}
     after = state._replace(control=control)
     for region, name in enumerate(states_of(robot, state)):
+        if Mark("region", region, STOPPED) in state.marks:
+            continue
         before = state.stages(robot, region, name)[-1]
         stage = after.stages(robot, region, name)[-1]
-        changed = tuple(write for write in stage if write not in before)
+        changed = tuple(
+            write._replace(how="set", value=0.0) if write.how == "seek" else write
+            for write in stage
+            if write not in before
+        )
         _write(robot, sensing, changed, values, loops)
     return tuple(values), tuple(loops.values())
 

@@ -35,7 +35,7 @@ ROUND_AND_ROUND = "the phases go round without ever waiting"
 def advance(moment: Moment, state: EngineState) -> EngineState:
     """Execute instructions until one must wait.
 
-    No command begins after the mission's time limit; all else that is due comes first (rule 6).
+    Once its time is up nothing is commanded any more; what else is due now comes before (rule 6).
     """
     instructions = moment.program.instructions
     for _ in range(MOST_TURNS * len(instructions)):
@@ -45,7 +45,7 @@ def advance(moment: Moment, state: EngineState) -> EngineState:
         if mission.diverting or mission.paused or mission.pause_wanted:
             return state
         instruction = instructions[mission.pc]
-        begins = type(instruction) is Do and not mission.begun
+        begins = isinstance(instruction, Do | SwitchControl) and not mission.begun
         if begins and has_come(mission.clock(moment.now_s), moment.program.time_limit_s):
             return state
         after = _execute(moment, state, instruction)
@@ -88,11 +88,11 @@ def _execute(  # noqa: C901 - one case for each kind of instruction
 def without_requests(moment: Moment, state: EngineState) -> MissionState:
     """Return the mission without the operator's answer and skip, which have been processed.
 
-    A skip is kept while a command's array is in flight: until its result it is open whether the
-    chart has moved.
+    A skip is kept while an array of the step is in flight: whether that has moved the chart, or is
+    in force, is not known before.
     """
-    mission = state.mission
-    doing = mission.begun and isinstance(moment.program.instructions[mission.pc], Do)
+    mission, it = state.mission, moment.program.instructions[state.mission.pc]
+    doing = mission.begun and isinstance(it, Do | SwitchControl)
     waits = doing and state.robot.awaited is not None
     return mission._replace(answer=None, skipped=mission.skipped if waits else None)
 
@@ -158,20 +158,20 @@ def _switch_control(moment: Moment, state: EngineState, it: SwitchControl) -> En
     if not mission.begun:
         robot = commands.switch_control(moment, body, state.sensing, it.control)
         mission = mission._replace(begun=True, armed_s=clock)
-        return state._replace(robot=robot, mission=mission)
-    late = unsettled(body, state.sensing)
-    if mission.skipped is not None or not late:
+        state = state._replace(robot=robot, mission=mission)
+        if robot.awaited is not None:
+            return state
+    late = unsettled(state.robot, state.sensing)
+    failed = mission.result is not None  # a script says so
+    if not failed and (moment.nominal or mission.skipped is not None or not late):
         return go(state, it.next)
-    if mission.result is None and moment.nominal:
-        done = has_come(clock, mission.armed_s + it.nominal_s)
-        return go(state, it.next) if done else state
-    if mission.result is None and not has_come(clock, mission.armed_s + it.timeout_s):
-        return state
-    name = moment.robot.controls[it.control].name
-    slots = ", ".join(moment.robot.slots[slot].name for slot in late)
-    why = mission.result.reason if mission.result else f"not within {it.timeout_s:g} s"
-    cause = f"control {name} ({it.place}): {slots} did not bear the torque: {why}"
-    return fail(moment, state, cause, it.failed)
+    if failed or has_come(clock, mission.armed_s + it.timeout_s):
+        name = moment.robot.controls[it.control].name
+        slots = ", ".join(moment.robot.slots[slot].name for slot in late)
+        limit = f"{it.timeout_s:g} s"
+        cause = f"control {name} ({it.place}): {slots} did not bear the torque within {limit}"
+        return fail(moment, state, cause, it.failed)
+    return state
 
 
 def _branch(moment: Moment, state: EngineState, it: Branch) -> EngineState:

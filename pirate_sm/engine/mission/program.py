@@ -16,9 +16,6 @@ MOST_PHASES = 1_000
 """Limit of phases begun within one second of mission time [decided]. At a bus cycle of 10 ms at
 most 100 waits can end in a second; a mission that begins more phases runs in a circle."""
 
-CONTROL_NOMINAL_S = 1.0
-"""How long joints take on paper to bear the torques of a control; 1 s in the simulator."""
-
 STOP = -1
 """A failure's target when nothing handles it: the safe stop, mission failed."""
 
@@ -67,11 +64,6 @@ class SwitchControl(NamedTuple):
     next: int
     failed: int
     place: str
-
-    @property
-    def nominal_s(self) -> float:
-        """Return how long the joints take on paper."""
-        return min(self.timeout_s, CONTROL_NOMINAL_S)
 
 
 class Branch(NamedTuple):
@@ -241,9 +233,12 @@ class Program:
         return f" ({turn})" if turn else ""
 
     def beginning(self, phase: str) -> int | None:
-        """Return the index of the instruction that enters a phase, None for an unknown phase."""
-        for index, each in enumerate(self.instructions):
-            if isinstance(each, Enter) and each.phase == phase:
+        """Return the index of the instruction that a phase begins at, None where there is none.
+
+        A mission's own control comes before it enters its first phase.
+        """
+        for index, (each, home) in enumerate(zip(self.instructions, self.phase_of, strict=True)):
+            if home == phase and isinstance(each, Enter | SwitchControl):
                 return index
         return None
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from math import nan
 
-from pirate_sm.engine.mission.program import SwitchControl
+from pirate_sm.engine.control.torque_loop import TorqueLoop
+from pirate_sm.engine.mission.program import Program, SwitchControl
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands
 from pirate_sm.engine.robot.robot_state import Finished
@@ -41,14 +42,28 @@ def show(moment: Moment, state: EngineState, report: SignalReport) -> EngineStat
 
 
 def fail_command(moment: Moment, state: EngineState, event: CommandFailed) -> EngineState:
-    """End the command under way as timed out, unless its array is still in flight."""
-    body, mission = state.robot, state.mission
-    result = Finished(False, event.reason)
-    switches = isinstance(moment.program.instructions[mission.pc], SwitchControl) and mission.begun
-    if moment.nominal and switches and body.awaited is None:
-        return state._replace(mission=mission._replace(result=result))
+    """Let the command under way fail as by its timeout, unless its array is still in flight.
+
+    A switch of the control fails once its array is accepted, since it is done then on paper.
+    """
+    body = state.robot
+    if moment.nominal and awaits_torques(moment.program, state):
+        mission = state.mission._replace(result=Finished(False, event.reason))
+        return state._replace(mission=mission)
     if not moment.nominal or body.motion is None or body.awaited is not None:
         moment.warn("no command is under way that a script could let fail")
         return state
     body = commands.fail(moment, body, event.reason)
-    return state._replace(robot=body, mission=mission._replace(result=result))
+    mission = state.mission._replace(result=Finished(False, event.reason))
+    return state._replace(robot=body, mission=mission)
+
+
+def awaits_torques(program: Program, state: EngineState) -> bool:
+    """Whether the mission switches its control and that can fail: a joint shall bear a torque."""
+    mission, body = state.mission, state.robot
+    return (
+        mission.begun
+        and mission.result is None
+        and isinstance(program.instructions[mission.pc], SwitchControl)
+        and any(isinstance(each, TorqueLoop) for each in body.loops)
+    )

@@ -31,11 +31,8 @@ def next_deadline(moment: Moment, state: EngineState) -> float:
                 deadline = min(deadline, mission.armed_s + trigger.after_s)
             elif not isnan(since):
                 deadline = min(deadline, since + trigger.held_s)
-    elif mission.begun and isinstance(instruction, Question):
+    elif mission.begun and isinstance(instruction, Question | SwitchControl):
         deadline = min(deadline, mission.armed_s + instruction.timeout_s)
-    elif mission.begun and isinstance(instruction, SwitchControl):
-        lasting_s = instruction.nominal_s if moment.nominal else instruction.timeout_s
-        deadline = min(deadline, mission.armed_s + lasting_s)
     return deadline + mission.offset_s
 
 

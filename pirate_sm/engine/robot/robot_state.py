@@ -153,8 +153,11 @@ class RobotState(NamedTuple):
         return tuple([each for each in self.loops if isinstance(each, PositionLoop)])
 
     def at_rest(self) -> RobotState:
-        """Return the robot between two missions: no command, no loop and no array in flight."""
-        return self._replace(flight=None, motion=None, loops=(), overtaken=())
+        """Return the robot between two missions: nothing is under way, no loop runs.
+
+        The next one is actuated by the usual control, unless it names another.
+        """
+        return self._replace(flight=None, motion=None, loops=(), overtaken=(), control=0)
 
     @property
     def latest(self) -> Numbers:

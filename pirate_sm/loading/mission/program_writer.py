@@ -123,11 +123,14 @@ class _PhaseWriter:
             if following is not after:
                 self.compiler.assembly.mark(following)
 
-    def _step(self, step: model.Step, path: Path, after: Label) -> None:
+    def _guard(self, step: model.Step, path: Path, after: Label) -> None:
         if step.condition is not None:
             body = Label()
             self._branch(step.condition, (*path, "if"), body, after)
             self.compiler.assembly.mark(body)
+
+    def _step(self, step: model.Step, path: Path, after: Label) -> None:
+        self._guard(step, path, after)
         match step:
             case model.CommandStep():
                 self._command(step, path, after)

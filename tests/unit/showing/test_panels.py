@@ -7,9 +7,11 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.backends.serial.health import LinkHealth
+from pirate_sm.console.availability import controls
 from pirate_sm.model.effects import Ended, Fault
 from pirate_sm.showing import panels
 from pirate_sm.showing.live_snapshots import Trends, scene_of, snapshot_of
+from pirate_sm.showing.progress_lines import waiting
 from pirate_sm.showing.run_history import Memory
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Order, prepare
@@ -20,8 +22,12 @@ PATROL = str(ROOT / "tests" / "robots" / "newt" / "patrol.yaml")
 
 @pytest.fixture
 def snapshot() -> Snapshot:
+    return beginning(PATROL)
+
+
+def beginning(mission: str) -> Snapshot:
     """The moment when a mission begins."""
-    prepared = prepare(Order(PATROL, backend="trace"))
+    prepared = prepare(Order(mission, backend="trace"))
     scene = scene_of(prepared)
     state, effects = prepared.engine.start(0.0, prepared.backend.open())
     memory = Memory(scene.robot)
@@ -95,3 +101,27 @@ def test_a_stop_says_for_how_long_it_waits_for_a_link_that_is_away(snapshot: Sna
 @pytest.mark.parametrize("width", [20, 40, 80, 200])
 def test_no_header_is_wider_than_the_screen(snapshot: Snapshot, width: int) -> None:
     assert len(panels.header(snapshot, width, how="sim (seed 0)", pace="4 ×")) <= max(width, 30)
+
+
+SWITCHING = f"""\
+format: 1
+mission: switching
+robot: {ROOT / "hardware_profiles" / "pirate_ii"}
+starts_in: {{BendingState: DoubleClamped, FrontWheelsState: Fixed, RearWheelsState: Fixed}}
+control: exp_3a
+start: p
+phases: {{p: {{do: [ToggleLighting], go: done}}}}
+ends: {{done: {{succeed: Done}}}}
+"""
+
+
+def test_a_control_is_waited_for_and_may_be_passed_over(tmp_path: Path) -> None:
+    mission = tmp_path / "switching.yaml"
+    mission.write_text(SWITCHING, encoding="utf-8")
+
+    switching = beginning(str(mission))
+
+    said, left = (each.plain for each in waiting(switching, 40))
+    assert said == "○ exp_3a: until the joints bear their torques"
+    assert left.endswith("10.0 s left")
+    assert {each.name: each.reason for each in controls(switching, None)}["skip"] == ""

@@ -127,6 +127,7 @@ def test_a_failure_that_nothing_handles_any_more_leads_to_the_safe_stop(tmp_path
             "lost: the rule never_let_go is watched no more",
         ),
         (("format: 1", "format: 1\ntime_limit: 60 s"), "changed: time limit: 60 s; before: none"),
+        (("format: 1", "format: 1\ncontrol: exp_3a"), "changed: control: exp_3a; before: none"),
         (("{succeed: There}", "{fail: There}"), "lost: nothing leads to success any more"),
         (
             ("good: {succeed: There}", "good: {fail: There}"),

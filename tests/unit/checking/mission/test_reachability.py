@@ -6,8 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from checking.small_missions import checked, only, told
+from checking.small_missions import checked, only, told, write
 from pirate_sm.checking.mission import explore_mission as checking
+from pirate_sm.checking.mission.check_mission import check_mission
+
+PIRATE = Path(__file__).resolve().parents[4] / "hardware_profiles" / "pirate_ii"
 
 LOST = """
 start: p
@@ -22,6 +25,36 @@ def test_phases_and_ends_that_nothing_leads_to_are_told(tmp_path: Path) -> None:
 
     assert only(check, "phase.unreachable").place.line == 7
     assert only(check, "end.unreachable").message == "nothing leads to the end 'bad'"
+
+
+CONTROL = """
+start: p
+phases:
+  p: {do: [ClampFront, ClampRear, {control: exp_3a, on_failure: q}], go: good}
+  q: {do: [{control: none}], go: bad}
+"""
+
+
+def test_a_control_can_fail(tmp_path: Path) -> None:
+    """Its joints may not come to their torques, so what its failure leads to is reached."""
+    check = check_mission(write(tmp_path, CONTROL, robot=PIRATE))
+
+    assert told(check) == []
+
+
+def test_what_follows_the_failure_of_a_control_is_judged(tmp_path: Path) -> None:
+    body = CONTROL.replace("{control: none}", "RelaxRear, RelaxFront")
+    check = check_mission(write(tmp_path, body, robot=PIRATE))
+
+    found = only(check, "step.impossible")
+    assert "the torques are not borne in time" in found.story
+
+
+def test_a_control_without_torques_cannot_fail(tmp_path: Path) -> None:
+    body = CONTROL.replace("ClampFront, ClampRear, ", "").replace("exp_3a", "none")
+    check = check_mission(write(tmp_path, body, robot=PIRATE))
+
+    assert "phase.unreachable" in {code for code, _ in told(check)}
 
 
 def test_a_loop_without_an_end_is_told(tmp_path: Path) -> None:

@@ -104,6 +104,7 @@ def test_steps_stand_in_their_phase_and_those_inside_others_are_indented() -> No
       - choose: [{if: level > 1, do: [Hold]}, {if: level > 0, do: [Turn]}]
         else: [{call: other, with: {far: 2 m}}]
       - {ask: "Free?", choices: {free: continue, wait: b}, on_failure: b}
+      - {control: gentle, if: level > 3, on_failure: b}
     go: b
   b: {go: well}"""
         )
@@ -123,9 +124,21 @@ def test_steps_stand_in_their_phase_and_those_inside_others_are_indented() -> No
         "else:",
         "  call other (far = 2 m)",
         "ask “Free?” (free, wait), or b",
+        "if level > 3:",
+        "  control gentle, or b",
     )
     assert ("a", "b", "trigger", "answer: wait") in edges(graph)
     assert ("a", "b", "failure", "“Free?” fails") in edges(graph)
+    assert ("a", "b", "failure", "control gentle fails") in edges(graph)
+
+
+def test_the_beginning_says_in_which_states_and_by_which_control() -> None:
+    graph = mission_graph(written("  a: {go: well}", "starts_in: {Arm: Up}\ncontrol: gentle"))
+
+    assert edges(graph) == [
+        ("(start)", "a", "start", "Arm=Up, control gentle"),
+        ("a", "well", "go", ""),
+    ]
 
 
 def test_ends_say_how_they_ended_and_faults_that_change_nothing_are_named() -> None:

@@ -40,6 +40,17 @@ def test_each_command_and_each_state_is_on_the_page(robot):
             assert f"| {state} |" in section
 
 
+def test_each_control_and_what_it_changes_is_on_the_page(robot):
+    page = markdown(robot_page(robot)).partition("## Controls\n")[2].partition("\n## ")[0]
+
+    assert bool(page) is bool(robot.profile.controls)
+    for name, control in robot.profile.controls.items():
+        section = page.partition(f"### {name}\n")[2].partition("\n### ")[0]
+        assert control.description in section
+        for region, states in control.actuation.items():
+            assert all(f"| {region} | {state} |" in section for state in states)
+
+
 def test_every_row_of_a_table_has_as_many_cells_as_its_header(robot):
     for block in robot_page(robot):
         if isinstance(block, Table):

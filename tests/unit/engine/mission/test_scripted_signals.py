@@ -106,6 +106,25 @@ def test_a_command_under_way_fails_when_the_script_says_so(drive: Drive) -> None
     assert "Grip" in driver.unconfirmed
 
 
+SWITCHING = """\
+start: p
+phases:
+  p: {do: [{control: exp_3a, on_failure: bad}], go: good}
+starts_in: {BendingState: DoubleClamped, FrontWheelsState: Fixed, RearWheelsState: Fixed}
+ends: {good: {succeed: ok}, bad: {fail: "{cause}"}}
+"""
+
+
+def test_a_control_fails_when_the_script_says_so(drive: Drive) -> None:
+    driver = drive(SWITCHING, nominal=True)
+    assert driver.give(CommandFailed("because")) == []
+
+    driver.accept()
+
+    assert driver.state.mission.ending.end == "bad"
+    assert "did not bear the torque within 10 s" in driver.state.mission.ending.message
+
+
 def test_nothing_fails_while_its_array_is_in_flight(drive: Drive) -> None:
     driver = drive(WAITING, NEWT, nominal=True)
 

@@ -14,7 +14,119 @@ def _posture(old: str, new: str) -> tuple[str, str]:
     return _BEFORE, _CASE.replace(old, new) + _BEFORE
 
 
+_TORQUE = "    position_loop: {gain: 3.0, threshold: 3 deg, least_duty: 15 %, limit: 50 %}\n"
+_BEARS = "torque_loop: {gain: 1.2, dead: 30 mNm, within: 40 mNm, limit: 70 %}"
+_CONTROLS = """controls:
+  first:
+    actuation: {Crawl: {Ahead: {drive_a: 60 %, drive_b: -60 %, drive_c: 60 %, drive_d: -60 %}}}
+  second: {extends: first, actuation: {Grip: {TailHeld: {fold_neck: 0 %, fold_hip: 40 %}}}}
+"""
+
+
+def _control(old: str, new: str) -> tuple[str, str]:
+    """Puts in controls in which something stands in place of what is right."""
+    assert old in _CONTROLS
+    return "aliases: {", _CONTROLS.replace(old, new) + "aliases: {"
+
+
 FAULTS = [
+    (
+        _TORQUE,
+        "    torque_loop: {gain: 1.2, dead: 40 mNm, within: 30 mNm}\n",
+        "torque_loop: {gain: 1.2, dead",
+        "`within` must be at least `dead`: the motor stands inside of that",
+    ),
+    (
+        _TORQUE,
+        "    torque_loop: {gain: 1.2, dead: 30 mNm, within: 40 mN}\n",
+        "40 mN}",
+        "expected a torque such as",
+    ),
+    (
+        _TORQUE,
+        "    torque_loop: {gain: 0, dead: 30 mNm, within: 40 mNm}\n",
+        "0, dead",
+        "expected more than 0, got",
+    ),
+    (
+        "    no_load_speed: 5 rad/s\n",
+        f"    no_load_speed: 5 rad/s\n    {_BEARS}\n",
+        "track:",
+        "a `torque_loop` needs `kind: sprung_worm` and the `stall_torque`",
+    ),
+    (
+        "NoseHeld: {fold_neck: -50 %, fold_hip: 0 %}",
+        "NoseHeld: {fold_neck: -300 mNm, fold_hip: 0 %}",
+        "-300 mNm",
+        "'fold_neck' cannot be kept at a torque: that takes a joint with a torque sensor",
+    ),
+    (
+        "Lit: {lamp: 60 %}",
+        "Lit: {lamp: 6 mNm}",
+        "6 mNm",
+        "'lamp' cannot be kept at a torque",
+    ),
+    (
+        "Ahead: {drive_a: 80 %",
+        "Ahead: {drive_a: 161 mNm",
+        "161 mNm",
+        "161 mNm is more than 'drive_a' can bear at its limit, 160 mNm",
+    ),
+    (
+        *_control("drive_d: -60 %", "drive_d: -170 mNm"),
+        "-170 mNm",
+        "170 mNm is more than 'drive_d' can bear at its limit, 160 mNm",
+    ),
+    (
+        *_control("drive_d: -60 %", "drive_d: -60 mm/s"),
+        "-60 mm/s",
+        "'drive_d' has no wheel whose motor has a velocity loop to keep a speed",
+    ),
+    (*_control("fold_hip: 40 %", "fold_hip: 140 %"), "140 %", "a duty cycle lies between"),
+    (*_control("    actuation: {Crawl", "    acts: {Crawl"), "acts", "unknown key 'acts'"),
+    (*_control("extends: first", "extends: firts"), "firts", "there is no control before this one"),
+    (*_control("extends: first", "extends: second"), "second", "there is no control before this"),
+    (
+        *_control("first:\n", "first:\n    extends: second\n"),
+        "second",
+        "there is no control before",
+    ),
+    (*_control("Crawl", "Crawls"), "Crawls:", "there is no region 'Crawls'"),
+    (*_control("Ahead", "Ahed"), "Ahed:", "there is no state 'Ahed'"),
+    (
+        *_control("fold_hip: 40 %", "fold_hip: 40 deg"),
+        "40 deg",
+        "a control takes duty cycles, speeds and torques, no angles",
+    ),
+    (
+        *_control("fold_hip: 40 %", "fold_hip: 0.5 * neck"),
+        "0.5 * neck",
+        "a control takes duty cycles, speeds and torques, no angles",
+    ),
+    (*_control("fold_hip: 40 %", "fold_hop: 40 %"), "40 %", "there is no slot 'fold_hop'"),
+    (
+        *_control("fold_neck: 0 %, ", ""),
+        "{fold_hip",
+        "write the same slots as `actuation`, not fold_neck",
+    ),
+    (
+        *_control("fold_neck: 0 %", "fold_neck: 0 %, lamp: 0 %"),
+        "{fold_neck",
+        "write the same slots as `actuation`, not lamp",
+    ),
+    (
+        *_control("drive_d: -60 %", "drive_d: 0 %"),
+        "{drive_a: 60 %",
+        "drive the same wheels as `actuation` does: drive_d",
+    ),
+    (
+        *_control(
+            "{fold_neck: 0 %, fold_hip: 40 %}",
+            "[{fold_neck: 0 %, fold_hip: 40 %}, {fold_neck: 0 %, fold_hip: 30 %}]",
+        ),
+        "[{fold_neck",
+        "the state has 1 stages, under this control 2",
+    ),
     (
         *_posture("fold_hip: 10 deg", "drive_a: 0 %"),
         "drive_a: 0 %",

@@ -75,6 +75,81 @@ def parts(fault: str) -> tuple[str, str]:
     return place, message
 
 
+BEARING = (
+    "least_duty: 15 %, limit: 50 %}\n",
+    "least_duty: 15 %, limit: 50 %}\n"
+    "    torque_loop: {gain: 1.2, dead: 30 mNm, within: 40 mNm, limit: 70 %}\n",
+)
+"""A `torque_loop` for the folds of the small robot."""
+
+
+@pytest.mark.parametrize(
+    ("setpoint", "swaps", "message"),
+    [
+        (
+            "-300 mNm",
+            [("end_stop: 130 deg, torque: neck_torque}", "end_stop: 130 deg}")],
+            "'fold_neck' cannot be kept at a torque: that takes a joint with a torque sensor",
+        ),
+        (
+            "-600 mNm",
+            [],
+            "600 mNm is more than 'fold_neck' can bear at its limit, 560 mNm",
+        ),
+    ],
+)
+def test_a_torque_that_cannot_be_kept_is_told_with_its_place(
+    newt, tmp_path, setpoint, swaps, message
+):
+    held = "NoseHeld: {fold_neck: -50 %, fold_hip: 0 %}"
+    bearing = (held, held.replace("-50 %", setpoint))
+
+    said = [parts(each) for each in newt("profile.yaml", BEARING, bearing, *swaps)]
+
+    (place,) = [place for place, text in said if text.startswith(message)]
+    file, line, column = place.split(":")
+    written = (tmp_path / "newt" / file).read_text("utf-8").splitlines()[int(line) - 1]
+    assert written[int(column) - 1 :].startswith(setpoint)
+
+
+def test_a_speed_in_a_control_that_the_motor_never_reaches_is_told(newt):
+    said = newt(
+        "profile.yaml",
+        ("    dead_drag: 30 mNm\n", "    dead_drag: 30 mNm\n    velocity_loop: {gain: 0.3}\n"),
+        (
+            "aliases: {",
+            "controls:\n  fast:\n    actuation:\n      Crawl:\n        Ahead: {drive_a: 120 mm/s,"
+            " drive_b: -80 %, drive_c: 80 %, drive_d: -80 %}\naliases: {",
+        ),
+    )
+
+    assert [parts(each)[1] for each in said] == [
+        "120 mm/s is more than 'drive_a' reaches, 100 mm/s"
+    ]
+
+
+def test_a_control_changes_the_states_that_it_names_and_no_others():
+    robot = load_robot(PIRATE).normal
+    (control,) = [each for each in robot.controls if each.name == "exp_3a"]
+    usual = robot.controls[0]
+    changed = {
+        (robot.regions[region], state)
+        for region, states in enumerate(usual.actuation)
+        for state, stages in states.items()
+        if control.actuation[region][state] != stages
+    }
+
+    assert usual.name == ""
+    assert usual.actuation == robot.actuation
+    assert changed == {
+        ("FrontWheelsState", "DrivingForward"),
+        ("FrontWheelsState", "DrivingBackward"),
+        ("RearWheelsState", "DrivingForward"),
+        ("RearWheelsState", "DrivingBackward"),
+        ("BendingState", "DoubleClamped"),
+    }
+
+
 def test_two_regions_do_not_write_one_slot(newt):
     said = newt(
         "profile.yaml",
