@@ -55,7 +55,7 @@ def begun(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) 
 
 def _bearing(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) -> Loop | None:
     if slot.held_torque is not None:
-        loop = TorqueLoop(write.slot, slot.held_torque, write.value, write.value, write.grip)
+        loop = TorqueLoop(write.slot, slot.held_torque, write.value, write.grip)
         same = isinstance(running, TorqueLoop) and running.asks == loop.asks
         return running if same else loop.heard(Circumstances(numbers))
     if slot.wheel_torque is not None:

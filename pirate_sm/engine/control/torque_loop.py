@@ -22,7 +22,6 @@ class TorqueLoop(NamedTuple):
     Attributes:
         slot: Whose duty it sets.
         asked_nm: The torque that its state asks for.
-        target_nm: The torque that the joint shall bear now.
         grip: What the size of the torque follows from; None: it is what the state asks for.
         gripping: What is remembered of that.
         output: The duty cycle until the next frame.
@@ -32,7 +31,6 @@ class TorqueLoop(NamedTuple):
     slot: int
     spec: TorqueSpec
     asked_nm: float
-    target_nm: float
     grip: GripSpec | None = None
     gripping: Gripping | None = None
     output: float = 0.0
@@ -42,6 +40,13 @@ class TorqueLoop(NamedTuple):
     def asks(self) -> tuple[float, GripSpec | None]:
         """Return what its state asks for, whatever has been learned since."""
         return self.asked_nm, self.grip
+
+    @property
+    def target_nm(self) -> float:
+        """Return the torque that the joint shall bear now."""
+        if self.gripping is None:
+            return self.asked_nm
+        return copysign(self.gripping.torque_nm, self.asked_nm)
 
     @property
     def exhausted(self) -> bool:
@@ -68,8 +73,7 @@ class TorqueLoop(NamedTuple):
         """
         if self.grip is not None:
             now = after_frame(self.grip, self.gripping or gripping(self.grip), seen)
-            target_nm = copysign(now.torque_nm, self.asked_nm)
-            return self._replace(target_nm=target_nm, gripping=now)._driven(seen.numbers)
+            return self._replace(gripping=now)._driven(seen.numbers)
         return self._driven(seen.numbers)
 
     def _driven(self, numbers: Numbers) -> TorqueLoop:

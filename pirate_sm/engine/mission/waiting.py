@@ -31,7 +31,9 @@ def next_deadline(moment: Moment, state: EngineState) -> float:
                 deadline = min(deadline, mission.armed_s + trigger.after_s)
             elif not isnan(since):
                 deadline = min(deadline, since + trigger.held_s)
-    elif mission.begun and isinstance(instruction, Question | SwitchControl):
+    elif mission.begun and isinstance(instruction, Question):
+        deadline = min(deadline, mission.armed_s + instruction.timeout_s)
+    elif mission.begun and isinstance(instruction, SwitchControl) and state.robot.awaited is None:
         deadline = min(deadline, mission.armed_s + instruction.timeout_s)
     return deadline + mission.offset_s
 

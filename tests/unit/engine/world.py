@@ -293,14 +293,15 @@ class Course:
                 assert new == old, f"{self.robot.slots[slot].name} was changed by the safe stop"
 
     def _slots_of_loops(self) -> set[int]:
-        """Slots that some state brings to an angle: what a loop may have left in them."""
+        """Slots that some state brings to an angle or a torque: a loop may have left anything."""
         names = self.robot.table.configurations[self.state.robot.configuration]
         return {
             write.slot
+            for control in self.robot.controls
             for region, name in enumerate(names)
-            for stage in self.robot.actuation[region][name]
+            for stage in control.actuation[region][name]
             for write in stage
-            if write.how == "seek"
+            if write.how in ("seek", "bear")
         }
 
     def _check_chart(self, event: ev.Event | None, before: EngineState) -> None:

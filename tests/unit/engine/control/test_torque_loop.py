@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pirate_sm.engine.control.circumstances import Circumstances
 from pirate_sm.engine.control.torque_loop import TorqueLoop
 from pirate_sm.engine.robot.command_spec import TorqueSpec
 
@@ -27,7 +28,7 @@ TORQUES = st.floats(-2, 2)
 
 def after(loop: TorqueLoop, *torques: float) -> TorqueLoop:
     for torque in torques:
-        loop = loop.heard((torque,))
+        loop = loop.heard(Circumstances((torque,)))
     return loop
 
 
@@ -144,7 +145,7 @@ def test_a_joint_comes_to_its_torque_although_frames_are_late(
     loop, borne = TorqueLoop(2, SPEC, target), []
 
     for _ in range(160):
-        loop = loop.heard((joint.frame(),))
+        loop = loop.heard(Circumstances((joint.frame(),)))
         joint.turn(loop.duty(()))
         borne.append(joint.torque)
 

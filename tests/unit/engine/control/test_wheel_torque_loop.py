@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pirate_sm.engine.control.circumstances import Circumstances
 from pirate_sm.engine.control.wheel_torque_loop import WheelTorqueLoop
 from pirate_sm.engine.robot.command_spec import WheelTorqueSpec
 
@@ -17,7 +18,7 @@ SPEEDS = st.floats(-20, 20)
 
 def after(loop: WheelTorqueLoop, *speeds: float) -> WheelTorqueLoop:
     for speed in speeds:
-        loop = loop.heard((speed,))
+        loop = loop.heard(Circumstances((speed,)))
     return loop
 
 
