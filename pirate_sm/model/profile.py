@@ -93,6 +93,8 @@ class TorqueLoop(Frozen):
     def _can_settle(self) -> TorqueLoop:
         if self.within < self.dead:
             raise ValueError("`within` must be at least `dead`: the motor stands inside of that")
+        if self.least_duty > self.limit:
+            raise ValueError("`least_duty` is more than `limit`: the worm would never move")
         return self
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from pirate_sm.expressions import EnumType
-from pirate_sm.loading.mission.scope import NO_CONTROL
 from pirate_sm.loading.robot import LoadedRobot
+from pirate_sm.loading.robot.controls import USUAL
 from pirate_sm.units import describe
 
 Schema = dict[str, Any]
@@ -47,7 +47,7 @@ def _commands(robot: LoadedRobot) -> Schema:
 
 def _controls(robot: LoadedRobot) -> Schema:
     about = {name: control.description for name, control in robot.profile.controls.items()}
-    about[NO_CONTROL] = "The robot's usual actuation."
+    about[USUAL] = "The robot's usual actuation."
     return {
         "type": "string",
         "description": f"A control of {robot.profile.robot}.",

@@ -31,10 +31,10 @@ def next_deadline(moment: Moment, state: EngineState) -> float:
                 deadline = min(deadline, mission.armed_s + trigger.after_s)
             elif not isnan(since):
                 deadline = min(deadline, since + trigger.held_s)
-    elif mission.begun and isinstance(instruction, Question):
-        deadline = min(deadline, mission.armed_s + instruction.timeout_s)
-    elif mission.begun and isinstance(instruction, SwitchControl) and state.robot.awaited is None:
-        deadline = min(deadline, mission.armed_s + instruction.timeout_s)
+    elif mission.begun and isinstance(instruction, Question | SwitchControl):
+        switches = isinstance(instruction, SwitchControl)
+        counts = not switches or state.robot.awaited is None  # the array's fate comes first
+        deadline = min(deadline, mission.armed_s + instruction.timeout_s) if counts else deadline
     return deadline + mission.offset_s
 
 

@@ -12,6 +12,7 @@ from pirate_sm.expressions import Expression, ExpressionError, compile_condition
 from pirate_sm.loading.mission.assembler import Handlers, Label
 from pirate_sm.loading.mission.parameter_values import Value, Values
 from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.robot.controls import USUAL
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.model.mission import CONTINUE, FAIL, Mission
 from pirate_sm.model.profile import Profile
@@ -21,8 +22,6 @@ from pirate_sm.units import DIMENSIONLESS, TIME, Quantity, describe
 
 _FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 CAUSE = "cause"
-NO_CONTROL = "none"
-"""The name by which a mission takes the robot's usual actuation."""
 ROUND, ROUNDS = "round", "rounds"
 _MEANINGS = {
     CAUSE: "why something failed",
@@ -175,8 +174,8 @@ class Scope:
         names = [each.name for each in self.robot.controls[1:]]
         if name in names:
             return names.index(name) + 1
-        if name != NO_CONTROL:
-            self._unknown("control", name, [*names, NO_CONTROL], path, "mission.control")
+        if name != USUAL:
+            self._unknown("control", name, [*names, USUAL], path, "mission.control")
         return 0
 
     def condition(self, text: str, path: Path, *, in_wait: bool = False) -> Expression | None:

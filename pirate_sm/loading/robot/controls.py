@@ -16,6 +16,9 @@ from pirate_sm.model.actuation import Share, Target
 from pirate_sm.model.control import Control
 from pirate_sm.model.profile import Profile
 
+USUAL = "none"
+"""The name by which a mission takes the robot's usual actuation."""
+
 
 def resolve_controls(
     profile: Profile,
@@ -31,10 +34,15 @@ def resolve_controls(
     A control says how a state actuates its motors, not what the state is: each overlaid state keeps
     its slots, its number of stages and the wheels that it drives, and waits for no angle.
     """
+    joints = {part.apex for part in profile.body.parts.values()}
+    apexes = frozenset(i for i, slot in enumerate(profile.slots) if slot.joint in joints)
     found: dict[str, Actuation] = {}
     specs: list[ControlSpec] = []
     modifiers: dict[str, Modifiers] = {}
     for name, control in profile.controls.items():
+        if name == USUAL:
+            message = f"'{USUAL}' is how a mission asks for the usual actuation: take another name"
+            problems.add("robot.control", ("controls", name), message, key=True)
         base = _base(name, control, found, usual, problems)
         overlaid = [dict(states) for states in base]
         for region, states in control.actuation.items():
@@ -59,7 +67,7 @@ def resolve_controls(
                     resolved.append(
                         resolve_stage(stage, profile, signals, slots, polarity, here, problems)
                     )
-                _check(usual[place][state], tuple(resolved), slots, path, problems)
+                _check(usual[place][state], tuple(resolved), slots, apexes, path, problems)
                 overlaid[place][state] = tuple(resolved)
         found[name] = tuple(overlaid)
         modifiers[name] = inherited(control, modifiers, name)
@@ -95,6 +103,7 @@ def _check(
     usual: tuple[StageSpec, ...],
     given: tuple[StageSpec, ...],
     slots: Slots,
+    apexes: frozenset[int],
     path: Path,
     problems: Problems,
 ) -> None:
@@ -108,10 +117,28 @@ def _check(
         names = ", ".join(slots.specs[slot].name for slot in sorted(wanted ^ got))
         if names:
             problems.add("robot.control", path, f"write the same slots as `actuation`, not {names}")
-        driven = {write.slot for write in before if write.turns}
-        now = {write.slot for write in after if write.turns}
-        wheels = {slot for slot in (driven ^ now) & wanted if slots.specs[slot].angle < 0}
-        if wheels and not names:
-            names = ", ".join(slots.specs[slot].name for slot in sorted(wheels))
-            message = f"drive the same wheels as `actuation` does: {names}"
+        if not names:
+            _check_ways(before, after, slots, apexes, path, problems)
+
+
+def _check_ways(
+    before: StageSpec,
+    after: StageSpec,
+    slots: Slots,
+    apexes: frozenset[int],
+    path: Path,
+    problems: Problems,
+) -> None:
+    """Report motors that turn the other way than usual, other wheels, and parts that let go."""
+    given = {write.slot: write for write in after}
+    for write in before:
+        other, slot = given[write.slot], slots.specs[write.slot]
+        if slot.angle < 0 and write.turns != other.turns:
+            message = f"drive the same wheels as `actuation` does: {slot.name}"
             problems.add("robot.control", path, message)
+        elif write.turns and other.value * write.value < 0:
+            message = f"'{slot.name}' turns the other way than under `actuation`"
+            problems.add("robot.control", (*path, slot.name), message)
+        elif write.turns and write.slot in apexes and not other.turns and other.how != "keep":
+            message = f"'{slot.name}' holds its part under `actuation`, here it lets go"
+            problems.add("robot.control", (*path, slot.name), message)

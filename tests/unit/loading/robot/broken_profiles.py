@@ -91,6 +91,28 @@ FAULTS = [
         "second",
         "there is no control before",
     ),
+    (
+        *_control("drive_a: 60 %", "drive_a: -60 %"),
+        "-60 %, drive_b",
+        "'drive_a' turns the other way than under `actuation`",
+    ),
+    (
+        *_control("fold_hip: 40 %", "fold_hip: -40 %"),
+        "-40 %}",
+        "'fold_hip' turns the other way than under `actuation`",
+    ),
+    (
+        *_control("fold_hip: 40 %", "fold_hip: 0 %"),
+        "0 %}}}}",
+        "'fold_hip' holds its part under `actuation`, here it lets go",
+    ),
+    (*_control("second:", "none:"), "none:", "'none' is how a mission asks for the usual"),
+    (
+        _TORQUE,
+        "    torque_loop: {gain: 1, dead: 1 mNm, within: 1 mNm, least_duty: 50 %, limit: 40 %}\n",
+        "torque_loop: {gain",
+        "`least_duty` is more than `limit`: the worm would never move",
+    ),
     (*_control("Crawl", "Crawls"), "Crawls:", "there is no region 'Crawls'"),
     (*_control("Ahead", "Ahed"), "Ahed:", "there is no state 'Ahed'"),
     (
