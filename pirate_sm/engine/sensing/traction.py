@@ -123,7 +123,7 @@ def _body_speed(spec: TractionSpec, numbers: Sequence[float], measured_m_s: floa
     """Return the speed from outside, else the median of the wheels that agree; NaN without."""
     if not isnan(measured_m_s):
         return measured_m_s
-    speeds = [numbers[wheel.speed] * wheel.metres_per_rad for wheel in spec.wheels]
+    speeds = [numbers[wheel.speed] * wheel.metres_per_rad for wheel in spec.rolling]
     known = [speed for speed in speeds if not isnan(speed)]
     if not known:
         return nan
@@ -152,14 +152,17 @@ def _wheel(
     way = setpoint * wheel.metres_per_rad
     slips = way * slip_m_s > 0 and abs(slip_m_s) > wheel.slip_above_m_s
     limited = not abs(force_n * wheel.metres_per_rad) < AT_LIMIT * wheel.stall_nm
+    if isnan(slip_m_s) and now_s - before.seen_s <= wheel.steady_s:
+        _put(numbers, wheel.friction, nan)
+        return before  # a frame without a value, or a ruler that is silent for a moment
     after = Slipping()
     if slips:
         after = before if before.since_s < inf else Slipping(now_s)
+        after = after._replace(seen_s=now_s)
         if normal_n > 0 and not limited and now_s - after.since_s >= wheel.steady_s:
-            after = Slipping(
-                after.since_s,
-                FORGETTING * after.force_normal + abs(force_n) * normal_n,
-                FORGETTING * after.normal_squared + normal_n * normal_n,
+            after = after._replace(
+                force_normal=FORGETTING * after.force_normal + abs(force_n) * normal_n,
+                normal_squared=FORGETTING * after.normal_squared + normal_n * normal_n,
             )
     weight = after.normal_squared
     _put(numbers, wheel.friction, after.force_normal / weight if weight > 0 else nan)
@@ -169,6 +172,16 @@ def _wheel(
 def _put(numbers: list[float], target: int, value: float) -> None:
     if target >= 0:
         numbers[target] = value
+
+
+def _torque_nm(wheel: WheelTraction, numbers: Sequence[float], duty: float) -> float:
+    """Return the torque of a motor with the sign that a current does not show.
+
+    A wheel that is dragged turns faster than its duty asks for, and its motor holds it back.
+    """
+    speed = numbers[wheel.speed]
+    dragged = duty != 0 and (speed / wheel.no_load_rad_s - duty) * duty > 0
+    return -numbers[wheel.torque] if dragged else numbers[wheel.torque]
 
 
 def _normal_forces(
@@ -185,7 +198,7 @@ def _normal_forces(
     body = robot.body
     turn_rad = body.heading_in_pipe(numbers, held, 0)
     headings = body.headings(body.angles(numbers), 0, turn_rad)
-    torques = [numbers[wheel.torque] if wheel.torque >= 0 else 0.0 for wheel in spec.wheels]
+    torques = [_torque_nm(wheel, numbers, setpoints[wheel.slot]) for wheel in spec.wheels]
     joints = [numbers[joint] if joint >= 0 else 0.0 for joint in spec.joint_torques]
     drives = [t / wheel.metres_per_rad for t, wheel in zip(torques, spec.wheels, strict=True)]
     braked = [setpoints[wheel.slot] == 0 for wheel in spec.wheels]

@@ -15,11 +15,13 @@ class Slipping(NamedTuple):
 
     Attributes:
         since_s: Since when it slips the way that it is driven; infinite while it does not.
+        seen_s: When it was last seen to do so.
         force_normal: Sum of force times normal force, N^2.
         normal_squared: Sum of the squared normal force, N^2.
     """
 
     since_s: float = inf
+    seen_s: float = -inf
     force_normal: float = 0.0
     normal_squared: float = 0.0
 
