@@ -12,7 +12,7 @@ At other times it is unknown; the friction that is used is then a lower bound of
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, inf, isnan, nan, sin
+from math import copysign, cos, inf, isnan, nan, sin
 from statistics import median
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -177,11 +177,12 @@ def _put(numbers: list[float], target: int, value: float) -> None:
 def _torque_nm(wheel: WheelTraction, numbers: Sequence[float], duty: float) -> float:
     """Return the torque of a motor with the sign that a current does not show.
 
-    A wheel that is dragged turns faster than its duty asks for, and its motor holds it back.
+    It is that of ``duty - speed / no-load speed``: a wheel that is dragged turns faster than its
+    duty asks for, and its motor holds it back.
     """
-    speed = numbers[wheel.speed]
-    dragged = duty != 0 and (speed / wheel.no_load_rad_s - duty) * duty > 0
-    return -numbers[wheel.torque] if dragged else numbers[wheel.torque]
+    if duty == 0:
+        return 0.0 * numbers[wheel.torque]
+    return copysign(numbers[wheel.torque], duty - numbers[wheel.speed] / wheel.no_load_rad_s)
 
 
 def _normal_forces(
