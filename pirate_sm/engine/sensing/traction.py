@@ -81,7 +81,7 @@ def estimate(
 ) -> Traction:
     """Fill in the signals of the wheels that the board reports; return what is to be remembered.
 
-    Normal forces need every board, so they are made once in a round: with the last wheel.
+    What needs every board is made once in a round, with the last wheel: that is cheaper.
 
     Args:
         robot: The robot.
@@ -95,10 +95,11 @@ def estimate(
         now_s: When it is.
     """
     measured_m_s = numbers[spec.measured] if spec.measured >= 0 else nan
-    if spec.body_speed >= 0:
+    ends_round = spec.wheels[-1].board == board.position
+    if spec.body_speed >= 0 and (ends_round or not isnan(measured_m_s)):
         numbers[spec.body_speed] = _body_speed(spec, numbers, measured_m_s)
     after = before
-    if spec.wheels[-1].board == board.position:
+    if ends_round:
         normal_n = _normal_forces(robot, spec, numbers, setpoints, held, around)
         after = after._replace(normal_n=normal_n)
     slipping = list(after.slipping)
@@ -113,7 +114,7 @@ def estimate(
                 measured_m_s,
                 now_s,
             )
-    for target, sources in spec.least:
+    for target, sources in spec.least if ends_round else ():
         known = [numbers[source] for source in sources if not isnan(numbers[source])]
         numbers[target] = min(known, default=nan)
     return after._replace(slipping=tuple(slipping))
