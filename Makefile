@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects loops mutants clean
+.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects loops upright mutants clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -17,6 +17,7 @@ help:
 	@echo "make test-pty the conformance suite in real time, over a pseudo-terminal"
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
+	@echo "make upright up and down an upright pipe, clamped as friction asks for and by a fixed torque"
 	@echo "make defects every known defect of the robot, in several missions"
 	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
 	@echo "make kills   the bend in real time, and something dies at a random moment of it"
@@ -66,6 +67,9 @@ bench: $(VENV)/.ready-bench
 
 seeds: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.seeds
+
+upright: $(VENV)/.ready-sim
+	$(BIN)/python -m benchmarks.upright
 
 defects: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.defects

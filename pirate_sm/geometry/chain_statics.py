@@ -75,6 +75,8 @@ def normal_forces_n(
         loads: What acts on the chain.
     """
     along = _along_n(masses_kg, loads)
+    if isnan(sum(along)):
+        return [nan] * len(masses_kg)
     ends = _across_links(lengths_m, loads)
     forces, pull = [], (0.0, 0.0)  # of the link ahead, on its rear end
     for node, mass_kg in enumerate(masses_kg):

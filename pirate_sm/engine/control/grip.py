@@ -12,6 +12,9 @@ LEAST_MARGIN = 1.25
 """With less than this factor between what friction can bear and the weight the grip is exhausted,
 while the part presses as hard as it may [decided]."""
 
+LEAST_FRICTION = 1e-3
+"""Less than any wall has: an estimate of zero asks for more torque than there is."""
+
 
 class Gripping(NamedTuple):
     """What is remembered of the grip of a part.
@@ -61,6 +64,6 @@ def torque_nm(spec: GripSpec, friction: float, angle_rad: float, pitch_rad: floa
     divided by the length of a leg along the pipe (eq. 3-16 and 3-25).
     """
     reach_m = spec.leg_m * cos(angle_rad / 2)
-    along_n = spec.safety * spec.weight_n * abs(sin(pitch_rad)) / (spec.wheels * friction)
+    along_n = spec.safety * spec.weight_n * abs(sin(pitch_rad)) / spec.wheels
     across_n = spec.weight_n * abs(cos(pitch_rad)) / spec.wheels
-    return spec.share * 0.5 * reach_m * (across_n + along_n)
+    return spec.share * 0.5 * reach_m * (across_n + along_n / max(friction, LEAST_FRICTION))

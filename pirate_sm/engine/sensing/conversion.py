@@ -132,9 +132,10 @@ def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
             for index in board.numbers:
                 numbers[index] = nan
     if robot.traction is not None:
-        for wheel in robot.traction.wheels:
-            for index in wheel.targets if wheel.board in stale else ():
-                numbers[index] = nan
+        wheels = robot.traction.wheels
+        lost = wheels if wheels[-1].board in stale else [w for w in wheels if w.board in stale]
+        for index in (index for wheel in lost for index in wheel.targets):
+            numbers[index] = nan
     if robot.speed >= 0 and all(isnan(numbers[wheel.speed]) for wheel in robot.wheels):
         numbers[robot.speed] = nan
     return sensing._replace(numbers=tuple(numbers), checked_s=now, stale=frozenset(stale))

@@ -44,6 +44,8 @@ def with_traction(
 ) -> Sensing:
     """Return the signals after a frame of the board, with those of traction.
 
+    Normal forces need every board, so all of it is made once in a round: with the last wheel.
+
     Args:
         robot: The robot.
         sensing: What is known with the frame in it.
@@ -53,77 +55,57 @@ def with_traction(
         around: The pipe around the robot.
         now_s: When it is.
     """
-    numbers, outside = list(sensing.numbers), sensing.outside_until_s
-    if outside and any(until_s < now_s for _, until_s in outside):
-        for index, until_s in outside:
-            if until_s < now_s:
-                numbers[index] = nan
-        outside = tuple(each for each in outside if each[1] >= now_s)
-    traction = sensing.traction
-    if robot.traction is not None:
+    spec = robot.traction
+    outdated = [index for index, until_s in sensing.outside_until_s if until_s < now_s]
+    if not outdated and (spec is None or spec.wheels[-1].board != board.position):
+        return sensing
+    numbers, traction = list(sensing.numbers), sensing.traction
+    for index in outdated:
+        numbers[index] = nan
+    if spec is not None and spec.wheels[-1].board == board.position:
         part = min(held, default=-1)
-        traction = estimate(
-            robot, robot.traction, traction, board, numbers, setpoints, part, around, now_s
-        )
-    return sensing._replace(numbers=tuple(numbers), traction=traction, outside_until_s=outside)
+        normal_n = _normal_forces(robot, spec, numbers, setpoints, part, around)
+        traction = estimate(spec, traction, numbers, setpoints, normal_n, now_s)
+    kept = tuple(each for each in sensing.outside_until_s if each[0] not in outdated)
+    return sensing._replace(numbers=tuple(numbers), traction=traction, outside_until_s=kept)
 
 
 def estimate(
-    robot: RobotSpec,
     spec: TractionSpec,
     before: Traction,
-    board: BoardSpec,
     numbers: list[float],
     setpoints: Numbers,
-    held: int,
-    around: Environment,
+    normal_n: Numbers,
     now_s: float,
 ) -> Traction:
-    """Fill in the signals of the wheels that the board reports; return what is to be remembered.
-
-    Normal forces need every board, so they are made once in a round: with the last wheel.
+    """Fill in the signals of traction; return what is to be remembered.
 
     Args:
-        robot: The robot.
-        spec: Its signals of traction.
+        spec: The signals.
         before: What was remembered.
-        board: Whose frame it was.
         numbers: All signals, SI; changed in place.
         setpoints: In force, per slot.
-        held: Index of a part that is clamped, along which the pipe lies; -1 without one.
-        around: The pipe around the robot.
+        normal_n: Normal force of each wheel; NaN is unknown.
         now_s: When it is.
     """
     measured_m_s = numbers[spec.measured] if spec.measured >= 0 else nan
     if spec.body_speed >= 0:
         numbers[spec.body_speed] = _body_speed(spec, numbers, measured_m_s)
-    after = before
-    if spec.wheels[-1].board == board.position:
-        normal_n = _normal_forces(robot, spec, numbers, setpoints, held, around)
-        after = after._replace(normal_n=normal_n)
-    slipping = list(after.slipping)
-    for wheel in spec.wheels:
-        if wheel.board == board.position:
-            slipping[wheel.place] = _wheel(
-                wheel,
-                slipping[wheel.place],
-                after.normal_n[wheel.place],
-                numbers,
-                setpoints[wheel.slot],
-                measured_m_s,
-                now_s,
-            )
+    slipping = tuple(
+        _wheel(wheel, old, force_n, numbers, setpoints[wheel.slot], measured_m_s, now_s)
+        for wheel, old, force_n in zip(spec.wheels, before.slipping, normal_n, strict=True)
+    )
     for target, sources in spec.least:
         known = [numbers[source] for source in sources if not isnan(numbers[source])]
         numbers[target] = min(known, default=nan)
-    return after._replace(slipping=tuple(slipping))
+    return Traction(slipping)
 
 
 def _body_speed(spec: TractionSpec, numbers: Sequence[float], measured_m_s: float) -> float:
     """Return the speed from outside, else the median of the wheels that agree; NaN without."""
     if not isnan(measured_m_s):
         return measured_m_s
-    speeds = [numbers[wheel.speed] * wheel.metres_per_rad for wheel in spec.wheels]
+    speeds = [numbers[wheel.speed] * wheel.metres_per_rad for wheel in spec.rolling]
     known = [speed for speed in speeds if not isnan(speed)]
     if not known:
         return nan
@@ -143,7 +125,7 @@ def _wheel(
 ) -> Slipping:
     """Fill in the signals of one wheel; return what is remembered of its slipping."""
     slip_m_s = numbers[wheel.speed] * wheel.metres_per_rad - body_m_s
-    force_n = torque_nm(wheel, numbers, setpoint) / wheel.metres_per_rad
+    force_n = _torque_nm(wheel, numbers, setpoint) / wheel.metres_per_rad
     _put(numbers, wheel.slip_speed, slip_m_s)
     known = abs(body_m_s) >= wheel.unknown_below_m_s and body_m_s != 0
     _put(numbers, wheel.slip, -slip_m_s / body_m_s if known else nan)
@@ -152,36 +134,39 @@ def _wheel(
     way = setpoint * wheel.metres_per_rad
     slips = way * slip_m_s > 0 and abs(slip_m_s) > wheel.slip_above_m_s
     limited = not abs(force_n * wheel.metres_per_rad) < AT_LIMIT * wheel.stall_nm
+    if isnan(slip_m_s) and now_s - before.seen_s <= wheel.steady_s:
+        _put(numbers, wheel.friction, nan)
+        return before  # a frame without a value, or a ruler that is silent for a moment
     after = Slipping()
     if slips:
         after = before if before.since_s < inf else Slipping(now_s)
+        after = after._replace(seen_s=now_s)
         if normal_n > 0 and not limited and now_s - after.since_s >= wheel.steady_s:
-            after = Slipping(
-                after.since_s,
-                FORGETTING * after.force_normal + abs(force_n) * normal_n,
-                FORGETTING * after.normal_squared + normal_n * normal_n,
+            after = after._replace(
+                force_normal=FORGETTING * after.force_normal + abs(force_n) * normal_n,
+                normal_squared=FORGETTING * after.normal_squared + normal_n * normal_n,
             )
     weight = after.normal_squared
     _put(numbers, wheel.friction, after.force_normal / weight if weight > 0 else nan)
     return after
 
 
-def torque_nm(wheel: WheelTraction, numbers: Sequence[float], setpoint: float) -> float:
-    """Return the torque of a wheel's motor, NaN where it is unknown.
-
-    Its size is that of the signal, whose sign is the setpoint's (eq. 5-3). A motor that the weight
-    turns faster than its setpoint brakes: its torque has the sign of ``duty - speed / no-load
-    speed``.
-    """
-    if wheel.torque < 0:
-        return nan
-    way = setpoint - numbers[wheel.speed] / wheel.no_load_rad_s
-    return copysign(numbers[wheel.torque], way) if setpoint else numbers[wheel.torque]
-
-
 def _put(numbers: list[float], target: int, value: float) -> None:
     if target >= 0:
         numbers[target] = value
+
+
+def _torque_nm(wheel: WheelTraction, numbers: Sequence[float], duty: float) -> float:
+    """Return the torque of a motor with the sign that a current does not show.
+
+    It is that of ``duty - speed / no-load speed``: a wheel that is dragged turns faster than its
+    duty asks for, and its motor holds it back.
+    """
+    if wheel.torque < 0:
+        return nan
+    if duty == 0:
+        return 0.0 * numbers[wheel.torque]
+    return copysign(numbers[wheel.torque], duty - numbers[wheel.speed] / wheel.no_load_rad_s)
 
 
 def _normal_forces(
@@ -198,10 +183,7 @@ def _normal_forces(
     body = robot.body
     turn_rad = body.heading_in_pipe(numbers, held, 0)
     headings = body.headings(body.angles(numbers), 0, turn_rad)
-    torques = [
-        torque_nm(wheel, numbers, setpoints[wheel.slot]) if wheel.torque >= 0 else 0.0
-        for wheel in spec.wheels
-    ]
+    torques = [_torque_nm(wheel, numbers, setpoints[wheel.slot]) for wheel in spec.wheels]
     joints = [numbers[joint] if joint >= 0 else 0.0 for joint in spec.joint_torques]
     drives = [t / wheel.metres_per_rad for t, wheel in zip(torques, spec.wheels, strict=True)]
     braked = [setpoints[wheel.slot] == 0 for wheel in spec.wheels]

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from math import inf, nan
+from math import inf
 from typing import NamedTuple
 
 from pirate_sm.engine.sensing.traction_spec import TractionSpec
-
-Numbers = tuple[float, ...]
 
 
 class Slipping(NamedTuple):
@@ -15,11 +13,13 @@ class Slipping(NamedTuple):
 
     Attributes:
         since_s: Since when it slips the way that it is driven; infinite while it does not.
+        seen_s: When it was last seen to do so.
         force_normal: Sum of force times normal force, N^2.
         normal_squared: Sum of the squared normal force, N^2.
     """
 
     since_s: float = inf
+    seen_s: float = -inf
     force_normal: float = 0.0
     normal_squared: float = 0.0
 
@@ -29,15 +29,13 @@ class Traction(NamedTuple):
 
     Attributes:
         slipping: Per wheel.
-        normal_n: Per wheel its last normal force; NaN is unknown.
     """
 
     slipping: tuple[Slipping, ...] = ()
-    normal_n: Numbers = ()
 
 
 def nothing_estimated(spec: TractionSpec | None) -> Traction:
     """Return what is known before the first frame."""
     if spec is None:
         return Traction()
-    return Traction((Slipping(),) * len(spec.wheels), (nan,) * len(spec.wheels))
+    return Traction((Slipping(),) * len(spec.wheels))

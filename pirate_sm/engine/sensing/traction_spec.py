@@ -16,7 +16,7 @@ class WheelTraction(NamedTuple):
         torque: Number index of the torque of its motor.
         metres_per_rad: How far ahead it rolls.
         stall_nm: Torque of its motor at full duty when it stands.
-        no_load_rad_s: Speed of its motor at full duty without load; infinite where it is not known.
+        no_load_rad_s: Speed of its motor at full duty without load.
         slip_speed: Target, m/s; positive where the rim is faster than the body.
         slip: Target, slip ratio (thesis eq. 2-1).
         normal_force: Target, N.
@@ -67,6 +67,7 @@ class TractionSpec(NamedTuple):
         masses_kg: Per wheel its mass, with half of its links.
         measured: Number index of the body speed that somebody outside measures; -1 without one.
         body_speed: Target, the body speed with its fall-back; -1 without one.
+        rolling: The wheels that it falls back to.
         agreeing_m_s: How far the speeds of wheels may differ from their median that agree.
         least: For each target, the numbers that it is the least known one of.
     """
@@ -77,13 +78,9 @@ class TractionSpec(NamedTuple):
     masses_kg: tuple[float, ...]
     measured: int = -1
     body_speed: int = -1
+    rolling: tuple[WheelTraction, ...] = ()
     agreeing_m_s: float = 0.0
     least: tuple[tuple[int, tuple[int, ...]], ...] = ()
-
-    @property
-    def weight_n(self) -> float:
-        """Return the weight of the robot."""
-        return sum(self.masses_kg) * 9.81
 
     @property
     def targets(self) -> tuple[int, ...]:

@@ -7,7 +7,6 @@ from math import inf
 
 from pirate_sm.engine.sensing.board_spec import BoardSpec
 from pirate_sm.engine.sensing.traction_spec import TractionSpec, WheelTraction
-from pirate_sm.loading.problems import Path
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import derived as kinds
 from pirate_sm.units import SPEED
@@ -39,10 +38,15 @@ def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> Tract
             -1,
         )
         motor = profile.motors[slot.motor]
-        limits = motor.stall_torque or 0.0, motor.no_load_speed or inf
-        at = board.position if board else -1
         own = WheelTraction(
-            wheel.place, at, wheel.slot, wheel.speed, torque, wheel.metres_per_rad, *limits
+            wheel.place,
+            board.position if board else -1,
+            wheel.slot,
+            wheel.speed,
+            torque,
+            wheel.metres_per_rad,
+            motor.stall_torque or 0.0,
+            motor.no_load_speed or inf,
         )
         wheels.append(_with_targets(signals, own, body.wheels[wheel.place].name, wanted))
         module = board.module if board else ""
@@ -56,8 +60,11 @@ def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> Tract
     )
     for name, derived in wanted.items():
         match derived:
-            case kinds.BodySpeedOf(agreeing=agreeing):
-                spec = spec._replace(body_speed=names.index(name), agreeing_m_s=agreeing)
+            case kinds.BodySpeedOf(body_speed_of=of, agreeing=agreeing):
+                rolling = tuple(each for each in wheels if body.wheels[each.place].name in of)
+                spec = spec._replace(
+                    body_speed=names.index(name), rolling=rolling, agreeing_m_s=agreeing
+                )
             case kinds.LeastOf(least_of=sources):
                 known = tuple(_index(names, source) for source in sources)
                 spec = spec._replace(least=(*spec.least, (names.index(name), known)))
@@ -121,23 +128,28 @@ def _measured(signals: Signals, wanted: Mapping[str, kinds.Traction]) -> int:
 
 
 def _check(signals: Signals, spec: TractionSpec, wanted: Mapping[str, kinds.Traction]) -> None:
-    """Report signals that can never be known: a torque or a motor is missing."""
-    body = signals.profile.body
-    blind = [joint.name for joint in body.joints if joint.torque is None]
+    """Report signals that can never be known, or that mean nothing."""
+    body, types = signals.profile.body, signals.vocabulary.types
+    blind = [f"joint {joint.name}" for joint in body.joints if joint.torque is None]
+    blind += [f"wheel {body.wheels[w.place].name}" for w in spec.wheels if w.torque < 0]
+    known: dict[tuple[str, object], str] = {}
     for name, derived in wanted.items():
-        path: Path = ("derived", name)
-        forces = (kinds.NormalForceOf, kinds.FrictionOf, kinds.FrictionUsedOf)
-        if isinstance(derived, forces) and blind:
-            message = f"normal forces need every joint's torque, that of {blind[0]} is not known"
-            signals.problems.add("robot.signal", path, message, key=True)
+        message = ""
         match derived:
-            case kinds.FrictionOf(friction_of=of) | kinds.FrictionUsedOf(friction_used_of=of):
-                mine = [w for w in spec.wheels if body.wheels[w.place].name == of]
-                if mine and mine[0].torque < 0:
-                    message = f"friction needs the motor's torque: no `torque_of` for {of}"
-                    signals.problems.add("robot.signal", path, message, key=True)
+            case kinds.LeastOf(least_of=sources):
+                others = [each for each in sources if types[each] != types[sources[0]]]
+                if others:
+                    message = f"'{others[0]}' is {types[others[0]]}, '{sources[0]}' is not"
+            case kinds.NormalForceOf() | kinds.FrictionOf() | kinds.FrictionUsedOf() if blind:
+                message = f"forces need every torque, that of {blind[0]} is not told"
             case _:
                 pass
+        kind = type(derived).__name__
+        what = (kind, next(iter(derived.model_dump().values())) if kind != "BodySpeedOf" else "")
+        if kind != "LeastOf" and known.setdefault(what, name) != name:
+            message = f"'{known[what]}' tells the same"
+        if message:
+            signals.problems.add("robot.signal", ("derived", name), message, key=True)
 
 
 def _index(names: tuple[str, ...], name: str | None) -> int:

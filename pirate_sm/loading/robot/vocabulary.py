@@ -12,7 +12,7 @@ from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.derived_signals import add_derived
 from pirate_sm.loading.robot.signals import Signals, check_name
 from pirate_sm.model import profile as model
-from pirate_sm.units import ANGLE, DIMENSIONLESS, TIME
+from pirate_sm.units import ANGLE, DIMENSIONLESS, SPEED, TIME
 
 DETECTOR, SEGMENT = "detector", "segment"
 
@@ -37,6 +37,8 @@ def resolve_signals(
         check_name(DETECTOR, EnumType((word,)), ("detector", "words", word), problems, key=True)
     _measured(signals, types)
     for name, outside in profile.outside.items():
+        if name in types:
+            problems.add("robot.signal", ("outside", name), f"'{name}' is told twice", key=True)
         dimension = signals.constant(f"1 {outside.unit}", ("outside", name, "unit"))[1]
         types[name] = NumberType(dimension)
         check_name(name, types[name], ("outside", name), problems, key=True)
@@ -47,6 +49,11 @@ def resolve_signals(
     for number, link in enumerate(profile.body.links):
         if link.roll is not None:
             signals.number(link.roll, ("body", "links", number, "roll"), ANGLE)
+    ruler, path = profile.simulation.ruler, ("simulation", "ruler", "signal")
+    if ruler and ruler.signal in profile.outside:
+        signals.number(ruler.signal, path, SPEED)
+    elif ruler:
+        problems.add_unknown("robot.signal", path, "outside signal", ruler.signal, profile.outside)
     return signals
 
 

@@ -488,3 +488,162 @@ FAULTS = [
     ("resend_limit: 4", "resend_limit: true", "true", "expected a whole number, got true"),
     ("cycle: 10 ms", "cycle: 10", "10", "expected a duration such as '2 s', got '10' without"),
 ]
+
+_DERIVED = "  pace: {speed_of: [left_fore, right_fore, left_hind, right_hind]}\n"
+
+
+def _outside(derived: str, outside: str = "ruler: {unit: m/s, valid_for: 300 ms}") -> tuple:
+    """Adds derived signals, and a signal that is measured outside."""
+    return _DERIVED, f"{_DERIVED}{derived}outside:\n  {outside}\n"
+
+
+TRACTION_FAULTS = [
+    (
+        *_outside("  slid: {slip_speed_of: left, speed: ruler}\n"),
+        "{slip_speed_of: left",
+        "'left' is not known here",
+    ),
+    (
+        *_outside("  slid: {slip_speed_of: left_fore, speed: rule}\n"),
+        "rule}",
+        "there is no outside signal 'rule'",
+    ),
+    (
+        *_outside("  body: {body_speed_of: [left_fore], measured: pace}\n"),
+        "pace}",
+        "there is no outside signal 'pace'",
+    ),
+    (
+        *_outside(
+            "  slid: {slip_speed_of: left_fore, speed: ruler}\n", "ruler: {unit: m, valid_for: 1 s}"
+        ),
+        "ruler}",
+        "'ruler' is a length",
+    ),
+    (
+        *_outside("  slid: {slip_of: left_fore, speed: ruler, unknown_below: 0 mm/s}\n"),
+        "0 mm/s",
+        "expected more than 0 m/s, got '0 mm/s'",
+    ),
+    (
+        *_outside(
+            "  slid: {slip_speed_of: left_fore, speed: ruler}\n"
+            "  again: {slip_speed_of: left_fore, speed: ruler}\n"
+        ),
+        "again: {",
+        "'slid' tells the same",
+    ),
+    (
+        *_outside(
+            "  body: {body_speed_of: [left_fore], measured: ruler}\n"
+            "  other: {body_speed_of: [right_fore], measured: ruler}\n"
+        ),
+        "other: {",
+        "'body' tells the same",
+    ),
+    (
+        *_outside(
+            "  slid: {slip_speed_of: left_fore, speed: ruler}\n"
+            "  slid_b: {slip_speed_of: right_fore, speed: camera}\n",
+            "ruler: {unit: m/s, valid_for: 300 ms}\n  camera: {unit: m/s, valid_for: 300 ms}",
+        ),
+        "ruler}",
+        "slip is measured against one speed, here against camera and ruler",
+    ),
+    (
+        *_outside("  least: {least_of: [pace, neck_rate]}\n"),
+        "least: {",
+        "'neck_rate' is an angular speed, 'pace' is not",
+    ),
+    (
+        *_outside("  press: {normal_force_of: left_fore}\n"),
+        "press: {",
+        "forces need every torque, that of wheel left_fore is not told",
+    ),
+    (
+        *_outside("  mu: {friction_of: left_fore, slip_above: 10 mm/s, steady: 500 ms}\n"),
+        "mu: {",
+        "forces need every torque, that of wheel left_fore is not told",
+    ),
+    (
+        *_outside("  mu: {friction_of: left_fore, slip_above: 0 mm/s, steady: 500 ms}\n"),
+        "0 mm/s",
+        "expected more than 0 m/s, got '0 mm/s'",
+    ),
+    (*_outside("", "neck: {unit: m/s, valid_for: 300 ms}"), "neck: {", "'neck' is told twice"),
+    (
+        *_outside("", "and: {unit: m/s, valid_for: 300 ms}"),
+        "and: {",
+        "'and' cannot be the name of a signal",
+    ),
+    (*_outside("", "ruler: {unit: mps, valid_for: 300 ms}"), "mps", "unknown unit 'mps' after 1"),
+    (*_outside("", "ruler: {unit: m/s, valid_for: 0 s}"), "0 s", "expected more than 0 s"),
+    (
+        "  friction: {static: 0.8",
+        "  ruler: {signal: pace, every: 100 ms}\n  friction: {static: 0.8",
+        "pace, every",
+        "there is no outside signal 'pace'",
+    ),
+]
+
+_LOOPS = (
+    "    position_loop: {gain: 3.0, threshold: 3 deg, least_duty: 15 %, limit: 50 %}\n",
+    "    position_loop: {gain: 3.0, threshold: 3 deg, least_duty: 15 %, limit: 50 %}\n"
+    "    torque_loop: {gain: 0.6, dead: 30 mNm, within: 40 mNm, least_duty: 15 %, limit: 50 %}\n",
+)
+
+
+def _grip(grip: str) -> tuple[tuple[str, str], tuple[str, str]]:
+    """Adds a control with this grip."""
+    torques = "{fold_neck: -200 mNm, fold_hip: 200 mNm}"
+    control = f"controls:\n  soft:\n    actuation: {{Grip: {{BothHeld: {torques}}}}}\n"
+    return _LOOPS, ("commands:\n", f"{control}    {grip}\ncommands:\n")
+
+
+GRIP_FAULTS = [
+    (
+        _grip("grip: {safety: 0.9, friction: {nose: 0.5, tail: 0.5}, at_most: 300 mNm}"),
+        "0.9",
+        "expected at least 1, got '0.9'",
+    ),
+    (
+        _grip("grip: {safety: 2, friction: {nose: 0.5}, at_most: 300 mNm}"),
+        "{nose: 0.5}",
+        "give the friction of each part, nose, tail",
+    ),
+    (
+        _grip("grip: {safety: 2, friction: {nose: 0.5, tail: 0.5, ear: 1}, at_most: 300 mNm}"),
+        "{nose: 0.5",
+        "give the friction of each part, nose, tail",
+    ),
+    (
+        _grip("grip: {safety: 2, friction: {nose: 0, tail: 0.5}, at_most: 300 mNm}"),
+        "0, tail",
+        "expected more than 0, got '0'",
+    ),
+    (
+        _grip("grip: {safety: 2, friction: estimate, at_most: 300 mNm}"),
+        "estimate",
+        "friction is estimated by `friction_of` a wheel of nose; there is none",
+    ),
+    (
+        _grip("grip: {safety: 2, friction: {nose: 0.5, tail: 0.5}, at_most: 500 mNm}"),
+        "500 mNm",
+        "'fold_neck' can bear 400 mNm at its limit",
+    ),
+    (
+        _grip("grip: {safety: 2, friction: {nose: 1, tail: 1}, at_least: 0.3 Nm, at_most: 0.2 Nm}"),
+        "grip: {safety",
+        "`at_least` cannot be more than `at_most`",
+    ),
+    (
+        _grip("grip: {safety: 2, friction: {nose: 1, tail: 1}, at_most: 0.2 Nm, share: half}"),
+        "half",
+        "expected one of as_printed, corrected",
+    ),
+    (
+        _grip("gravity_compensation: 2"),
+        "2",
+        "expected true or false",
+    ),
+]

@@ -10,7 +10,7 @@ import pytest
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.robot import load_robot
 
-from .broken_profiles import FAULTS
+from .broken_profiles import FAULTS, GRIP_FAULTS, TRACTION_FAULTS
 
 ROOT = Path(__file__).resolve().parents[4]
 PIRATE = ROOT / "hardware_profiles" / "pirate_ii"
@@ -58,9 +58,18 @@ def test_each_part_is_held_where_the_decisions_say():
     }
 
 
-@pytest.mark.parametrize(("old", "new", "at", "message"), FAULTS)
+@pytest.mark.parametrize(("old", "new", "at", "message"), [*FAULTS, *TRACTION_FAULTS])
 def test_a_fault_of_the_profile_is_told_with_its_place(newt, tmp_path, old, new, at, message):
-    said = [parts(each) for each in newt("profile.yaml", (old, new))]
+    _is_told(newt, tmp_path, [(old, new)], at, message)
+
+
+@pytest.mark.parametrize(("swaps", "at", "message"), GRIP_FAULTS)
+def test_a_fault_of_a_control_is_told_with_its_place(newt, tmp_path, swaps, at, message):
+    _is_told(newt, tmp_path, swaps, at, message)
+
+
+def _is_told(newt, tmp_path, swaps, at, message):
+    said = [parts(each) for each in newt("profile.yaml", *swaps)]
 
     found = [place for place, text in said if text.startswith(message)]
     assert found, said
