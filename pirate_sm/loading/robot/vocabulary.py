@@ -12,7 +12,7 @@ from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.derived_signals import add_derived
 from pirate_sm.loading.robot.signals import Signals, check_name
 from pirate_sm.model import profile as model
-from pirate_sm.units import ANGLE, DIMENSIONLESS, SPEED, TIME
+from pirate_sm.units import ANGLE, DIMENSIONLESS, SPEED, TIME, QuantityError, parse_quantity
 
 DETECTOR, SEGMENT = "detector", "segment"
 
@@ -36,12 +36,7 @@ def resolve_signals(
     for word in profile.detector.words:
         check_name(DETECTOR, EnumType((word,)), ("detector", "words", word), problems, key=True)
     _measured(signals, types)
-    for name, outside in profile.outside.items():
-        if name in types:
-            problems.add("robot.signal", ("outside", name), f"'{name}' is told twice", key=True)
-        dimension = signals.constant(f"1 {outside.unit}", ("outside", name, "unit"))[1]
-        types[name] = NumberType(dimension)
-        check_name(name, types[name], ("outside", name), problems, key=True)
+    _outside(signals, types)
     add_derived(signals, types)
     problems.raise_errors()
     signals.vocabulary = Vocabulary(types)
@@ -55,6 +50,21 @@ def resolve_signals(
     elif ruler:
         problems.add_unknown("robot.signal", path, "outside signal", ruler.signal, profile.outside)
     return signals
+
+
+def _outside(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
+    """Add the types of the signals that are measured outside, or report what is wrong."""
+    problems = signals.problems
+    for name, outside in signals.profile.outside.items():
+        if name in types:
+            problems.add("robot.signal", ("outside", name), f"'{name}' is told twice", key=True)
+        try:
+            types[name] = NumberType(parse_quantity(f"1 {outside.unit}").dimension)
+        except QuantityError:
+            at, message = ("outside", name, "unit"), f"unknown unit '{outside.unit}'"
+            problems.add("robot.signal", at, message, expected="a unit such as 'm/s'")
+            continue
+        check_name(name, types[name], ("outside", name), problems, key=True)
 
 
 def _measured(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:

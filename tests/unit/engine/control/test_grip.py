@@ -146,7 +146,7 @@ def test_a_loop_keeps_the_sign_of_the_torque_that_its_state_asks_for(asked):
         gain=1.0, dead_nm=0.03, least_duty=0.15, limit=0.7, within_nm=0.04, stall_torque_nm=1.0,
         torque=TORQUE,
     )  # fmt: skip
-    loop = TorqueLoop(0, spec, asked, asked, CORRECTED)
+    loop = TorqueLoop(0, spec, asked, CORRECTED)
 
     loop = loop.heard(seen(0.0))
 

@@ -199,6 +199,7 @@ def test_a_frame_without_values_loses_nothing_that_was_learned(rolling):
 
     board = robot.driver.frame(22)
     robot.driver.give(ev.SensorFrame(22, (nan,) * len(board.values)), robot.driver.now + 0.1)
+    robot.driver.report(27)  # with the last wheel the signals of all are made
 
     assert isnan(robot["mu_1"])
     assert isnan(robot["normal_force_1"]) or robot["normal_force_1"] > 0

@@ -576,7 +576,7 @@ TRACTION_FAULTS = [
         "and: {",
         "'and' cannot be the name of a signal",
     ),
-    (*_outside("", "ruler: {unit: mps, valid_for: 300 ms}"), "mps", "unknown unit 'mps' after 1"),
+    (*_outside("", "ruler: {unit: mps, valid_for: 300 ms}"), "mps", "unknown unit 'mps'"),
     (*_outside("", "ruler: {unit: m/s, valid_for: 0 s}"), "0 s", "expected more than 0 s"),
     (
         "  friction: {static: 0.8",
