@@ -15,7 +15,7 @@ from .shipped import ROOT
 PAGES = {
     "mission": ["missions.md", "simulator.md"],
     "pipe": ["simulator.md"],
-    "profile": ["robots.md", "connecting.md", "serial.md", "simulator.md"],
+    "profile": ["robots.md", "connecting.md", "serial.md", "simulator.md", "traction.md"],
     "chart": ["robots.md"],
 }
 SCHEMAS = {kind: make() for kind, make in KINDS.items()}
