@@ -29,6 +29,7 @@ from pirate_sm.model.quantities import (
     Count,
     Current,
     Duration,
+    Inertia,
     Flag,
     Length,
     Number,
@@ -83,6 +84,8 @@ class Motor(Frozen):
         no_load_speed: Speed at full duty without load.
         hold_torque: Torque that turns a geared motor against its gearbox at duty 0.
         dead_drag: Torque with which a geared motor drags that has failed.
+        rotor_inertia: Moment of inertia of a geared motor's rotor, seen at the wheel: its own times
+            the squared ratio of the gear.
         stiffness: Of the series spring.
         position_loop: How a duty slot is brought to an angle.
         velocity_loop: How a wheel is kept at a speed; needs ``no_load_speed``.
@@ -94,6 +97,7 @@ class Motor(Frozen):
     no_load_speed: AngularSpeed | None = None
     hold_torque: Torque | None = None
     dead_drag: Torque | None = None
+    rotor_inertia: Inertia | None = None
     stiffness: Stiffness | None = None
     position_loop: PositionLoop | None = None
     velocity_loop: VelocityLoop | None = None

@@ -16,6 +16,7 @@ from pirate_sm.model.quantities import (
     Length,
     Number,
     Ratio,
+    Speed,
     Torque,
 )
 
@@ -26,10 +27,12 @@ class Friction(Frozen):
     Attributes:
         static: Coefficient while the wheel sticks.
         kinetic: Coefficient while it slides; not more than ``static``.
+        threshold: Speed of the slip below which the static coefficient holds.
     """
 
     static: Annotated[Number, Field(ge=0, le=5)]
     kinetic: Annotated[Number, Field(ge=0, le=5)]
+    threshold: Annotated[Speed, Field(gt=0)] = 0.001
 
     @model_validator(mode="after")
     def _static_holds_more(self) -> Friction:
