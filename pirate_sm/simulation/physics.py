@@ -113,6 +113,12 @@ class Physics(Protocol):
     def disable_wheel(self, wheel: int, drag_nm: float) -> None:
         """Let a wheel turn by its motor no more, and drag with this torque."""
 
+    def let_grip(self, wheel: int, static: float, kinetic: float) -> None:
+        """Give a wheel these friction coefficients."""
+
+    def turn_gravity(self, up: Vector) -> None:
+        """Let gravity pull against this unit vector from now on."""
+
     def stiffen_joint(self, wheel: int, friction_nm: float) -> None:
         """Give the joint at a wheel so much dry friction."""
 

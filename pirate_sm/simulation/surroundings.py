@@ -38,10 +38,11 @@ NO_JITTER = Jitter()
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What a run starts with."""
+    """What a run starts with; ``friction_scale`` is what chance makes of every coefficient."""
 
     route: Route
     friction: Friction
+    friction_scale: float
     pose: StartPose
     obstacles: tuple[Obstacle, ...]
 
@@ -79,6 +80,7 @@ def surroundings_of(
     return Surroundings(
         route,
         coefficients.model_copy(update=scaled),
+        scale,
         stand(chain, route, arc_m, duties, -pipe.roll),
         tuple(Obstacle(each.at, each.from_s, each.lasting) for each in pipe.blockages),
     )

@@ -19,7 +19,7 @@ __all__ = ["BACKENDS", "Order", "Prepared", "again", "answers", "load", "prepare
 BACKENDS: Registry[MakeBackend] = Registry(
     "backend",
     "pirate_sm.backends",
-    {name: f"pirate_sm.wiring.{name}:BACKEND" for name in ("serial", "sim", "trace")},
+    {name: f"pirate_sm.wiring.{name}:BACKEND" for name in ("physics", "serial", "sim", "trace")},
 )
 
 
@@ -57,6 +57,10 @@ def prepare(
         BackendError: The backend is another package's, which has a fault.
     """
     make = BACKENDS.find(order.backend)
+    if order.view and order.backend != "physics":
+        raise UsageError(
+            f"the backend {order.backend} has no viewer", option_hint=": use --backend physics"
+        )
     loaded = loaded or load(order)
     if order.check:
         from pirate_sm.checking.gate import pass_or_raise

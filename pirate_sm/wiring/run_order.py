@@ -35,6 +35,7 @@ class Order:
             None: the usual time.
         calibration: Whether the joint zeros of the real robot are subtracted, where it has any.
         check: Whether a mission with something certainly wrong is refused.
+        view: Whether the backend's own viewer shows the run.
     """
 
     mission: str
@@ -58,3 +59,4 @@ class Order:
     guard_for_s: float | None = None
     calibration: bool = True
     check: bool = False
+    view: bool = False

@@ -14,10 +14,12 @@ from pirate_sm.simulation.physics import StartPose
 # With softer contacts a clamped V toggles through the wall, and wheels that are held creep.
 _CONTACT = {"solref": "0.004 1", "solimp": "0.95 0.99 0.0005"}
 # With MuJoCo's own numbers a joint goes 5 deg beyond its stop at 0.7 Nm, and brakes creep.
-_LIMIT, _FRICTION = (
-    {f"solref{what}": "0.004 1", f"solimp{what}": "0.99 0.999 0.0002"}
-    for what in ("limit", "friction")
-)
+_STIFF_JOINT = {
+    "solreflimit": "0.004 1",
+    "solimplimit": "0.99 0.999 0.0002",
+    "solreffriction": "0.004 1",
+    "solimpfriction": "0.99 0.999 0.0002",
+}
 
 
 def model_text(
@@ -42,8 +44,8 @@ def model_text(
         cone="elliptic", impratio="10",
     )  # fmt: skip
     default = SubElement(model, "default")
-    SubElement(default, "geom", condim="4" if space else "3", **_CONTACT)
-    SubElement(default, "joint", **_LIMIT, **_FRICTION)
+    SubElement(default, "geom", {"condim": "4" if space else "3", **_CONTACT})
+    SubElement(default, "joint", _STIFF_JOINT)
     world = SubElement(model, "worldbody")
     actuators = Element("actuator")
     add_pipe(world, route, space=space)

@@ -59,9 +59,7 @@ class Motors:
         wheels = [model.joint(f"{WHEEL}{i}") for i in range(n)]
         self._wheel = np.array([joint.qposadr[0] for joint in wheels], dtype=np.intp)
         self._wheel_dof = np.array([joint.dofadr[0] for joint in wheels], dtype=np.intp)
-        self._motor = np.array(
-            [model.actuator(f"{WHEEL}{i}").id for i in range(n)], dtype=np.intp
-        )
+        self._motor = np.array([model.actuator(f"{WHEEL}{i}").id for i in range(n)], dtype=np.intp)
         self._wheel_stall = np.array([each.stall_nm for each in chain.wheels])
         self._wheel_rate = np.array([each.rate_rad_s for each in chain.wheels])
         self._hold = np.array([each.hold_nm for each in chain.wheels])

@@ -33,9 +33,7 @@ def add_pipe(world: Element, route: Route, *, space: bool) -> None:
     else:
         _add_plates(world, route.pieces[0])
     half = route.pieces[0].diameter_m / 2
-    body = SubElement(
-        world, "body", name=OBSTACLE, mocap="true", pos=numbers(_FAR_M, _FAR_M, 0)
-    )
+    body = SubElement(world, "body", name=OBSTACLE, mocap="true", pos=numbers(_FAR_M, _FAR_M, 0))
     # Its face is the origin, and it lies ahead of it.
     SubElement(
         body, "geom", type="box", pos=numbers(half, 0, 0), size=numbers(half, half, half),
@@ -48,9 +46,7 @@ def _add_bars(world: Element, route: Route) -> None:
     half_m = route.pieces[0].diameter_m / 2
     for side, corners in enumerate(walls(route)):
         outwards = 1.0 if side == 0 else -1.0
-        for piece, (x0, y0), (x1, y1) in zip(
-            route.pieces, corners[:-1], corners[1:], strict=True
-        ):
+        for piece, (x0, y0), (x1, y1) in zip(route.pieces, corners[:-1], corners[1:], strict=True):
             ahead_x, ahead_y = flat(piece.frame.ahead)
             off = outwards * _HALF_M
             place = ((x0 + x1) / 2 - off * ahead_y, (y0 + y1) / 2 + off * ahead_x, 0.0)

@@ -78,9 +78,7 @@ def _add_link(body: Element, chain: ChainBody, link: LinkBody) -> None:
     _add_shape(body, chain, (0.0, -link.length_m))
 
 
-def _add_roll_joint(
-    body: Element, actuators: Element, chain: ChainBody, link: LinkBody
-) -> Element:
+def _add_roll_joint(body: Element, actuators: Element, chain: ChainBody, link: LinkBody) -> Element:
     """Add a link with a roll joint in its middle; return the body of its rear half."""
     half, thick, mass = link.length_m / 2, chain.half_thickness_m, link.mass_kg / 2
     small = (0.5 * mass * thick**2,) * 3
@@ -156,9 +154,7 @@ def _add_inertia(
     body: Element, mass_kg: float, along_m: float, inertia: tuple[float, float, float]
 ) -> None:
     place = numbers(along_m, 0, 0)
-    SubElement(
-        body, "inertial", pos=place, mass=numbers(mass_kg), diaginertia=numbers(*inertia)
-    )
+    SubElement(body, "inertial", pos=place, mass=numbers(mass_kg), diaginertia=numbers(*inertia))
 
 
 def _add_shape(body: Element, chain: ChainBody, ends_m: tuple[float, float]) -> None:

@@ -40,7 +40,8 @@ class RollInSpace:
         self._data, self._chain, self._quantities = data, chain, quantities
         layout = QuantityLayout(chain.nodes)
         self._roll, self._current = layout.at("roll"), layout.at("roll_current")
-        self._frame = route.pieces[0].frame
+        frame = route.pieces[0].frame
+        self._side, self._normal = np.array(frame.side), np.array(frame.normal)
         self._ahead = model.body(f"{LINK}0").id
         self._rear = model.body(f"{LINK}{len(chain.links) - 1}").id
         self._joint = self._motor = -1
@@ -75,4 +76,4 @@ class RollInSpace:
     def _roll_of(self, body: int) -> float:
         """Return how far the plane of a body is rolled about the pipe's axis, rad."""
         axle = self._data.xmat[body, 2::3]
-        return atan2(float(axle @ np.array(self._frame.side)), float(axle @ np.array(self._frame.normal)))
+        return atan2(float(axle @ self._side), float(axle @ self._normal))

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import mujoco
 import numpy as np
 
+from pirate_sm.geometry.space import Vector, dot
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody
@@ -12,8 +15,16 @@ from pirate_sm.simulation.mujoco.names import LINK, OBSTACLE, WHEEL
 from pirate_sm.simulation.physics import QuantityLayout
 
 _FULL_SLIP = 1.5
-"""Times the threshold speed, from which on the kinetic coefficient holds (dynamics of the thesis,
-fig. 4-3, gives no number)."""
+"""From so many times the threshold speed on the kinetic coefficient holds; the thesis's fig. 4-3
+gives no number."""
+
+
+class _Motion(NamedTuple):
+    """How a wheel turns, how its middle moves, and where its axle points."""
+
+    turning: Vector
+    moving: Vector
+    axle: Vector
 
 
 class WheelContacts:
@@ -60,67 +71,69 @@ class WheelContacts:
 
     def read(self) -> None:
         """Write press and grip after a cycle, and set each wheel's friction for the next one."""
-        self._press[:] = 0.0
-        self._grip[:] = 0.0
-        slip = np.zeros(len(self._press))
-        data, contact = self._data, self._data.contact
-        forces, wheel_of = data.efc_force, self._wheel_of
-        velocities: list[tuple[list[float], list[float], list[float]]] | None = None
-        strongest = [0.0] * len(slip)
-        pairs = contact.geom.tolist()
+        n = len(self.static)
+        press, grip, slip, strongest = [0.0] * n, [0.0] * n, [0.0] * n, [0.0] * n
+        contact, forces = self._data.contact, self._data.efc_force
+        motions: list[_Motion] = []
         for (one, other), address, frame in zip(
-            pairs, contact.efc_address.tolist(), contact.frame.tolist(), strict=True
+            contact.geom.tolist(), contact.efc_address.tolist(), contact.frame.tolist(), strict=True
         ):
             # A contact's frame begins with the normal from the first body to the second.
-            second = other in wheel_of
-            wheel = wheel_of.get(other if second else one)
+            second = other in self._wheel_of
+            wheel = self._wheel_of.get(other if second else one)
             if wheel is None or address < 0 or self._obstacle in (one, other):
                 continue
+            motions = motions or self._motions()
+            push, first_n, second_n = forces[address : address + 3].tolist()
             sign = 1.0 if second else -1.0
-            force = forces[address : address + 3].tolist()
-            velocities = velocities or self._motions()
-            normal = [sign * each for each in frame[:3]]
-            tangent = _cross(velocities[wheel][2], normal)
-            self._press[wheel] += force[0]
-            self._grip[wheel] += sign * (
-                force[1] * _dot(frame[3:6], tangent) + force[2] * _dot(frame[6:], tangent)
-            )
-            if force[0] > strongest[wheel]:
-                strongest[wheel] = force[0]
-                slip[wheel] = self._slip(velocities[wheel], normal)
-        share = np.clip(
-            (slip / self._threshold_m_s - 1.0) / (_FULL_SLIP - 1.0), 0.0, 1.0
-        )
+            normal = (sign * frame[0], sign * frame[1], sign * frame[2])
+            tangent = _cross(motions[wheel].axle, normal)
+            along = first_n * dot(frame[3:6], tangent) + second_n * dot(frame[6:], tangent)
+            press[wheel] += push
+            grip[wheel] += sign * along
+            if push > strongest[wheel]:
+                strongest[wheel] = push
+                slip[wheel] = self._slip(motions[wheel], normal)
+        self._press[:] = press
+        self._grip[:] = grip
+        self._set_friction(slip)
+
+    def _set_friction(self, slip_m_s: list[float]) -> None:
+        beyond = np.array(slip_m_s) / self._threshold_m_s - 1.0
+        share = np.clip(beyond / (_FULL_SLIP - 1.0), 0.0, 1.0)
         friction = self.static + share * (self.kinetic - self.static)
         self._model.geom_friction[self._geoms, 0] = friction
 
-    def _motions(self) -> list[tuple[list[float], list[float], list[float]]]:
-        """Return each wheel's turning rate, velocity of its middle, and axle."""
+    def _motions(self) -> list[_Motion]:
+        """Return how each wheel moves."""
         data, bodies = self._data, self._bodies
-        turning, moving = data.cvel[bodies, :3], data.cvel[bodies, 3:]
-        arm = data.xpos[bodies] - data.subtree_com[self._root]
-        middles = moving + np.cross(turning, arm)
-        axles = data.xmat[bodies][:, 2::3]
-        return list(zip(turning.tolist(), middles.tolist(), axles.tolist(), strict=True))
+        x, y, z = data.subtree_com[self._root].tolist()
+        rows = zip(
+            data.cvel[bodies].tolist(),
+            data.xpos[bodies].tolist(),
+            data.xmat[bodies].tolist(),
+            strict=True,
+        )
+        found = []
+        for (a, b, c, u, v, w), (px, py, pz), axes in rows:
+            arm = (px - x, py - y, pz - z)
+            turning = _cross((a, b, c), arm)
+            moving = (u + turning[0], v + turning[1], w + turning[2])
+            found.append(_Motion((a, b, c), moving, (axes[2], axes[5], axes[8])))
+        return found
 
-    def _slip(
-        self, motion: tuple[list[float], list[float], list[float]], normal: list[float]
-    ) -> float:
-        """Return how fast the wheel's surface moves along the wall that it touches."""
-        turning, moving, _ = motion
-        spun = _cross(turning, normal)
-        velocity = [v - self._radius_m * s for v, s in zip(moving, spun, strict=True)]
-        off = _dot(velocity, normal)
-        return sum((v - off * n) ** 2 for v, n in zip(velocity, normal, strict=True)) ** 0.5
+    def _slip(self, motion: _Motion, normal: Vector) -> float:
+        """Return how fast the wheel's surface moves along the wall that it touches, m/s."""
+        (sx, sy, sz), (vx, vy, vz) = _cross(motion.turning, normal), motion.moving
+        r = self._radius_m
+        surface = (vx - r * sx, vy - r * sy, vz - r * sz)
+        off = dot(surface, normal)
+        return float(max(dot(surface, surface) - off * off, 0.0) ** 0.5)
 
 
-def _dot(one: list[float], other: list[float]) -> float:
-    return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
-
-
-def _cross(one: list[float], other: list[float]) -> list[float]:
-    return [
+def _cross(one: Vector, other: Vector) -> Vector:
+    return (
         one[1] * other[2] - one[2] * other[1],
         one[2] * other[0] - one[0] * other[2],
         one[0] * other[1] - one[1] * other[0],
-    ]
+    )

@@ -148,9 +148,7 @@ def _heading(places: Sequence[Vector]) -> float:
     return atan2(y0 - y1, x0 - x1)
 
 
-def _lying(
-    pose: StartPose, route: Route, chain: ChainBody, gravity: Vector
-) -> tuple[Vector, ...]:
+def _lying(pose: StartPose, route: Route, chain: ChainBody, gravity: Vector) -> tuple[Vector, ...]:
     """Return where the wheels of a rolled robot are; one that does not clamp lies on the wall."""
     frame = route.pieces[0].frame
     c, s = cos(pose.roll_rad), sin(pose.roll_rad)
