@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import copysign, cos, inf, sin
+from math import copysign, cos, inf, log, pi, sin, sqrt
 
 import mujoco
 import numpy as np
@@ -18,7 +18,11 @@ from pirate_sm.simulation.physics import QuantityLayout, StartPose
 # A part that lies in the pipe presses with up to its weight; one that was clamped and is relaxed
 # presses with at least 4 weights.
 _LYING_WEIGHTS = 2.0
-_STICKS_BELOW_M_S = 0.001
+# The floor takes at most what stops a wheel's share of the mass within so long, as in the kinematic
+# simulator: below 10 mm/s its friction falls with the speed.
+_STOPS_IN_S = 0.002
+# Two motors square to each other drag by this much more than one, as a mean over all directions.
+_SQUARE = 4.0 / pi * log(1.0 + sqrt(2.0))
 _SIDES = (1, 2)
 
 
@@ -61,6 +65,7 @@ class RollInPlane:
             [[model.actuator(f"{name}{i}").id for name in (X_DRAG, Y_DRAG)] for i in range(n)],
             dtype=np.intp,
         )
+        model.actuator_biasprm[self._drags, 2] = -self._masses[:, None] / _STOPS_IN_S
         self._rolls = [0.0, pose.roll_rad, pose.roll_rad]
         self._target_rad = 0.0
 
@@ -96,13 +101,11 @@ class RollInPlane:
             floor = np.array([abs(each[2]) for each in felt])
             more = (np.array(felt) - gravity) * [1.0, 1.0, 0.0]
             self._data.xfrc_applied[self._bodies, :3] = self._masses[:, None] * more
-        drag = np.where(self._press == 0.0, kinetic * floor * self._masses, 0.0)
+        most = kinetic * floor * self._masses / _SQUARE
+        drag = np.where(self._press == 0.0, most, 0.0)[:, None]
         model = self._model
-        for column in (0, 1):
-            ids = self._drags[:, column]
-            model.actuator_forcerange[ids, 0] = -drag
-            model.actuator_forcerange[ids, 1] = drag
-            model.actuator_biasprm[ids, 2] = -drag / _STICKS_BELOW_M_S
+        model.actuator_forcerange[self._drags, 0] = -drag
+        model.actuator_forcerange[self._drags, 1] = drag
 
     def gravity_at(self, wheel: int, gravity: Vector, rolls: Sequence[float]) -> Vector:
         """Return what a wheel's part feels of gravity in its own plane and square to it, m/s²."""
