@@ -83,6 +83,8 @@ ROWS = (
     Row("downwards", "mitre_bend_upright", "mitre_90_down", snapshots=False, holding=True),
     Row("hold 50/50 mNm", "mitre_bend", bar=0.0, motors=_SOFT),
 )
+_AGREEING = 8
+"""So many rows, the first ones, are those in which the two physics are compared."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,8 @@ def main() -> int:
     parser.add_argument("--start-jitter", type=float, default=20.0, help="mm")
     wishes = parser.parse_args()
     good = True
-    for row in ROWS:
+    rows = ROWS[:_AGREEING] if wishes.backend == "physics" else ROWS
+    for row in rows if wishes.row is None else ROWS:
         if wishes.row is None or row.name in wishes.row:
             order = replace(row, seeds=wishes.seeds or row.seeds)
             if wishes.backend == "physics":

@@ -66,6 +66,9 @@ class Noise(Frozen):
     detector: Annotated[Length, Field(ge=0)] = 0.0
 
 
+SIMULATORS = frozenset({"physics", "sim"})
+"""Backends that simulate a robot in a pipe, from a seed."""
+
 Kind = Literal[
     "dead_wheel",
     "stiff_joint",
