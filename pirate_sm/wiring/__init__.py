@@ -16,10 +16,11 @@ from pirate_sm.wiring.run_order import Order
 
 __all__ = ["BACKENDS", "Order", "Prepared", "again", "answers", "load", "prepare"]
 
+_OURS = ("physics", "serial", "sim", "trace")
 BACKENDS: Registry[MakeBackend] = Registry(
     "backend",
     "pirate_sm.backends",
-    {name: f"pirate_sm.wiring.{name}:BACKEND" for name in ("physics", "serial", "sim", "trace")},
+    {name: f"pirate_sm.wiring.{name}:BACKEND" for name in _OURS},
 )
 
 
