@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 from pirate_sm.detectors.registry import Places
 from pirate_sm.engine.robot.robot_state import at_rest_in
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.registry import Plugin
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
-from pirate_sm.wiring.run_order import Order
+from pirate_sm.wiring.run_order import USE_TRACE, Order
 
 if TYPE_CHECKING:
     from pirate_sm.simulation.physics import MakePhysics
@@ -26,11 +26,11 @@ IN_A_PLANE = (
 )
 
 _COMPILED = {"llvmlite", "numba", "numpy"}
-"""What the extra `sim` installs."""
+"""The packages that the extra `sim` installs."""
 
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
-    """Return the simulator with the robot where the mission begins.
+    """Return the simulator with the robot at the mission's start.
 
     Raises:
         UsageError: There is no pipe, an option is for another backend, or the extra ``sim`` is not
@@ -55,12 +55,10 @@ def check_order(order: Order, loaded: LoadedMission) -> None:
         UsageError: There is no pipe, or an option is for another backend.
     """
     if loaded.pipe is None:
-        message = "the mission names no pipe to simulate"
-        raise UsageError(message, option_hint=": give one with --pipe NAME")
+        hint = Hint(": give one with --pipe NAME", ": give one with pipe='NAME'")
+        raise UsageError("the mission names no pipe to simulate", hint=hint)
     if order.firings or order.course:
-        raise UsageError(
-            "triggers can be fired in a trace only", option_hint=": use --backend trace"
-        )
+        raise UsageError("triggers can be fired in a trace only", hint=USE_TRACE)
 
 
 def not_installed(error: ModuleNotFoundError, extra: str, modules: Collection[str]) -> Exception:
@@ -105,10 +103,10 @@ def simulated(
 
 
 def start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
-    """Return setpoints that hold a simulated robot where its mission says it is; None at its rest.
+    """Return setpoints that hold a simulated robot in its start configuration; None at rest.
 
-    Only joints of held parts are driven. A part that is bending is not in a bend yet: pushed in a
-    straight pipe it would lever the held part off the wall before the first command.
+    Only joints of held parts are driven. A bending part is not in a bend yet: pushed in a straight
+    pipe it would lever the held part off the wall before the first command.
     """
     configuration, robot = loaded.program.start_configuration, loaded.robot
     if configuration == robot.table.initial:

@@ -9,14 +9,17 @@ from typing import Any
 
 import mujoco.viewer
 
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import Hint, UsageError
 from pirate_sm.geometry.route import Route
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.mujoco.world import World
 from pirate_sm.simulation.physics import StartPose
 
-_ELSEWHERE = "watch the run with --live, or look at its recording afterwards"
+_WITHOUT = Hint(
+    ": leave --view out, and watch the run with --live or from its recording",
+    ": leave view out, and look at the recording",
+)
 
 
 class WatchedWorld(World):
@@ -59,13 +62,11 @@ def open_window(world: World) -> Any:
     ):
         raise UsageError(
             "there is no display here for MuJoCo's viewer (DISPLAY is not set)",
-            option_hint=f": leave --view out, {_ELSEWHERE}",
+            hint=_WITHOUT,
         )
     try:
         return mujoco.viewer.launch_passive(
             world.model, world.data, show_left_ui=False, show_right_ui=False
         )
     except (RuntimeError, mujoco.FatalError) as error:
-        raise UsageError(
-            f"MuJoCo's viewer cannot be opened: {error}", option_hint=f": {_ELSEWHERE}"
-        ) from error
+        raise UsageError(f"MuJoCo's viewer cannot be opened: {error}", hint=_WITHOUT) from error

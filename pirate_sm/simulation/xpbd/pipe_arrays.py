@@ -1,4 +1,4 @@
-"""A route through a plane as the arrays that the kernel takes: its straight pieces, their walls."""
+"""A planar route as arrays for the kernel: its straight pieces and their walls."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pirate_sm.simulation.xpbd import kernel
 
 
 def leg_rows(route: Route) -> Floats:
-    """Return the pieces for the kernel, `(pieces, kernel.LEG_COLUMNS)`."""
+    """Return the pieces as an array for the kernel, `(pieces, kernel.LEG_COLUMNS)`."""
     return np.array([_leg_row(route, piece) for piece in route.pieces])
 
 
