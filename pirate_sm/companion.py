@@ -26,20 +26,16 @@ class Companion(Protocol):
     @property
     def due_s(self) -> float:
         """Return the mission time of its next call."""
-        ...
 
     @property
     def listening(self) -> bool:
         """Return whether it waits for a person."""
-        ...
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
         """Process the effects of the last step."""
-        ...
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Return the events due now, often none, and advance ``due_s``."""
-        ...
 
 
 @runtime_checkable
@@ -48,7 +44,6 @@ class Onlooker(Protocol):
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Examine the state; return messages for the observers of the run."""
-        ...
 
 
 @runtime_checkable
@@ -60,7 +55,6 @@ class Counting(Protocol):
 
         The polarity may differ from the mission before.
         """
-        ...
 
 
 @runtime_checkable
@@ -69,4 +63,3 @@ class Following(Protocol):
 
     def follow(self, engine: Engine, state: Callable[[], EngineState | None]) -> None:
         """Use this source of the run's state from now on; it returns None before the start."""
-        ...

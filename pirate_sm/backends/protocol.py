@@ -23,17 +23,14 @@ class Backend(Protocol):
     @property
     def name(self) -> str:
         """Name of the backend, as users give it."""
-        ...
 
     @property
     def completion(self) -> Completion:
         """How a command is found to be done."""
-        ...
 
     @property
     def real_time(self) -> bool:
         """Whether ``advance`` runs in real time."""
-        ...
 
     def open(self) -> Sequence[Event]:
         """Make the backend ready without moving anything; return the events known at the start.
@@ -41,7 +38,6 @@ class Backend(Protocol):
         Raises:
             BackendError: The backend cannot be made ready.
         """
-        ...
 
     def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
         """Take an array; ``advance`` reports exactly one ``SubmitResult`` for it later.
@@ -59,7 +55,6 @@ class Backend(Protocol):
         Raises:
             BackendError: The backend can take no more arrays.
         """
-        ...
 
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
         """Let time run until ``until_s``, or until there is an event to report.
@@ -73,11 +68,9 @@ class Backend(Protocol):
         Raises:
             BackendError: The backend has failed in a way that no event can report.
         """
-        ...
 
     def close(self) -> None:
         """Send the last array submitted and release everything.
 
         It may be called more than once and after any error. It never raises.
         """
-        ...

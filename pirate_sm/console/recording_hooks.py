@@ -24,25 +24,20 @@ class RunKeeper(Protocol):
     @property
     def prepared(self) -> Prepared:
         """The run."""
-        ...
 
     @property
     def tap(self) -> Tap | None:
         """The tap that records it; None without a recording."""
-        ...
 
     @property
     def companions(self) -> tuple[Companion, ...]:
         """The recorder's companions."""
-        ...
 
     def follow(self, run: MissionRun) -> None:
         """Show viewers this run."""
-        ...
 
     def forget(self) -> None:
         """Discard the recording of this run, because the operator requested nothing in it."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -21,11 +21,9 @@ class Stoppable(Protocol):
 
     def stop_now(self) -> None:
         """Send the robot to its safe state."""
-        ...
 
     def leave_now(self) -> None:
         """Send the robot to its safe state and leave, because the terminal has gone."""
-        ...
 
 
 class StopDriver(LinuxDriver):

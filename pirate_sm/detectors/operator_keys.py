@@ -30,7 +30,6 @@ class Keys(Protocol):
 
     def pressed(self) -> str:
         """Return the keys, oldest first; empty if there were none."""
-        ...
 
 
 class WordKeys:

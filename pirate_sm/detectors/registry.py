@@ -87,7 +87,6 @@ class MakeDetector(Protocol):
         Raises:
             UsageError: The detector cannot be made for this run.
         """
-        ...
 
 
 def detecting(text: str | None, usual: str, asked: Asked) -> Detecting:

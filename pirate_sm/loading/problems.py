@@ -111,11 +111,9 @@ class Locator(Protocol):
 
     def place_of(self, path: Path, *, key: bool = False, offset: int | None = None) -> Place:
         """Return the place of the value at `path`, or of its key."""
-        ...
 
     def excerpt(self, line: int) -> str:
         """Return a line of the file, counted from 1; empty when there is none."""
-        ...
 
 
 class Problems:

@@ -11,11 +11,9 @@ class Clock(Protocol):
 
     def now(self) -> float:
         """Return the time in s; it never goes back."""
-        ...
 
     def sleep(self, seconds: float) -> None:
         """Wait this many seconds; a signal handler may run meanwhile."""
-        ...
 
 
 class WallClock:

@@ -19,7 +19,6 @@ class Observer(Protocol):
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         """Receive the latest effects."""
-        ...
 
 
 @runtime_checkable
@@ -28,7 +27,6 @@ class Watcher(Protocol):
 
     def pulse(self, now_s: float) -> None:
         """Look at the run."""
-        ...
 
 
 class Tap(Protocol):
@@ -44,12 +42,9 @@ class Tap(Protocol):
         paused: bool = False,
     ) -> None:
         """Receive the start of the engine, with the events known then."""
-        ...
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
         """Receive a step; a step in which the engine raised has no effects."""
-        ...
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
         """Receive the effects of actions past the engine."""
-        ...

@@ -66,7 +66,6 @@ class MakeBackend(Protocol):
         Raises:
             UsageError: The order does not fit the backend, or something is not installed.
         """
-        ...
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -78,7 +78,7 @@ async def clamp_in_a_second_run(me: Operator) -> None:
     me.session.stop()
     me.wait(1.0)
     me.until(lambda: me.latest.state is not None and me.latest.state.look is None)
-    me.session.tell(OperatorCommand("ClampFront"))
+    me.session.give_event(OperatorCommand("ClampFront"))
     me.until(lambda: me.states[2] == "FrontClampedRearRelaxed")
     await leave(me)
 

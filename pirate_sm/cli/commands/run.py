@@ -44,7 +44,6 @@ class Output(Observer, Protocol):
 
     def begin(self) -> None:
         """Print what is about to run."""
-        ...
 
 
 class _Manner(NamedTuple):

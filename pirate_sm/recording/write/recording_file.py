@@ -32,11 +32,9 @@ class Sink(Protocol):
 
     def write(self, data: bytes, /) -> object:
         """Write all of the bytes."""
-        ...
 
     def close(self) -> None:
         """Close the sink, after the last bytes."""
-        ...
 
 
 class DiskFile:

@@ -30,7 +30,6 @@ class Audience(Protocol):
 
     def show(self, channel: ViewerChannel, time_ns: int, data: bytes) -> None:
         """Send the message to the viewers."""
-        ...
 
 
 class Sample(NamedTuple):

@@ -22,16 +22,13 @@ class Port(Protocol):
     @property
     def name(self) -> str:
         """Name of the port, as people use it."""
-        ...
 
     @property
     def epoch_s(self) -> float:
         """Added to its clock gives seconds since 1970."""
-        ...
 
     def now(self) -> float:
         """Return the time of the port's clock, s; it never goes back."""
-        ...
 
     def open(self) -> None:
         """Open the port for this program alone.
@@ -39,11 +36,9 @@ class Port(Protocol):
         Raises:
             BackendError: It cannot be opened; the message says what to do.
         """
-        ...
 
     def reopen(self) -> bool:
         """Try once to reopen a lost port; return whether it is open."""
-        ...
 
     def write(self, data: bytes) -> None:
         """Write the bytes in one piece.
@@ -51,7 +46,6 @@ class Port(Protocol):
         Raises:
             PortLostError: The port has gone.
         """
-        ...
 
     def read(self, until_s: float) -> bytes:
         """Return received bytes as soon as there are any; empty if none came by ``until_s``.
@@ -59,23 +53,18 @@ class Port(Protocol):
         Raises:
             PortLostError: The port has gone.
         """
-        ...
 
     def wait(self, until_s: float) -> None:
         """Sleep until that time, when there is nothing to read from."""
-        ...
 
     def beat(self, safe_frame: bytes) -> None:
         """Send the guardian a sign of life and the frame to send if these signs stop."""
-        ...
 
     def overruled(self) -> bool:
         """Return whether the guardian has acted in place of this program since the last call."""
-        ...
 
     def remark(self) -> str:
         """Return, once, what a person must know about other users of the port; else empty."""
-        ...
 
     def close(self, stopped: bool = False) -> None:
         """Close the port once all written bytes have gone out; never raises.
@@ -84,4 +73,3 @@ class Port(Protocol):
             stopped: Whether the robot is known to be stopped, or was never set in motion. If not,
                 the guardian keeps the port until the robot has confirmed the safe array.
         """
-        ...
