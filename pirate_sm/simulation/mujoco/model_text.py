@@ -39,10 +39,12 @@ def model_text(
     """
     model = Element("mujoco", model="robot in a pipe")
     SubElement(model, "compiler", angle="radian", autolimits="true")
-    SubElement(
+    option = SubElement(
         model, "option", timestep=numbers(step_s), integrator="implicitfast", solver="Newton",
         cone="elliptic", impratio="10",
     )  # fmt: skip
+    # A world that has become unstable must not begin anew by itself.
+    SubElement(option, "flag", autoreset="disable")
     default = SubElement(model, "default")
     SubElement(default, "geom", {"condim": "4" if space else "3", **_CONTACT})
     SubElement(default, "joint", _STIFF_JOINT)

@@ -8,6 +8,7 @@ from math import atan2, cos, sin
 import mujoco
 import numpy as np
 
+from pirate_sm.errors import BackendError
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import GRAVITY_M_S2, Vector, dot
 from pirate_sm.model.simulation import Friction
@@ -24,6 +25,11 @@ from pirate_sm.simulation.physics import QuantityLayout, StartPose
 
 STEP_S = 0.002
 _FAR_M = 1000.0
+_UNSTABLE = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+)
 
 
 class World:
@@ -93,7 +99,11 @@ class World:
         self._roll.turn_to(angle_rad)
 
     def advance(self) -> None:
-        """Let one cycle pass."""
+        """Let one cycle pass.
+
+        Raises:
+            BackendError: The world has become unstable.
+        """
         self._motors.drive(self.duties)
         if isinstance(self._roll, RollInPlane):
             contacts = self._contacts
@@ -101,6 +111,8 @@ class World:
         else:
             self._roll.prepare(self._cycle_s)
         mujoco.mj_step(self.model, self.data, self._steps)
+        if any(self.data.warning[each].number for each in _UNSTABLE):
+            raise BackendError("MuJoCo's world has become unstable: numbers beyond all bounds")
         self._read()
 
     def places(self) -> Sequence[Vector]:

@@ -2,12 +2,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
 import numpy as np
 import pytest
 
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import BackendError, UsageError
 from pirate_sm.geometry.route import Route
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Friction
@@ -95,6 +96,16 @@ def test_the_coefficient_falls_with_the_speed_of_the_slip(place: Place) -> None:
     assert model.geom_friction[wheels, 0][pressing] == pytest.approx(0.05)
     press, grip = np.array(robot.values("press")), np.abs(robot.values("grip"))
     assert grip[pressing] / press[pressing] == pytest.approx(0.05, rel=0.03)
+
+
+def test_a_world_that_has_become_unstable_says_so(
+    chain: ChainBody, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # MuJoCo keeps a log where it is
+    robot = world(chain)
+    robot.data.qvel[0] = np.nan
+    with pytest.raises(BackendError, match="unstable"):
+        robot.advance()
 
 
 def test_a_faster_threshold_lets_a_slipping_wheel_keep_its_static_friction(
