@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import hypot
 from typing import NamedTuple
 
 import mujoco
@@ -17,6 +18,9 @@ from pirate_sm.simulation.physics import QuantityLayout
 _FULL_SLIP = 1.5
 """From so many times the threshold speed on the kinetic coefficient holds; the thesis's fig. 4-3
 gives no number."""
+
+_REACHED = 0.99
+"""Share of the friction from which on it is exhausted."""
 
 
 class _Motion(NamedTuple):
@@ -63,6 +67,7 @@ class WheelContacts:
         self._threshold_m_s = friction.threshold
         for wheel in range(n):
             self.let_grip(wheel, friction.static, friction.kinetic)
+        self._friction: Floats = self.static.copy()
         model.geom_friction[self._geoms, 0] = self.static
 
     def let_grip(self, wheel: int, static: float, kinetic: float) -> None:
@@ -93,7 +98,9 @@ class WheelContacts:
             grip[wheel] += sign * along
             if push > strongest[wheel]:
                 strongest[wheel] = push
-                slip[wheel] = self._slip(motions[wheel], normal)
+                # A wheel that sticks creeps a little; it slips where its friction is exhausted.
+                slips = hypot(first_n, second_n) >= _REACHED * self._friction[wheel] * push
+                slip[wheel] = self._slip(motions[wheel], normal) if slips else 0.0
         self._press[:] = press
         self._grip[:] = grip
         self._set_friction(slip)
@@ -102,6 +109,7 @@ class WheelContacts:
         beyond = np.array(slip_m_s) / self._threshold_m_s - 1.0
         share = np.clip(beyond / (_FULL_SLIP - 1.0), 0.0, 1.0)
         friction = self.static + share * (self.kinetic - self.static)
+        self._friction = friction
         self._model.geom_friction[self._geoms, 0] = friction
 
     def _motions(self) -> list[_Motion]:
