@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects loops upright mutants clean
+.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects loops upright mutants physics clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -18,6 +18,7 @@ help:
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
 	@echo "make upright up and down an upright pipe, clamped as friction asks for and by a fixed torque"
+	@echo "make physics MuJoCo beside the kinematic simulator, its speed, and the bend in many pipes"
 	@echo "make defects every known defect of the robot, in several missions"
 	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
 	@echo "make kills   the bend in real time, and something dies at a random moment of it"
@@ -71,6 +72,10 @@ seeds: $(VENV)/.ready-sim
 upright: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.upright
 
+physics: $(VENV)/.ready-physics
+	$(BIN)/python -m benchmarks.physics
+	$(BIN)/python -m benchmarks.seeds --backend physics --seeds 20
+
 defects: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.defects
 
@@ -95,11 +100,12 @@ clean:
 
 # One environment; each set of extras is installed once, and again when pyproject.toml changes.
 $(VENV)/.ready-sim: EXTRAS := sim
-$(VENV)/.ready-dev: EXTRAS := dev,sim,serial,live,report,console
+$(VENV)/.ready-dev: EXTRAS := dev,sim,physics,serial,live,report,console
+$(VENV)/.ready-physics: EXTRAS := physics
 $(VENV)/.ready-browser: EXTRAS := browser,dev,sim,report
 $(VENV)/.ready-bench: EXTRAS := bench,sim,console
 $(VENV)/.ready-soak: EXTRAS := sim,serial
-$(VENV)/.ready-mutants: EXTRAS := mutants,dev,sim,serial,live,report,console
+$(VENV)/.ready-mutants: EXTRAS := mutants,dev,sim,physics,serial,live,report,console
 
 $(VENV)/.ready-%: pyproject.toml | $(VENV)/.created
 	@echo "Installing pirate_sm with its extras [$(EXTRAS)] into $(VENV) (takes a minute, once) ..."

@@ -17,6 +17,8 @@ from pirate_sm.model.effects import Detected, Effect, Fault, Setpoints, StateCha
 
 # Clamps that have just been taken settle for this long; then the robot is watched for this long.
 _SETTLING_S, _WATCHED_S = 5.0, 2.0
+WATCHED_AFTER_S = _SETTLING_S + _WATCHED_S
+"""How long a run goes on after its mission."""
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend

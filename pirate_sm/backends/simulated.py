@@ -68,13 +68,13 @@ class SimulatorBackend:
         jitter: How far start, friction and diameter may differ from the files.
         defects: Names of the profile's defects to switch on.
         physics: Makes the physics that moves the robot.
+        name: Name of the backend with this physics.
 
     Raises:
         UsageError: The robot does not fit into the pipe, the pipe intersects itself, or the
             profile has no such defect.
     """
 
-    name = "sim"
     completion: Completion = "measured"
     real_time = False
 
@@ -88,7 +88,9 @@ class SimulatorBackend:
         jitter: Jitter = NO_JITTER,
         defects: Sequence[str] = (),
         physics: MakePhysics = World,
+        name: str = "sim",
     ) -> None:
+        self.name = name
         link = profile.link
         self._cycle_s = link.cycle
         self._echo_s = link.echo_delay

@@ -41,6 +41,7 @@ def order_of(options: RunOptions | ConsoleOptions) -> Order:
         check=options.check,
         detector=options.detector,
         start_at_m=read_length("--start-at", options.start_at),
+        view=options.view,
     )
     if isinstance(options, ConsoleOptions):
         return order

@@ -16,6 +16,7 @@ from pirate_sm.loading.mission.manual_mission import by_hand
 from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.model.simulation import SIMULATORS
 from pirate_sm.wiring import Order, load
 
 
@@ -78,7 +79,7 @@ def without_mission(order: Order) -> LoadedMission:
     else:
         raise UsageError("no robot is shipped: name one with --robot")
     robot = load_robot(folder)
-    name = order.pipe or (_usual_pipe(folder.name) if order.backend == "sim" else "")
+    name = order.pipe or (_usual_pipe(folder.name) if order.backend in SIMULATORS else "")
     if not name:
         return by_hand(robot)
     pipe, document = load_pipe(library.find_pipe(name, Path.cwd()))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import cos, pi, sin, tan
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 from pirate_sm.geometry.space import Vector
 
@@ -44,6 +44,7 @@ class Mitre:
 
 
 Segment: TypeAlias = Straight | Mitre
+Section: TypeAlias = Literal["bars", "round"]
 
 
 @dataclass(frozen=True)
@@ -55,12 +56,14 @@ class Run:
         segments: The segments in order.
         begins: Name of the junction or end where it begins.
         ends: Name of the junction or end where it ends.
+        section: What its walls are: two bars in a plane, or a round wall.
     """
 
     diameter_m: float
     segments: tuple[Segment, ...]
     begins: str = "entry"
     ends: str = "exit"
+    section: Section = "bars"
 
     @property
     def taken_m(self) -> tuple[float, ...]:
@@ -91,6 +94,7 @@ def planar(
     segments: tuple[Segment, ...],
     tilt_rad: float = 0.0,
     uphill_rad: float = pi / 2,
+    section: Section = "bars",
 ) -> Network:
     """Return the network of one run in a plane.
 
@@ -100,7 +104,13 @@ def planar(
         tilt_rad: Angle between the plane and the horizontal: gravity in the plane is g sin(tilt).
         uphill_rad: Uphill direction in the tilted plane, from the first straight towards side A.
             0: the first straight goes up. 90 deg: the leg behind a mitre of 90 deg goes up.
+        section: What the walls of the run are.
     """
+    run = Run(diameter_m, segments, section=section)
+    return Network({"main": run}, {"main": ("main",)}, tilted_up(tilt_rad, uphill_rad))
+
+
+def tilted_up(tilt_rad: float, uphill_rad: float) -> Vector:
+    """Return the unit vector against gravity of a planar pipe; see :func:`planar`."""
     slope = sin(tilt_rad)
-    up = (slope * cos(uphill_rad), slope * sin(uphill_rad), -cos(tilt_rad))
-    return Network({"main": Run(diameter_m, segments)}, {"main": ("main",)}, up)
+    return slope * cos(uphill_rad), slope * sin(uphill_rad), -cos(tilt_rad)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from math import dist, inf
 from typing import NamedTuple
 
-from pirate_sm.geometry.network import Mitre, Network, Run, Straight
+from pirate_sm.geometry.network import Mitre, Network, Run, Section, Straight
 from pirate_sm.geometry.space import DRAWING, Frame, Vector
 
 
@@ -22,6 +22,7 @@ class Piece(NamedTuple):
         bend: The mitre at its end; None at the end of a run.
         run: Name of its run.
         segment: Index of its first segment in the run.
+        section: What the walls of its run are.
     """
 
     frame: Frame
@@ -32,6 +33,7 @@ class Piece(NamedTuple):
     bend: Mitre | None
     run: str
     segment: int
+    section: Section = "bars"
 
     @property
     def ends_m(self) -> float:
@@ -138,7 +140,8 @@ def _pieces(runs: Sequence[tuple[str, Run]]) -> Iterator[Piece]:
                 continue
             after = segment.taken_m(run.diameter_m) if segment else 0.0
             frame, ends = heading.frame._replace(origin=origin), (taken, after)
-            yield Piece(frame, length, arc, run.diameter_m, ends, segment, name, first)
+            diameter, section = run.diameter_m, run.section
+            yield Piece(frame, length, arc, diameter, ends, segment, name, first, section)
             origin, arc = frame.point(length), arc + length
             length, taken, first = 0.0, after, number + 1
             heading = heading.after(segment) if segment else heading

@@ -117,15 +117,24 @@ def _check_crossing(pipe: Pipe, at: At, problems: Problems) -> None:
 
 
 def _check_places(pipe: Pipe, at: At, problems: Problems) -> None:
-    """Report a start or a blockage beyond the end of the pipe."""
+    """Report what lies beyond the end of the pipe, and patches that overlap."""
     length = pipe.route().length_m
     places = [((*at, "blockages", n, "at"), each.at) for n, each in enumerate(pipe.blockages)]
+    places += [((*at, "patches", n, "to"), each.to) for n, each in enumerate(pipe.patches)]
     if pipe.start is not None:
         places.append(((*at, "start", "at"), pipe.start.at))
     for path, place in places:
         if place > length:
             message = f"{_mm(place)} is beyond the end of the pipe"
             problems.add("pipe.place", path, message, expected=f"at most {_mm(length)}")
+    free_from = 0.0
+    for n, patch in sorted(enumerate(pipe.patches), key=lambda each: each[1].from_m):
+        path = (*at, "patches", n, "to" if patch.to <= patch.from_m else "from")
+        if patch.to <= patch.from_m:
+            problems.add("pipe.place", path, f"the patch ends at or before {_mm(patch.from_m)}")
+        elif patch.from_m < free_from:
+            problems.add("pipe.place", path, f"{_mm(patch.from_m)} lies in another patch")
+        free_from = max(free_from, patch.to)
 
 
 def _mm(length_m: float) -> str:

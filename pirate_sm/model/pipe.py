@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import Annotated, TypeAlias
 
-from pydantic import AfterValidator, Field, Tag
+from pydantic import AfterValidator, Field, Tag, model_validator
 
 from pirate_sm.geometry import network as space
 from pirate_sm.geometry.route import Route
 from pirate_sm.model.base import Format, Frozen, Name, by_key
 from pirate_sm.model.quantities import Angle, Duration, Length, range_fault
-from pirate_sm.model.simulation import Friction
+from pirate_sm.model.simulation import Coefficients, Friction
 
 _ROUNDING_DEG = 1e-6
 
@@ -74,6 +74,38 @@ class Blockage(Frozen):
     from_s: Annotated[Duration, Field(alias="from", ge=0)] = 0.0
 
 
+class Patch(Coefficients):
+    """A stretch of the wall with friction of its own.
+
+    Attributes:
+        from_m: Where it begins, along the axis from the beginning of the pipe.
+        to: Where it ends.
+    """
+
+    from_m: Annotated[Length, Field(alias="from", ge=0)]
+    to: Annotated[Length, Field(gt=0)]
+
+
+class Turns(Frozen):
+    """The plane of the pipe is turned, at one rate, from its tilt to another one.
+
+    Attributes:
+        from_s: When it begins to turn, in mission time.
+        to: When it has turned.
+        tilt: The tilt that it then has; ``uphill`` stays.
+    """
+
+    from_s: Annotated[Duration, Field(alias="from", ge=0)]
+    to: Annotated[Duration, Field(gt=0)]
+    tilt: Annotated[Angle, _within(90)]
+
+    @model_validator(mode="after")
+    def _takes_time(self) -> Turns:
+        if self.to <= self.from_s:
+            raise ValueError("`to` must be later than `from`")
+        return self
+
+
 class Start(Frozen):
     """The start of a simulated robot: the position of its first wheel along the axis.
 
@@ -103,6 +135,10 @@ class Pipe(Frozen):
         friction: Friction of the wall; overrides the robot's values.
         start: Start of a simulated robot; by default in the middle of the first segment.
         blockages: Obstacles.
+        section: What its walls are: ``bars``, two of them, between which the robot moves in a
+            plane, or ``round``, in which it moves in space on the backend physics.
+        turns: How gravity turns while the mission runs.
+        patches: Stretches of the wall with friction of their own.
     """
 
     format: Format = 1
@@ -116,6 +152,9 @@ class Pipe(Frozen):
     friction: Friction | None = None
     start: Start | None = None
     blockages: tuple[Blockage, ...] = ()
+    section: space.Section = "bars"
+    turns: Turns | None = None
+    patches: tuple[Patch, ...] = ()
 
     def network(self, diameter_m: float | None = None) -> space.Network:
         """Return the pipe as a network of one run, optionally with another diameter."""
@@ -123,7 +162,8 @@ class Pipe(Frozen):
             space.Straight(each.straight) if isinstance(each, Straight) else space.Mitre(each.mitre)
             for each in self.segments
         )
-        return space.planar(diameter_m or self.diameter, segments, self.tilt, self.uphill)
+        diameter_m = diameter_m or self.diameter
+        return space.planar(diameter_m, segments, self.tilt, self.uphill, self.section)
 
     def route(self) -> Route:
         """Return the route through the pipe."""

@@ -30,6 +30,7 @@ from pirate_sm.model.quantities import (
     Current,
     Duration,
     Flag,
+    Inertia,
     Length,
     Number,
     Ratio,
@@ -108,11 +109,13 @@ class Motor(Frozen):
         stall_current: Current at full duty at standstill.
         no_load_speed: Speed at full duty without load.
         hold_torque: Torque that turns a geared motor against its gearbox at duty 0.
-        dead_drag: Torque with which a geared motor drags that has failed.
-        stiffness: Of the series spring.
-        position_loop: How a duty slot is brought to an angle.
-        velocity_loop: How a wheel is kept at a speed; needs ``no_load_speed``.
-        torque_loop: How a joint is kept at a torque; needs ``kind: sprung_worm`` and
+        dead_drag: Drag torque of a failed geared motor.
+        rotor_inertia: Moment of inertia of a geared motor's rotor, seen at the wheel: its own times
+            the squared ratio of the gear.
+        stiffness: Stiffness of the series spring.
+        position_loop: The loop that drives a duty slot to an angle.
+        velocity_loop: The loop that keeps a wheel at a speed; needs ``no_load_speed``.
+        torque_loop: The loop that keeps a joint at a torque; needs ``kind: sprung_worm`` and
             ``stall_torque``. A wheel whose motor has ``stall_torque`` and ``no_load_speed`` needs
             none.
     """
@@ -123,6 +126,7 @@ class Motor(Frozen):
     no_load_speed: AngularSpeed | None = None
     hold_torque: Torque | None = None
     dead_drag: Torque | None = None
+    rotor_inertia: Inertia | None = None
     stiffness: Stiffness | None = None
     position_loop: PositionLoop | None = None
     velocity_loop: VelocityLoop | None = None

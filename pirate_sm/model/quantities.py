@@ -186,6 +186,9 @@ _ANY_SCHEMA = WithJsonSchema(
 Length: TypeAlias = Annotated[float, BeforeValidator(_reader(units.LENGTH)), _Written(units.LENGTH)]
 Angle: TypeAlias = Annotated[float, BeforeValidator(_reader(units.ANGLE)), _Written(units.ANGLE)]
 Duration: TypeAlias = Annotated[float, BeforeValidator(_reader(units.TIME)), _Written(units.TIME)]
+Inertia: TypeAlias = Annotated[
+    float, BeforeValidator(_reader(units.INERTIA)), _Written(units.INERTIA)
+]
 Speed: TypeAlias = Annotated[float, BeforeValidator(_reader(units.SPEED)), _Written(units.SPEED)]
 AngularSpeed: TypeAlias = Annotated[
     float, BeforeValidator(_reader(units.ANGULAR_SPEED)), _Written(units.ANGULAR_SPEED)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -21,8 +21,8 @@ from pirate_sm.model.quantities import (
 )
 
 
-class Friction(Frozen):
-    """Coulomb friction between wheel and wall.
+class Coefficients(Frozen):
+    """Coefficients of Coulomb friction between wheel and wall.
 
     Attributes:
         static: Coefficient of static friction.
@@ -33,10 +33,21 @@ class Friction(Frozen):
     kinetic: Annotated[Number, Field(ge=0, le=5)]
 
     @model_validator(mode="after")
-    def _static_holds_more(self) -> Friction:
+    def _static_holds_more(self) -> Self:
         if self.kinetic > self.static:
             raise ValueError("kinetic friction cannot be more than static friction")
         return self
+
+
+class Friction(Coefficients):
+    """Coulomb friction between wheel and wall.
+
+    Attributes:
+        threshold: Speed of the slip below which the static coefficient holds, on the backend
+            physics (thesis, table 4-1).
+    """
+
+    threshold: Annotated[Speed, Field(gt=0)] = 0.001
 
 
 class Noise(Frozen):
@@ -68,6 +79,9 @@ class RulerSettings(Frozen):
     every: Annotated[Duration, Field(gt=0)]
     noise: Annotated[Speed, Field(ge=0)] = 0.0
 
+
+SIMULATORS = frozenset({"physics", "sim"})
+"""Backends that simulate a robot in a pipe, from a seed."""
 
 Kind = Literal[
     "dead_wheel",

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.simulation import SIMULATORS
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.reader import Recording
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
@@ -15,7 +16,12 @@ from pirate_sm.report.contents import Fact, Report
 from pirate_sm.report.poses import Poses
 from pirate_sm.report.report_builder import About, gather
 
-_BACKENDS = {"sim": "in the simulator", "serial": "over the serial link", "trace": "as a trace"}
+_BACKENDS = {
+    "physics": "in MuJoCo's physics",
+    "sim": "in the simulator",
+    "serial": "over the serial link",
+    "trace": "as a trace",
+}
 _CHANCE = {
     "start_jitter_m": "start",
     "friction_jitter": "friction",
@@ -76,7 +82,7 @@ def _where(header: RunHeader) -> str:
     """Return where it ran: ``in the simulator (seed 3, with two defects), in pipe x``."""
     options = header.options
     more = []
-    if header.backend == "sim":
+    if header.backend in SIMULATORS:
         more.append(f"seed {options.get('seed', 0)}")
         more += [f"defect {name}" for name in options.get("defects", ())]
     within = f" ({', '.join(more)})" if more else ""
@@ -100,7 +106,7 @@ def _facts(header: RunHeader, loaded: LoadedMission) -> Iterator[Fact]:
     if header.detector != "none":
         yield Fact("detector", header.detector)
     chance = [f"{name} ± {options[key]:g}" for key, name in _CHANCE.items() if options.get(key)]
-    if header.backend == "sim":
+    if header.backend in SIMULATORS:
         yield Fact("seed", ", ".join([str(options.get("seed", 0)), *chance]))
     for name in options.get("defects", ()):
         yield Fact("defect", name)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 
 from pirate_sm.model import effects as fx
+from pirate_sm.model.simulation import SIMULATORS
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.reader import Recording
 
@@ -75,7 +76,7 @@ def listed(recording: Recording, link: str) -> ListedRun:
         robot=header.robot,
         backend=header.backend,
         began=header.began,
-        seed=header.options.get("seed", 0) if header.backend == "sim" else None,
+        seed=header.options.get("seed", 0) if header.backend in SIMULATORS else None,
         conditions=_conditions(header),
         duration_s=recording.until_s,
         faults=dict(faults),

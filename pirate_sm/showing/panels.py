@@ -10,6 +10,7 @@ from pirate_sm.engine.mission.program import Question, Wait
 from pirate_sm.engine.robot.robot_state import state_change
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.fault_codes import BuiltInFault
+from pirate_sm.model.simulation import SIMULATORS
 from pirate_sm.showing.effect_lines import UNCONFIRMED, away, shortened
 from pirate_sm.showing.pose import SIDES, pose_of
 from pirate_sm.showing.progress_lines import idle, moving, waiting
@@ -245,7 +246,8 @@ def link(snapshot: Snapshot) -> list[Text]:
     """Return how the link is."""
     health = snapshot.link
     if health is None:
-        kind = {"sim": "a simulator has no link", "trace": "a trace has no link"}
+        kind = dict.fromkeys(SIMULATORS, "a simulator has no link")
+        kind["trace"] = "a trace has no link"
         return [line((kind.get(snapshot.scene.backend, "not connected yet"), MUTED))]
     share = health.repeated / health.written if health.written else 0.0
     lossy = share > 0.05

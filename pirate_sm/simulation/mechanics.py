@@ -23,6 +23,7 @@ class WheelBody:
         stall_nm: Stall torque of the driven wheel.
         hold_nm: Torque that turns it against its gearbox at duty 0.
         dead_drag_nm: Drag torque after its motor has failed.
+        rotor_inertia_kgm2: Moment of inertia of its motor's rotor, seen through the gears.
     """
 
     mass_kg: float
@@ -31,6 +32,7 @@ class WheelBody:
     stall_nm: float
     hold_nm: float
     dead_drag_nm: float
+    rotor_inertia_kgm2: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -138,6 +140,7 @@ def chain_of(profile: Profile) -> ChainBody:
                     needed(motor.stall_torque, slot.motor, "stall_torque"),
                     needed(motor.hold_torque, slot.motor, "hold_torque"),
                     needed(motor.dead_drag, slot.motor, "dead_drag"),
+                    motor.rotor_inertia or 0.0,
                 )
             elif slot.joint is not None:
                 springs[joints[slot.joint]] = JointBody(

@@ -114,6 +114,12 @@ class Physics(Protocol):
     def disable_wheel(self, wheel: int, drag_nm: float) -> None:
         """Disable a wheel's motor and make the wheel drag with this torque."""
 
+    def let_grip(self, wheel: int, static: float, kinetic: float) -> None:
+        """Give a wheel these friction coefficients."""
+
+    def turn_gravity(self, up: Vector) -> None:
+        """Let gravity pull against this unit vector from now on."""
+
     def stiffen_joint(self, wheel: int, friction_nm: float) -> None:
         """Set the dry friction of the joint at a wheel."""
 

@@ -25,6 +25,7 @@ from pirate_sm.simulation.full_truth import FullTruth
 from pirate_sm.simulation.mechanics import ChainBody, chain_of
 from pirate_sm.simulation.obstacles import Obstacles
 from pirate_sm.simulation.physics import MakePhysics, QuantityLayout
+from pirate_sm.simulation.pipe_changes import PipeChanges
 from pirate_sm.simulation.sensors import BoardChannels, sensors_of
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter, surroundings_of
 
@@ -104,6 +105,9 @@ class SimulatedRobot:
         at_work = [*named(defects, profile.simulation.defects, seed), *more_defects]
         self._effects = put_to_work(at_work, self.electronics)
         self._obstacles = Obstacles(self._physics, chain, around.route, around.obstacles)
+        self._changes = PipeChanges(
+            self._physics, chain.nodes, pipe, around.friction, around.friction_scale
+        )
         self._cycles = 0
         self._time_s = 0.0
         self.gone = False
@@ -128,6 +132,7 @@ class SimulatedRobot:
         self._cycles += 1
         self._time_s += self._cycle_s
         if not self.gone:
+            self._changes.step(self._time_s)
             self._physics.advance()
         self.electronics.read(turn.first, turn.last)
         return self.strike(now_s) if self._effects else ()

@@ -38,10 +38,19 @@ NO_JITTER = Jitter()
 
 @dataclass(frozen=True)
 class Surroundings:
-    """The surroundings and the pose at the start of a run."""
+    """The surroundings and the pose at the start of a run.
+
+    Attributes:
+        route: The way through the pipe.
+        friction: Friction of the wall.
+        friction_scale: What the friction's jitter multiplies every coefficient by.
+        pose: How the robot stands.
+        obstacles: Obstacles in the pipe.
+    """
 
     route: Route
     friction: Friction
+    friction_scale: float
     pose: StartPose
     obstacles: tuple[Obstacle, ...]
 
@@ -79,6 +88,7 @@ def surroundings_of(
     return Surroundings(
         route,
         coefficients.model_copy(update=scaled),
+        scale,
         stand(chain, route, arc_m, duties, -pipe.roll),
         tuple(Obstacle(each.at, each.from_s, each.lasting) for each in pipe.blockages),
     )

@@ -16,10 +16,11 @@ from pirate_sm.wiring.run_order import Order
 
 __all__ = ["BACKENDS", "Order", "Prepared", "again", "answers", "load", "prepare"]
 
+_OURS = ("physics", "serial", "sim", "trace")
 BACKENDS: Registry[MakeBackend] = Registry(
     "backend",
     "pirate_sm.backends",
-    {name: f"pirate_sm.wiring.{name}:BACKEND" for name in ("serial", "sim", "trace")},
+    {name: f"pirate_sm.wiring.{name}:BACKEND" for name in _OURS},
     returns=Equipment,
 )
 
@@ -58,6 +59,9 @@ def prepare(
         BackendError: A backend of another package has failed.
     """
     make = BACKENDS.find(order.backend)
+    if order.view and order.backend != "physics":
+        hint = Hint(": use --backend physics", ": use backend='physics'")
+        raise UsageError(f"the backend {order.backend} has no viewer", hint=hint)
     loaded = loaded or load(order)
     if order.check:
         from pirate_sm.checking.gate import pass_or_raise

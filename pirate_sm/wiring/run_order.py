@@ -30,15 +30,16 @@ class Order:
         firings: Triggers that a trace fires instead of the first trigger of each wait.
         course: All events of a trace, in order.
         detector: Name of the detector with its argument, ``odometry`` or ``socket:ADDRESS``;
-            None for what is usual on the backend.
+            None for the backend's default.
         ruler: Whether a simulated ruler measures the speed of the robot from outside.
-        start_at_m: Where odometry takes the first wheel to begin, in place of the pipe's own.
-        port: Where the real robot is, a device or a URL of pyserial; ``baud`` in place of the
-            robot's own rate.
-        guard_for_s: How long a guardian goes on without us if the robot does not confirm its stop;
-            None: the usual time.
-        calibration: Whether the joint zeros of the real robot are subtracted, where it has any.
-        check: Whether a mission with something certainly wrong is refused.
+        start_at_m: Position of the first wheel at the start of odometry, in place of the pipe's.
+        port: Port of the real robot, a device or a URL of pyserial; ``baud`` in place of the
+            profile's rate.
+        guard_for_s: How long a guardian goes on without the runner if the robot does not confirm
+            its stop; None: the default.
+        calibration: Whether the joint zeros of the real robot are subtracted, if it has any.
+        check: Whether a mission with a certain error is refused.
+        view: Whether the backend's own viewer shows the run.
     """
 
     mission: str
@@ -63,3 +64,4 @@ class Order:
     guard_for_s: float | None = None
     calibration: bool = True
     check: bool = False
+    view: bool = False

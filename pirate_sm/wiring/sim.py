@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
+from typing import TYPE_CHECKING
 
 from pirate_sm.detectors.registry import Places
 from pirate_sm.detectors.ruler import Ruler
@@ -13,9 +14,16 @@ from pirate_sm.registry import Plugin
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 from pirate_sm.wiring.run_order import USE_TRACE, Order
 
+if TYPE_CHECKING:
+    from pirate_sm.simulation.physics import MakePhysics
+
 COMPILING = (
     "Compiling the simulator to machine code for this processor, so that it runs hundreds of "
     "times faster than real time: some ten seconds, once ..."
+)
+
+IN_A_PLANE = (
+    "this simulator moves the robot in a plane of the round pipe; in space does --backend physics"
 )
 
 _COMPILED = {"llvmlite", "numba", "numpy"}
@@ -29,24 +37,52 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         UsageError: There is no pipe, an option is for another backend, or the extra ``sim`` is not
             installed.
     """
+    check_order(order, loaded)
+    try:
+        from pirate_sm.simulation.xpbd.world import World, is_compiled
+    except ModuleNotFoundError as error:
+        raise not_installed(error, "sim", _COMPILED) from None
+    if not is_compiled():
+        say(COMPILING)
+    assert loaded.pipe is not None  # as checked above
+    notices = (IN_A_PLANE,) if loaded.pipe.section == "round" else ()
+    return simulated(order, loaded, World, notices)
+
+
+def check_order(order: Order, loaded: LoadedMission) -> None:
+    """Check that an order can be simulated.
+
+    Raises:
+        UsageError: There is no pipe, or an option is for another backend.
+    """
     if loaded.pipe is None:
         hint = Hint(": give one with --pipe NAME", ": give one with pipe='NAME'")
         raise UsageError("the mission names no pipe to simulate", hint=hint)
     if order.firings or order.course:
         raise UsageError("triggers can be fired in a trace only", hint=USE_TRACE)
-    try:
-        from pirate_sm.backends.simulated import SimulatorBackend
-        from pirate_sm.simulation.surroundings import Jitter
-        from pirate_sm.simulation.xpbd.world import is_compiled
-    except ModuleNotFoundError as error:
-        if error.name not in _COMPILED:
-            raise
-        raise UsageError(
-            f"the simulator needs {error.name}, which is not installed: "
-            "pip install 'pirate-sm[sim]' (or use the backend trace)"
-        ) from None
-    if not is_compiled():
-        say(COMPILING)
+
+
+def not_installed(error: ModuleNotFoundError, extra: str, modules: Collection[str]) -> Exception:
+    """Return what to raise where a module is missing: a hint if the extra installs it."""
+    if error.name not in modules:
+        return error
+    return UsageError(
+        f"the simulator needs {error.name}, which is not installed: "
+        f"pip install 'pirate-sm[{extra}]' (or use the backend trace)"
+    )
+
+
+def simulated(
+    order: Order,
+    loaded: LoadedMission,
+    physics: MakePhysics,
+    notices: tuple[str, ...] = (),
+) -> Equipment:
+    """Return a simulated robot that a physics moves, where the mission begins."""
+    from pirate_sm.backends.simulated import SimulatorBackend
+    from pirate_sm.simulation.surroundings import Jitter
+
+    assert loaded.pipe is not None  # as check_order has seen
     backend = SimulatorBackend(
         loaded.loaded_robot.profile,
         loaded.pipe,
@@ -54,10 +90,13 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         start_values=start_values(loaded),
         jitter=Jitter(order.start_jitter_m, order.friction_jitter, order.diameter_jitter_m),
         defects=order.defects,
+        physics=physics,
+        name=order.backend,
     )
     return Equipment(
         backend=backend,
         companions=_ruler(order, loaded, lambda: (backend.moved_until_s, backend.arcs_m)),
+        notices=notices,
         usual_detector="sim",
         places=Places(backend.crossings_m, lambda: backend.arcs_m),
         truth=lambda: backend.truth,

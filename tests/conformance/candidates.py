@@ -20,6 +20,7 @@ from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import Event, SubmitResult
+from pirate_sm.simulation.mujoco.world import World as MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.xpbd.world import World
 from pirate_sm.testing import Candidate
@@ -79,6 +80,11 @@ def _simulator(seed: int, physics: MakePhysics = World) -> Backend:
     return SimulatorBackend(load_robot(NEWT).profile, pipe, seed=seed, physics=physics)
 
 
+def _round(seed: int, physics: MakePhysics) -> Backend:
+    pipe, _ = load_pipe(NEWT / "round.yaml")
+    return SimulatorBackend(load_robot(NEWT).profile, pipe, seed=seed, physics=physics)
+
+
 def _serial(seed: int, physics: MakePhysics = World) -> Backend:
     pipe, _ = load_pipe(NEWT / "elbow.yaml")
     robot = load_robot(NEWT)
@@ -107,6 +113,8 @@ def _places_behind_the_port(backend: Any) -> Sequence[tuple[float, float]]:
 CANDIDATES = {
     "trace": candidate(lambda seed: TraceBackend()),
     "sim": candidate(_simulator, _simulated_places),
+    "physics": candidate(lambda seed: _simulator(seed, MujocoWorld), _simulated_places),
+    "physics, round": candidate(lambda seed: _round(seed, MujocoWorld), _simulated_places),
     "sim, obedient": candidate(lambda seed: _simulator(seed, ObedientPhysics), _simulated_places),
     "serial": candidate(_serial, _places_behind_the_port),
     "serial, obedient": candidate(

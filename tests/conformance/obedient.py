@@ -89,5 +89,11 @@ class ObedientPhysics:
     def disable_wheel(self, wheel: int, drag_nm: float) -> None:
         self._rates[wheel] = 0.0
 
+    def let_grip(self, wheel: int, static: float, kinetic: float) -> None:
+        pass  # nothing slips
+
+    def turn_gravity(self, up: Vector) -> None:
+        pass  # nothing weighs anything
+
     def stiffen_joint(self, wheel: int, friction_nm: float) -> None:
         self._stiff[wheel] = friction_nm

@@ -39,8 +39,8 @@ Backend = Annotated[
     typer.Option(
         metavar="NAME",
         autocompletion=_backends,
-        help="sim: the kinematic simulator; trace: nothing moves; serial: the real robot; "
-        "others: pirate list backends.",
+        help="sim: the kinematic simulator; physics: MuJoCo; trace: nothing moves; "
+        "serial: the real robot; others: pirate list backends.",
     ),
 ]
 RobotOfMission = Annotated[
@@ -76,7 +76,9 @@ Defects = Annotated[
     list[str] | None,
     typer.Option("--defect", metavar="NAME", help="Switch on a known defect. Repeatable."),
 ]
-
+View = Annotated[
+    bool, typer.Option("--view", help="Show the backend physics in MuJoCo's own viewer.")
+]
 Port = Annotated[str, typer.Option(metavar="PORT", help="/dev/ttyACM0, or a pyserial URL.")]
 PortOfRobot = Annotated[
     str | None,

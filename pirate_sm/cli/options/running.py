@@ -39,6 +39,7 @@ class RunOptions:
         ),
     ] = None
     defects: common.Defects = None
+    view: common.View = False
     fire: Annotated[
         list[str] | None,
         typer.Option(
@@ -102,6 +103,7 @@ class ConsoleOptions:
         typer.Option(metavar="max|realtime|FACTOR", help="Mission time over wall time."),
     ] = "realtime"
     defects: common.Defects = None
+    view: common.View = False
     port: common.PortOfRobot = None
     baud: common.Baud = None
     guard_for: common.GuardFor = None

@@ -8,7 +8,7 @@ import numpy as np
 
 from pirate_sm.geometry.plane import flat, walls
 from pirate_sm.geometry.route import Piece, Route
-from pirate_sm.geometry.space import GRAVITY_M_S2
+from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.xpbd import kernel
 
@@ -39,8 +39,14 @@ def wall_rows(route: Route) -> Floats:
     return rows
 
 
+def gravity_along(piece: Piece, up: Vector) -> tuple[float, ...]:
+    """Return gravity along a piece, towards side A and along the normal of the plane, m/s²."""
+    (tx, ty), (up_x, up_y, up_z) = flat(piece.frame.ahead), up
+    against = (up_x * tx + up_y * ty, up_y * tx - up_x * ty, up_z)
+    return tuple(-GRAVITY_M_S2 * each for each in against)
+
+
 def _leg_row(route: Route, piece: Piece) -> tuple[float, ...]:
-    """Return a piece's row, with gravity along it, towards side A and normal to the plane."""
-    (tx, ty), (up_x, up_y, up_z) = flat(piece.frame.ahead), route.up
-    gravity = [-GRAVITY_M_S2 * up for up in (up_x * tx + up_y * ty, up_y * tx - up_x * ty, up_z)]
-    return (*flat(piece.frame.origin), tx, ty, piece.length_m, piece.arc_m, *gravity)
+    """Return a piece, and gravity in its directions."""
+    ahead, gravity = flat(piece.frame.ahead), gravity_along(piece, route.up)
+    return (*flat(piece.frame.origin), *ahead, piece.length_m, piece.arc_m, *gravity)

@@ -17,7 +17,7 @@ from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.xpbd import kernel
 from pirate_sm.simulation.xpbd.chain import ChainState, body_array
-from pirate_sm.simulation.xpbd.pipe_arrays import leg_rows, wall_rows
+from pirate_sm.simulation.xpbd.pipe_arrays import gravity_along, leg_rows, wall_rows
 
 STEP_S = 0.002
 _ITERATIONS = 4
@@ -61,8 +61,9 @@ class World:
         self._route = route
         self._steps = max(1, round(cycle_s / STEP_S))
         self._world = _constants(chain, route, cycle_s / self._steps)
+        self._legs = leg_rows(route)
         self._arrays = (
-            *(self.state.array, self.duties, self.body, wall_rows(route), leg_rows(route)),
+            *(self.state.array, self.duties, self.body, wall_rows(route), self._legs),
             *(self._world, self.quantities),
         )
         self.state.position[:] = [place[:2] for place in pose.places]
@@ -107,6 +108,15 @@ class World:
         self.body[wheel, kernel.WHEEL_RATE] = 0.0
         self.body[wheel, kernel.WHEEL_HOLD] = drag_nm
         self.body[wheel, kernel.WHEEL_STALL] = drag_nm
+
+    def let_grip(self, wheel: int, static: float, kinetic: float) -> None:
+        """Give a wheel these friction coefficients."""
+        self.body[wheel, kernel.MU_STATIC] = static
+        self.body[wheel, kernel.MU_KINETIC] = kinetic
+
+    def turn_gravity(self, up: Vector) -> None:
+        """Let gravity pull against this unit vector from now on."""
+        self._legs[:, kernel.L_GT :] = [gravity_along(piece, up) for piece in self._route.pieces]
 
     def stiffen_joint(self, wheel: int, friction_nm: float) -> None:
         """Set the dry friction of the joint at a wheel."""

@@ -136,23 +136,47 @@ def test_a_script_that_does_not_fit(
     assert message in refused(pirate_run(PATROL, *TRACE, "--script", path))
 
 
+@pytest.mark.parametrize(
+    ("backend", "module", "extra"), [("sim", "numba", "sim"), ("physics", "mujoco", "physics")]
+)
 def test_a_missing_extra_is_named_with_how_to_install_it(
-    pirate_run: Any, monkeypatch: pytest.MonkeyPatch
+    pirate_run: Any, monkeypatch: pytest.MonkeyPatch, backend: str, module: str, extra: str
 ) -> None:
     for name in [name for name in sys.modules if name.startswith("pirate_sm.simulation")]:
         monkeypatch.delitem(sys.modules, name)
     genuine = builtins.__import__
 
-    def without_numba(name: str, *arguments: Any, **options: Any) -> Any:
-        if name.partition(".")[0] == "numba":
-            raise ModuleNotFoundError("No module named 'numba'", name="numba")
+    def without_it(name: str, *arguments: Any, **options: Any) -> Any:
+        if name.partition(".")[0] == module:
+            raise ModuleNotFoundError(f"No module named '{module}'", name=module)
         return genuine(name, *arguments, **options)
 
-    monkeypatch.setattr(builtins, "__import__", without_numba)
+    monkeypatch.setattr(builtins, "__import__", without_it)
 
-    told = refused(pirate_run(PATROL))
-    assert "numba" in told
-    assert "pip install 'pirate-sm[sim]'" in told
+    told = refused(pirate_run(PATROL, "--backend", backend))
+    assert f"needs {module}, which is not installed" in told
+    assert f"pip install 'pirate-sm[{extra}]'" in told
+
+
+def test_a_viewer_needs_a_display_and_the_backend_that_has_one(
+    pirate_run: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    assert "the backend sim has no viewer" in refused(pirate_run(PATROL, "--view"))
+    if sys.platform == "linux":
+        told = refused(pirate_run(PATROL, "--backend", "physics", "--view"))
+        assert "there is no display here for MuJoCo's viewer" in told
+        assert "--live" in told
+
+
+def test_the_physics_has_no_bend_in_a_round_pipe(pirate_run: Any, tmp_path: Path) -> None:
+    bent = (ROOT / "tests/robots/newt/elbow.yaml").read_text(encoding="utf-8")
+    path = tmp_path / "bent.yaml"
+    path.write_text(bent + "section: round\n", encoding="utf-8")
+
+    told = refused(pirate_run(PATROL, "--backend", "physics", "--pipe", path))
+    assert "no bends in a round pipe" in told
 
 
 def test_options_do_what_they_say(pirate_run: Any, tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import pytest
 
 from pirate_sm.geometry.network import Mitre, Network, Straight, planar
 from pirate_sm.geometry.route import Route
+from pirate_sm.geometry.space import dot
 from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.profile import Profile
@@ -18,10 +19,9 @@ from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.actuators import routes_of
 from pirate_sm.simulation.electronics import Electronics
 from pirate_sm.simulation.mechanics import ChainBody, chain_of
-from pirate_sm.simulation.physics import QuantityLayout
+from pirate_sm.simulation.physics import MakePhysics, Physics, QuantityLayout
 from pirate_sm.simulation.sensors import sensors_of
 from pirate_sm.simulation.start_pose import stand
-from pirate_sm.simulation.xpbd import kernel
 from pirate_sm.simulation.xpbd.world import World
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -68,7 +68,7 @@ def vertical(length_m: float = 5.0) -> Network:
 class Driver:
     """Moves a chain by naming duties; every joint sign is that of a clamp."""
 
-    def __init__(self, profile: Profile, chain: ChainBody, route: Route, world: World, seed: int):
+    def __init__(self, profile: Profile, chain: ChainBody, route: Route, world: Physics, seed: int):
         self.chain, self.route, self.physics = chain, route, world
         self.electronics = Electronics(
             chain, routes_of(profile, chain), sensors_of(profile, chain), world, seed
@@ -107,10 +107,10 @@ class Driver:
 
     def sides(self) -> list[float]:
         """How far each wheel is from the centre line, towards side A."""
-        n = self.chain.nodes
-        own = kernel.OUT_PER_WHEEL * n + kernel.OUT_SINGLE
-        found: list[float] = self.physics.quantities[own : own + n].tolist()
-        return found
+        return [
+            dot(place, (frame := self.route.frame_at(arc)).side) - dot(frame.origin, frame.side)
+            for place, arc in zip(self.physics.places(), self.arcs, strict=True)
+        ]
 
     @property
     def arcs(self) -> list[float]:
@@ -135,6 +135,7 @@ def place(profile: Profile) -> Callable[..., Driver]:
         roll_rad: float = 0.0,
         seed: int = 1,
         robot: Profile = profile,
+        physics: MakePhysics = World,
     ) -> Driver:
         chain, route = chain_of(robot), Route(network)
         if duties is None:
@@ -142,7 +143,7 @@ def place(profile: Profile) -> Callable[..., Driver]:
             duties = {wheel: -clamped if wheel % 2 else clamped for wheel in joints}
         pose = stand(chain, route, at, duties, roll_rad)
         static, kinetic = friction
-        world = World(chain, route, Friction(static=static, kinetic=kinetic), pose, CYCLE_S)
+        world = physics(chain, route, Friction(static=static, kinetic=kinetic), pose, CYCLE_S)
         return Driver(robot, chain, route, world, seed)
 
     return put

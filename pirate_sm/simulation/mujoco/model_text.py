@@ -1,0 +1,56 @@
+"""The text of MuJoCo's model (MJCF) of a robot in a pipe, with the settings that make it true."""
+
+from __future__ import annotations
+
+from xml.etree.ElementTree import Element, SubElement, tostring
+
+from pirate_sm.geometry.route import Route
+from pirate_sm.simulation.mechanics import ChainBody
+from pirate_sm.simulation.mujoco.names import numbers
+from pirate_sm.simulation.mujoco.pipe_model import add_pipe
+from pirate_sm.simulation.mujoco.robot_model import add_robot
+from pirate_sm.simulation.physics import StartPose
+
+# With softer contacts a clamped V toggles through the wall, and wheels that are held creep.
+_CONTACT = {"solref": "0.004 1", "solimp": "0.95 0.99 0.0005"}
+# With MuJoCo's own numbers a joint goes 5 deg beyond its stop at 0.7 Nm, and brakes creep.
+_STIFF_JOINT = {
+    "solreflimit": "0.004 1",
+    "solimplimit": "0.99 0.999 0.0002",
+    "solreffriction": "0.004 1",
+    "solimpfriction": "0.99 0.999 0.0002",
+}
+
+
+def model_text(
+    chain: ChainBody, route: Route, pose: StartPose, step_s: float, *, space: bool
+) -> str:
+    """Return the model of a chain that begins in a pose, in a route's pipe.
+
+    Args:
+        chain: The robot.
+        route: The pipe.
+        pose: How the robot stands.
+        step_s: Time step.
+        space: Whether it moves in space; else in the plane of the pipe.
+
+    Raises:
+        UsageError: The pipe cannot be built.
+    """
+    model = Element("mujoco", model="robot in a pipe")
+    SubElement(model, "compiler", angle="radian", autolimits="true")
+    option = SubElement(
+        model, "option", timestep=numbers(step_s), integrator="implicitfast", solver="Newton",
+        cone="elliptic", impratio="10",
+    )  # fmt: skip
+    # A world that has become unstable must not begin anew by itself.
+    SubElement(option, "flag", autoreset="disable")
+    default = SubElement(model, "default")
+    SubElement(default, "geom", {"condim": "4" if space else "3", **_CONTACT})
+    SubElement(default, "joint", _STIFF_JOINT)
+    world = SubElement(model, "worldbody")
+    actuators = Element("actuator")
+    add_pipe(world, route, space=space)
+    add_robot(world, actuators, chain, pose, space=space)
+    model.append(actuators)
+    return tostring(model, encoding="unicode")

@@ -1,0 +1,35 @@
+"""Makes the backend ``physics``: a simulated robot that MuJoCo moves."""
+
+from __future__ import annotations
+
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.registry import Plugin
+from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
+from pirate_sm.wiring.run_order import Order
+from pirate_sm.wiring.sim import check_order, not_installed, simulated
+
+_INSTALLED = {"llvmlite", "mujoco", "numba", "numpy"}
+"""What the extra `physics` installs."""
+
+
+def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
+    """Return the robot in MuJoCo's world, where the mission begins.
+
+    Raises:
+        UsageError: There is no pipe, an option is for another backend, the extra ``physics`` is not
+            installed, or a viewer is asked for and there is no display.
+    """
+    check_order(order, loaded)
+    try:
+        from pirate_sm.simulation.mujoco.world import World
+
+        if order.view:
+            from pirate_sm.simulation.mujoco.viewer import WatchedWorld as World
+    except ModuleNotFoundError as error:
+        raise not_installed(error, "physics", _INSTALLED) from None
+    return simulated(order, loaded, World)
+
+
+BACKEND: Plugin[MakeBackend] = Plugin(
+    "rigid bodies with friction, by MuJoCo: in a plane, or in space in a round pipe", make
+)

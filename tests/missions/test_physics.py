@@ -1,0 +1,37 @@
+"""Missions on the backend physics: they end as they do in the kinematic simulator."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.campaign import run
+from benchmarks.seeds import CROSSING_M
+from pirate_sm.wiring import Order
+
+
+@pytest.mark.parametrize("defects", [(), ("wheels_3_4_dead",)])
+def test_the_bend_is_passed_in_about_the_same_time(defects: tuple[str, ...]) -> None:
+    kinematic, physics = (
+        run(Order("mitre_bend", backend, defects=defects)) for backend in ("sim", "physics")
+    )
+
+    assert physics.outcome == "succeeded"
+    assert min(physics.arcs_m) > CROSSING_M
+    assert list(physics.arcs_m) == sorted(physics.arcs_m, reverse=True)
+    assert physics.states == kinematic.states
+    assert physics.time_s == pytest.approx(kinematic.time_s, rel=0.05)
+
+
+def test_a_round_pipe_is_driven_in_space_and_in_its_plane_alike() -> None:
+    plane, space, flat = (
+        run(Order("exp_1_round", backend, pipe=pipe))
+        for backend, pipe in (
+            ("physics", "straight_113"),
+            ("physics", "straight_113_round"),
+            ("sim", "straight_113_round"),
+        )
+    )
+
+    assert space.outcome == plane.outcome == flat.outcome == "succeeded"
+    assert space.time_s == pytest.approx(plane.time_s, rel=0.05)
+    assert space.distance_m == pytest.approx(plane.distance_m, abs=0.03)

@@ -1,0 +1,220 @@
+"""What any physics of a chain in a pipe must do, and that the two agree."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from pirate_sm.geometry.space import GRAVITY_M_S2
+from pirate_sm.simulation.mujoco.world import World as MujocoWorld
+from pirate_sm.simulation.physics import MakePhysics
+from pirate_sm.simulation.xpbd.world import World as KinematicWorld
+
+from .conftest import CYCLE_S, Driver, bend, straight
+
+Place = Callable[..., Driver]
+
+JOINTS = (1, 2, 3, 4)
+WORLDS = {
+    "kinematic": (KinematicWorld, "bars"),
+    "mujoco, plane": (MujocoWorld, "bars"),
+    "mujoco, space": (MujocoWorld, "round"),
+}
+
+
+@pytest.fixture(params=WORLDS)
+def put(request: pytest.FixtureRequest, place: Place) -> Place:
+    """Puts the robot into a straight pipe in one of the worlds, clamped with half the torque."""
+    physics, section = WORLDS[request.param]
+
+    def put_into(upright: bool = False, **more: object) -> Driver:
+        tilt = {"tilt_rad": math.pi / 2, "uphill_rad": 0.0} if upright else {}
+        return place(straight(section=section, **tilt), physics=physics, **more)
+
+    return put_into
+
+
+def test_nothing_moves_by_itself(put: Place) -> None:
+    robot = put(clamped=0.0)
+    before = np.array(robot.physics.places())
+    robot.run(2.0)
+    assert np.array(robot.physics.places()) == pytest.approx(before, abs=1e-4)
+
+
+def test_clamped_wheels_press_alternating_walls_with_what_their_joints_bear(put: Place) -> None:
+    robot = put()
+    robot.clamp(*JOINTS)
+    robot.run(1.0)
+    robot.drive(1.0)
+    robot.run(2.0)
+    assert [side > 0 for side in robot.sides()] == [True, False] * 3
+    assert robot.values("bend_torque")[1:5] == pytest.approx([-0.505, 0.505] * 2, rel=0.05)
+    # Joint k presses its three wheels with its torque over the links' projections (eq. 3-3).
+    a = math.sqrt(0.090**2 - 0.072**2)
+    b = math.sqrt(0.098**2 - 0.072**2)
+    c = 1 / a + 1 / b
+    shares = [1 / a, 3 / a, 3 / a + c - 1 / a, 3 / a + c - 1 / a, 3 / a, 1 / a]
+    assert robot.values("press") == pytest.approx([0.505 * share for share in shares], rel=0.08)
+
+
+def test_a_wound_spring_keeps_its_torque_without_duty(put: Place) -> None:
+    robot = put()
+    robot.run(5.0)
+    assert min(robot.values("press")) > 2.0
+
+
+@pytest.mark.parametrize("duty", [1.0, -0.4])
+def test_the_robot_goes_as_far_as_its_wheels_roll(put: Place, duty: float) -> None:
+    robot = put(at=2.5)
+    robot.clamp(*JOINTS)
+    robot.run(1.0)
+    start, turned = robot.middle, np.array(robot.values("wheel"))
+    robot.drive(duty)
+    robot.run(4.0)
+    rolled = 0.024 * (np.array(robot.values("wheel")) - turned) * [1, -1, 1, -1, 1, -1]
+    assert robot.middle - start == pytest.approx(0.1 * duty * 4.0, rel=0.03)
+    assert rolled.mean() == pytest.approx(robot.middle - start, rel=2e-3)
+
+
+def test_a_clamped_robot_holds_upright_and_climbs(put: Place) -> None:
+    robot = put(upright=True)
+    robot.clamp(*JOINTS, duty=0.7)
+    robot.run(1.0)
+    start = robot.middle
+    robot.run(5.0)
+    assert robot.middle == pytest.approx(start, abs=5e-4)  # MuJoCo creeps by 0.06 mm/s
+    robot.drive(1.0)
+    robot.run(4.0)
+    assert robot.middle - start > 0.3
+
+
+def test_it_slides_down_where_friction_is_too_low(put: Place) -> None:
+    robot = put(upright=True, at=2.0, friction=(0.03, 0.02))
+    start = robot.middle
+    robot.run(0.5)
+    assert robot.middle < start - 0.3
+
+
+def test_wheels_slip_against_an_obstacle_only_where_friction_is_low(put: Place) -> None:
+    turned = {}
+    for friction in (0.08, 0.7):
+        robot = put(at=1.0, friction=(friction, friction))
+        robot.clamp(*JOINTS, duty=0.3)
+        robot.run(1.0)
+        robot.physics.block(0, 1.1, ahead=True)
+        robot.drive(1.0)
+        robot.run(3.0)
+        wheels = np.array(robot.values("wheel"))
+        assert robot.arcs[0] == pytest.approx(1.1 - 0.024, abs=3e-3)
+        robot.run(1.0)
+        turned[friction] = np.abs(np.array(robot.values("wheel")) - wheels).max()
+    assert turned[0.08] > 0.5
+    assert turned[0.7] < 0.05
+    robot.physics.unblock()
+    robot.run(1.0)
+    assert robot.arcs[0] > 1.1
+
+
+def test_a_joint_stops_at_its_end_stop(put: Place) -> None:
+    robot = put(clamped=0.0)
+    robot.clamp(1, duty=1.0)
+    robot.run(5.0)
+    assert abs(robot.values("bend")[1]) < math.radians(120.5)
+
+
+def test_a_dead_wheel_drags_and_a_stiff_joint_resists(put: Place) -> None:
+    robot = put()
+    robot.physics.disable_wheel(2, 0.05)
+    robot.clamp(*JOINTS)
+    robot.run(0.5)
+    robot.drive(1.0)
+    robot.run(1.5)
+    assert robot.values("drive")[2] == pytest.approx(0.05, abs=0.015)
+    stiff, usual = put(clamped=0.0), put(clamped=0.0)
+    stiff.physics.stiffen_joint(1, 0.3)
+    for each in (stiff, usual):
+        each.clamp(1, duty=0.25)
+        each.run(0.5)
+    assert abs(stiff.values("bend")[1]) < 0.2 * abs(usual.values("bend")[1])
+
+
+def test_the_inertial_unit_feels_gravity_turned(put: Place) -> None:
+    robot = put()
+    robot.clamp(*JOINTS)
+    robot.run(0.5)
+    flat = [robot.value(axis) for axis in ("acc_x", "acc_y", "acc_z")]
+    robot.physics.turn_gravity((1.0, 0.0, 0.0))
+    robot.run(1.0)
+    upright = [robot.value(axis) for axis in ("acc_x", "acc_y", "acc_z")]
+    assert flat == pytest.approx([0.0, 0.0, GRAVITY_M_S2], abs=0.3)
+    assert math.hypot(*upright[:2]) == pytest.approx(GRAVITY_M_S2, abs=0.3)
+    assert upright[2] == pytest.approx(0.0, abs=0.3)
+
+
+def test_a_wheel_that_grips_less_lets_the_robot_slide(put: Place) -> None:
+    robot = put(upright=True, at=2.0)
+    robot.clamp(*JOINTS)
+    robot.run(0.5)
+    start = robot.middle
+    for wheel in range(6):
+        robot.physics.let_grip(wheel, 0.03, 0.02)
+    robot.run(0.4)
+    assert robot.middle < start - 0.2
+
+
+def test_the_roll_joint_of_a_loose_robot_turns_a_part(put: Place) -> None:
+    robot = put(clamped=0.0)
+    robot.physics.turn_roll_to(math.pi / 4)
+    robot.run(4.0)
+    assert robot.value("roll") == pytest.approx(math.pi / 4, abs=0.05)
+    _, front, rear = robot.physics.rolls()
+    assert front - rear == pytest.approx(math.pi / 4, abs=0.05)
+
+
+@pytest.mark.parametrize("begins", [{3: -0.7, 4: 0.7}, {1: -0.5, 2: 0.5, 3: -0.5, 4: 0.5}])
+def test_both_physics_agree_on_clamping_the_front(place: Place, begins: dict[int, float]) -> None:
+    robots = []
+    for physics in (KinematicWorld, MujocoWorld):
+        robot = place(straight(), duties=begins, physics=physics)
+        for wheel, duty in begins.items():
+            robot.physics.duties[wheel] = duty
+        robot.run(1.0)
+        robot.clamp(1, 2, duty=0.7)
+        robot.run(3.0)
+        robots.append(robot)
+    torques, places = (
+        [np.array(robot.values("bend_torque")) for robot in robots],
+        [np.array(robot.physics.places()) for robot in robots],
+    )
+    assert torques[0] == pytest.approx(torques[1], abs=0.05)
+    assert places[0] == pytest.approx(places[1], abs=3e-3)
+
+
+def test_plane_and_space_agree_on_a_drive(place: Place) -> None:
+    ways = []
+    for section in ("bars", "round"):
+        robot = place(straight(section=section), physics=MujocoWorld)
+        robot.clamp(*JOINTS)
+        robot.run(0.5)
+        start = robot.middle
+        robot.drive(1.0)
+        robot.run(3.0)
+        ways.append(robot.middle - start)
+    assert ways[0] == pytest.approx(ways[1], abs=1e-3)
+
+
+@pytest.mark.parametrize("physics", [KinematicWorld, MujocoWorld])
+def test_equal_calls_give_equal_quantities_to_the_last_bit(
+    place: Place, physics: MakePhysics
+) -> None:
+    runs = []
+    for _ in range(2):
+        robot = place(bend(), at=0.95, physics=physics)
+        robot.clamp(*JOINTS)
+        robot.drive(1.0)
+        robot.run(30 * CYCLE_S)
+        runs.append(robot.physics.quantities.tobytes())
+    assert runs[0] == runs[1]
