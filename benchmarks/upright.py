@@ -3,7 +3,8 @@
     python -m benchmarks.upright [--seeds 60] [--workers 2]
 
 The robot of 0.79 kg heads upwards with even seeds and downwards with odd ones. Each seed draws the
-kinetic friction from 0.2 to 0.7; static friction is 1.3 times as much. At first outer wheels turn
+kinetic friction from 0.2 to 0.7; static friction is 1.3 times as much. Somewhere on the way there
+is a patch, 0.2 m long, with half of that. At first outer wheels turn
 faster than the others and slip, then the robot drives forth and back, while a simulated ruler
 measures its speed. In between it settles for as long as a grip needs to be lowered.
 
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
 
 MISSION = Path(__file__).with_name("upright.yaml")
 LEAST_KINETIC, MOST_KINETIC, STATIC_SHARE = 0.2, 0.7, 1.3
+PATCH_M = 0.2
+PATCH_BEGINS_M = 0.7, 1.7
 FALLEN_M = 0.050
 SAMPLE_EVERY_S = 0.1
 SETTLED_S = 3.0
@@ -167,6 +170,7 @@ def _loaded(mission: str) -> LoadedMission:
 
 def try_out(mission: str, seed: int) -> Trial:
     """Run the mission with the friction and the heading of this seed."""
+    from pirate_sm.model.pipe import Patch
     from pirate_sm.model.simulation import Friction
     from pirate_sm.runtime.first_choice import FirstChoice
     from pirate_sm.runtime.loop import MissionRun
@@ -174,7 +178,17 @@ def try_out(mission: str, seed: int) -> Trial:
 
     heads_down = bool(seed % 2)
     kinetic = Random(f"friction {seed}").uniform(LEAST_KINETIC, MOST_KINETIC)
+    begins_m = Random(f"patch {seed}").uniform(*PATCH_BEGINS_M)
+    patch = Patch.model_validate(
+        {
+            "from": f"{begins_m} m",
+            "to": f"{begins_m + PATCH_M} m",
+            "static": STATIC_SHARE * kinetic / 2,
+            "kinetic": kinetic / 2,
+        }
+    )
     changes = {
+        "patches": (patch,),
         "friction": Friction(static=STATIC_SHARE * kinetic, kinetic=kinetic),
         "uphill": 3.141592653589793 if heads_down else 0.0,
     }
