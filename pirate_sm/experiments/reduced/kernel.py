@@ -106,8 +106,7 @@ def simulate(
     x = v = 0.0
     for tick in range(ticks):
         wanted, tilt, ahead = control[tick]
-        for i in range(count):
-            motor[i] = ahead + gain * (wanted - rim[i] - noise[tick, i])
+        motor[:] = ahead + gain * (wanted - rim - noise[tick])
         for _ in range(steps):
             pull = -mass * GRAVITY_M_S2 * np.sin(tilt)
             stiff = 0.0
@@ -135,9 +134,11 @@ def simulate(
                     bristle[i] += step_s * (rim[i] - v)
                 elif sticks:
                     bristle[i] = force[i] / wheels[i, 3]
+        if not sticks:  # what was solved for is the law made linear, not the law
+            for i in range(count):
+                force[i] = _creeping(rim[i] - v, normals[tick, i], wheels[i])[0]
         out[tick, 0], out[tick, 1] = x, v
-        for i in range(count):
-            out[tick, 2 + i] = rim[i]
-            out[tick, 2 + count + i] = force[i]
-            out[tick, 2 + 2 * count + i] = motor[i]
+        out[tick, 2 : 2 + count] = rim
+        out[tick, 2 + count : 2 + 2 * count] = force
+        out[tick, 2 + 2 * count :] = motor
     return out

@@ -53,8 +53,8 @@ class TractionRun:
 
     @property
     def slip_m_s(self) -> Floats:
-        """Slip speeds r d ω − v by the measured wheel speeds."""
-        slips: Floats = self.measured_m_s - self.speed_m_s[:, None]
+        """Slip speeds r d ω − v, as they really are."""
+        slips: Floats = self.rim_m_s - self.speed_m_s[:, None]
         return slips
 
     @property
@@ -90,7 +90,7 @@ def run_traction(
     _check_parts(profile, setup)
     physics, control, body = setup.physics, setup.control, profile.body
     ticks = round(setup.timeline.end / physics.tick)
-    times_s: Floats = np.arange(ticks) * physics.tick
+    times_s: Floats = np.multiply(np.arange(ticks), physics.tick, dtype=np.float64)
     random = np.random.default_rng(seed)
     tilt = _tilt(times_s, setup)
     seen_tilt = tilt + noise.tilt * random.standard_normal(ticks)
