@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from pirate_sm.experiments.thesis_rows import ThesisRow
 from pirate_sm.model.base import Format, Frozen, Name
 from pirate_sm.model.quantities import (
     Angle,
@@ -158,6 +159,20 @@ class Variant(Frozen):
     about: str
 
 
+class SlipCurves(Frozen):
+    """The run that slip curves are fitted to, one apart: with little noise hardly a wheel slips.
+
+    Attributes:
+        of: Its variant.
+        noise: Its level of noise.
+        wheels: Those whose curves are fitted.
+    """
+
+    of: str
+    noise: Name
+    wheels: tuple[Name, ...]
+
+
 class TractionSetup(Frozen):
     """A traction experiment.
 
@@ -170,6 +185,8 @@ class TractionSetup(Frozen):
         timeline: What happens when.
         noise: Levels of noise by name.
         variants: By their names in the thesis.
+        curves: Of slip and friction.
+        rows: The thesis's values and claims.
     """
 
     format: Format
@@ -180,3 +197,5 @@ class TractionSetup(Frozen):
     timeline: Timeline
     noise: dict[Name, NoiseLevel]
     variants: dict[str, Variant]
+    curves: SlipCurves
+    rows: tuple[ThesisRow, ...] = ()
