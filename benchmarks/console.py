@@ -128,7 +128,7 @@ async def _stops(*, loaded: bool) -> list[float]:
 async def _drive(session: OperatorSession) -> None:
     """The wheels turn."""
     for command in ("ClampFront", "ClampRear", "DriveForward"):
-        session.tell(OperatorCommand(command))
+        session.give_event(OperatorCommand(command))
         for _ in range(400):
             await asyncio.sleep(0.025)
             state = session.latest.state

@@ -33,8 +33,8 @@ from benchmarks.arrays import (
     loaded_mission,
     twice,
 )
+from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.serial.backend import SerialBackend
-from pirate_sm.backends.serial.guardian.virtual_port import VirtualPort
 from pirate_sm.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.bay.firmware import Record
 from pirate_sm.bay.switches import Switches

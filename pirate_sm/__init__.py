@@ -1,8 +1,8 @@
 """Missions in YAML for in-pipe inspection robots: checked, simulated and run by one engine.
 
-The functions here are the public API (``docs/python.md``): :func:`load`, :func:`check`,
-:func:`run`, :func:`session`, :func:`sweep` and :func:`read`. Importing the package loads nothing
-else: the command line must answer at once. A name is imported when it is first used.
+These functions are the public API (``docs/python.md``): :func:`load`, :func:`check`,
+:func:`run`, :func:`session`, :func:`sweep` and :func:`read`. Importing the package imports nothing
+else, to keep the command line fast. Each name is imported when it is first used.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
         BackendError,
         CheckError,
         Columns,
+        ExpressionError,
         Finding,
         LoadedMission,
         LoadError,
@@ -37,6 +38,7 @@ __all__ = [
     "BackendError",
     "CheckError",
     "Columns",
+    "ExpressionError",
     "Finding",
     "LoadError",
     "LoadedMission",
@@ -66,5 +68,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """Return the names of the API too, for completion in a notebook."""
+    """Return all names including the API, for completion in a notebook."""
     return sorted({*globals(), *__all__})

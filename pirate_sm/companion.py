@@ -1,6 +1,6 @@
-"""Protocols of those who stand beside a mission and speak up: detectors, scripts, operators.
+"""Protocols of companions of a run, which send events: detectors, scripts, operators.
 
-:class:`Companion` is what each of them must be; the others are what it may be besides.
+Every companion implements :class:`Companion`; the other protocols are optional.
 """
 
 from __future__ import annotations
@@ -16,57 +16,57 @@ from pirate_sm.model.events import Event
 
 
 class Companion(Protocol):
-    """Sees what the engine does and speaks up at times of its own choosing.
+    """Observes the engine's effects and sends events at times of its own.
 
     Attributes:
-        due_s: Mission time at which it wants to be asked next; infinite: not before ``react``.
-        listening: Whether a person is being waited for, so that time must not run ahead of theirs.
+        due_s: Mission time of its next call of ``speak``; infinite: not before ``react``.
+        listening: Whether it waits for a person, so that simulated time must not jump ahead.
     """
 
     @property
     def due_s(self) -> float:
-        """When it wants to be asked next."""
+        """Return the mission time of its next call."""
         ...
 
     @property
     def listening(self) -> bool:
-        """Whether a person is being waited for."""
+        """Return whether it waits for a person."""
         ...
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Take note of what has just happened."""
+        """Process the effects of the last step."""
         ...
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Return what there is to say at ``due_s``, which it moves on; often nothing."""
+        """Return the events due now, often none, and advance ``due_s``."""
         ...
 
 
 @runtime_checkable
 class Onlooker(Protocol):
-    """A companion that is shown the engine's state each time before it is asked to speak."""
+    """A companion that receives the engine's state before each call of ``speak``."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """Look at the state; return what is to be told to whoever follows the run."""
+        """Examine the state; return messages for the observers of the run."""
         ...
 
 
 @runtime_checkable
 class Counting(Protocol):
-    """A companion that counts from the beginning of a mission."""
+    """A companion with counters that start at zero with each mission."""
 
     def restart(self, robot: RobotSpec) -> None:
-        """Begin to count again: another mission begins with this robot, which is where it is.
+        """Reset the counters for another mission with this robot, which has not moved.
 
-        Its polarity may be another one.
+        The polarity may differ from the mission before.
         """
         ...
 
 
 @runtime_checkable
 class Following(Protocol):
-    """A companion that reads the engine's state at moments of its own."""
+    """A companion that reads the engine's state at any time."""
 
     def follow(self, engine: Engine, state: Callable[[], EngineState | None]) -> None:
-        """Read the state of this run from now on; it is None before the engine has started."""
+        """Use this source of the run's state from now on; it returns None before the start."""
         ...

@@ -1,31 +1,31 @@
-"""Names that choose a part of a run, and the functions that make it: ours and other packages'.
+"""Registries of named parts of a run, with built-in parts and those of other packages.
 
-A package adds a part by an entry point in its pyproject.toml; the entry point leads to a
-:class:`Plugin`. Ours are written in a table as the same kind of reference (docs/decisions).
+A package adds a part by an entry point in its pyproject.toml, which refers to a :class:`Plugin`.
+Built-in parts are listed in a table of the same kind of references (docs/decisions).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
-from typing import Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar, cast
 
-from pirate_sm.errors import UsageError
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.errors import BackendError, PirateError, UsageError
+from pirate_sm.spelling import meant
 
-F = TypeVar("F")
+F = TypeVar("F", bound=Callable[..., Any])
 
 
 @dataclass(frozen=True)
 class Plugin(Generic[F]):
-    """What an entry point leads to.
+    """A part that an entry point refers to.
 
     Attributes:
         about: One line for ``pirate list``.
-        make: Makes the part; what it receives and returns the registry's protocol says. Imports
-            that take long belong into it, so that a list of names does not wait for them.
+        make: Makes the part; the registry's protocol defines its arguments and result. It should
+            contain slow imports, so that listing the names stays fast.
     """
 
     about: str
@@ -36,10 +36,10 @@ class ListedPart(NamedTuple):
     """One name of a registry.
 
     Attributes:
-        name: How users choose it.
-        package: Who adds it; empty where it is ours.
-        about: What its package says of it.
-        fault: Why it cannot be used; empty where it can.
+        name: The name by which users choose it.
+        package: The package that adds it; empty for a built-in part.
+        about: Description by its package.
+        fault: Why it cannot be used; empty if it can.
     """
 
     name: str
@@ -55,44 +55,48 @@ class Registry(Generic[F]):
         kind: What they are, in the singular, and the option that chooses one: ``backend``.
         group: Of the entry points with which other packages add some.
         ours: Where our own are, ``package.module:NAME`` by name. Nobody else can take these names.
+        returns: What a function that makes a part must return.
     """
 
-    def __init__(self, kind: str, group: str, ours: Mapping[str, str]) -> None:
+    def __init__(self, kind: str, group: str, ours: Mapping[str, str], returns: type) -> None:
         self._kind = kind
         self._group = group
+        self._returns = returns
         self._ours = {name: EntryPoint(name, value, group) for name, value in ours.items()}
 
     def find(self, name: str) -> F:
         """Return the function that makes the part of this name.
 
+        That of another package raises a ``BackendError`` for whatever goes wrong in it, except
+        for the errors of this package.
+
         Raises:
-            UsageError: There is none, or its package cannot be used.
+            UsageError: The name is unknown, or its package cannot be used.
         """
-        point = self._ours.get(name)  # ours need no search through what is installed
+        point = self._ours.get(name)  # built-in parts need no search of entry points
         if point is None:
             point = self._others.get(name)
         if point is None:
-            close = nearest(name, self.names)
-            hint = f"did you mean '{close}'?" if close else f"expected {one_of(self.names)}"
-            raise UsageError(f"--{self._kind} {name}: there is no such {self._kind}: {hint}")
+            raise UsageError(f"there is no {self._kind} '{name}'; {meant(name, self.names)}")
         try:
-            return self._load(point).make
+            make = self._load(point).make
         except UsageError as error:
-            raise UsageError(f"--{self._kind} {name} cannot be used: {error}") from error
+            raise UsageError(f"the {self._kind} '{name}' cannot be used: {error}") from error
+        return make if name in self._ours else self._guarded(make, point)
 
     def package_of(self, name: str) -> str:
-        """Return the package that adds the name; empty where it is ours."""
+        """Return the package that adds the name; empty for a built-in part."""
         return "" if name in self._ours else _package(self._others[name])
 
     @property
     def names(self) -> list[str]:
-        """Every name that can be chosen, in alphabetical order."""
+        """Return all names in alphabetical order."""
         return sorted({*self._ours, *self._others})
 
     def listed(self) -> Iterator[ListedPart]:
-        """Yield every name with what its package says of it, and whatever cannot be used.
+        """Yield every name with its description, also parts that cannot be used.
 
-        A package that fails while it is imported is reported and does not disturb the others.
+        A package whose import fails is reported and does not affect the others.
         """
         for name in self.names:
             point = self._ours.get(name) or self._others[name]
@@ -104,13 +108,13 @@ class Registry(Generic[F]):
             yield ListedPart(point.name, _package(point), fault="the name is taken")
 
     def forget(self) -> None:
-        """Look anew for what is installed, when it is asked for the next time."""
+        """Discard the cached entry points; the next access searches for them again."""
         self.__dict__.pop("_found", None)
         self.__dict__.pop("_others", None)
 
     @cached_property
     def _found(self) -> list[EntryPoint]:
-        """What packages add, in an order that does not depend on the order of installation."""
+        """Return the entry points of packages, in an order independent of the installation."""
         return sorted(entry_points(group=self._group), key=lambda each: (each.name, _package(each)))
 
     @cached_property
@@ -123,24 +127,44 @@ class Registry(Generic[F]):
         return [point for point in self._found if self._others.get(point.name) is not point]
 
     def _load(self, point: EntryPoint) -> Plugin[F]:
-        """Return what an entry point leads to.
+        """Return the part that an entry point refers to.
 
         Raises:
-            UsageError: It cannot be imported, or is something else; says which package is at fault.
+            UsageError: The import fails, or the object is no part; the message names the package.
         """
         try:
             plugin = point.load()
-        except (Exception, SystemExit) as error:  # whatever another package does at its import
+        except (Exception, SystemExit) as error:  # imports of other packages may raise anything
             if point.name in self._ours:
                 raise
             what = f"{point.value} fails with {type(error).__name__}: {error}"
             raise UsageError(f"package {_package(point)}: {what}") from error
         if not isinstance(plugin, Plugin):
-            found = f"{point.value} is a {type(plugin).__name__}"
+            found = f"{point.value} is of type {type(plugin).__name__}"
             raise UsageError(
                 f"package {_package(point)}: {found}, expected a pirate_sm.registry.Plugin"
             )
         return plugin
+
+    def _guarded(self, make: F, point: EntryPoint) -> F:
+        """Return the function of another package so that its faults are said to be its own."""
+        what = f"the {self._kind} '{point.name}' cannot be used"
+        whose = f"{what}: package {_package(point)}: {point.value}"
+
+        def guarded(*arguments: Any, **options: Any) -> Any:
+            try:
+                made = make(*arguments, **options)
+            except PirateError:
+                raise
+            except (Exception, SystemExit) as error:
+                fault = f"{type(error).__name__}: {error}"
+                raise BackendError(f"{whose} fails with {fault}") from error
+            if not isinstance(made, self._returns):
+                expected, found = self._returns.__name__, type(made).__name__
+                raise BackendError(f"{whose} returns a value of type {found}, expected {expected}")
+            return made
+
+        return cast(F, guarded)
 
 
 def _package(point: EntryPoint) -> str:

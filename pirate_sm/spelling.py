@@ -1,4 +1,4 @@
-"""The nearest valid name for a misspelt one, and lists of names for messages."""
+"""Find the nearest valid name for a misspelt one, and format lists of names for messages."""
 
 from __future__ import annotations
 
@@ -24,6 +24,20 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
         return by_fold[folded]
     close = get_close_matches(folded, by_fold, n=1, cutoff=_CUTOFF)
     return by_fold[close[0]] if close else None
+
+
+def meant(word: str, known: Iterable[str], otherwise: str = "", *, limit: int = 12) -> str:
+    """Return a hint for an unknown name: the nearest valid one, else what is expected.
+
+    Args:
+        word: The name.
+        known: The names that are valid.
+        otherwise: What to say where none is near, in place of the valid names.
+        limit: How many of the valid names to list.
+    """
+    names = list(known)
+    close = nearest(word, names)
+    return f"did you mean '{close}'?" if close else otherwise or f"expected {one_of(names, limit)}"
 
 
 def one_of(names: Iterable[str], limit: int = 12) -> str:

@@ -1,8 +1,8 @@
-"""Quantities as people write them (`120 mm`, `28 deg`) and as the program holds them (SI floats).
+"""Conversion of quantities between text (`120 mm`, `28 deg`) and SI floats.
 
 A dimension is a vector of exponents over the SI base quantities in use here. Angle is a base
-dimension of its own although SI calls it dimensionless: only so can `28 deg` be refused where a
-ratio is wanted, and a stiffness in Nm/rad differ from a torque in Nm.
+dimension although SI treats it as dimensionless. This lets the program reject `28 deg` where a
+ratio is wanted, and distinguish a stiffness in Nm/rad from a torque in Nm.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pirate_sm.spelling import nearest, one_of
 
 
 class QuantityError(UsageError, ValueError):
-    """Is raised for text that is no quantity, or one of another dimension than was asked for."""
+    """Raised for text that is not a quantity, or a quantity of the wrong dimension."""
 
     def __init__(self, message: str, suggestion: str = "") -> None:
         self.message = message
@@ -29,7 +29,7 @@ class QuantityError(UsageError, ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Dimension:
-    """Holds the exponents of the base quantities that make up a dimension."""
+    """A dimension as exponents of the base quantities."""
 
     length: int = 0
     mass: int = 0
@@ -61,7 +61,7 @@ def _power(unit: str, exponent: int) -> str:
 
 
 class Quantity(NamedTuple):
-    """Holds a value in SI units together with its dimension."""
+    """A value in SI units with its dimension."""
 
     value: float
     dimension: Dimension
@@ -88,7 +88,7 @@ VOLTAGE: Final = TORQUE / TIME / CURRENT
 MOTOR_CONSTANT: Final = TORQUE / CURRENT
 VELOCITY_GAIN: Final = TORQUE / SPEED
 
-# What a dimension is called, the unit its values are shown in, and an example for messages.
+# Per dimension its name, the unit of displayed values, and an example for messages.
 _KNOWN: Final[dict[Dimension, tuple[str, str, str]]] = {
     DIMENSIONLESS: ("a bare number", "", "0.6"),
     LENGTH: ("a length", "m", "120 mm"),
@@ -146,7 +146,7 @@ UNITS: Final = MappingProxyType(
     }
 )
 
-# Spellings that difflib would not lead to the right unit.
+# Spellings for which difflib does not find the right unit.
 _LONG_NAMES: Final = MappingProxyType(
     {
         **dict.fromkeys(("meter", "meters", "metre", "metres"), "m"),
@@ -176,10 +176,10 @@ _LONGEST_TEXT: Final = 80
 def parse_unit(text: str) -> Quantity:
     """Return the factor to SI and the dimension of a unit such as `mm`, `Nm/rad` or `m/s^2`.
 
-    `*` and `/` are taken from left to right and `^` takes a whole number of one digit.
+    `*` and `/` apply from left to right; the exponent after `^` is an integer of one digit.
 
     Raises:
-        QuantityError: The text is no unit.
+        QuantityError: The text is not a unit.
     """
     value, dimension = 1.0, DIMENSIONLESS
     for operator, factor in _factors(text):
@@ -219,7 +219,7 @@ def parse_quantity(text: str) -> Quantity:
     """Return the SI value and the dimension of text such as `120 mm`; a bare number has none.
 
     Raises:
-        QuantityError: The text is no number with a unit, or the value is not finite in SI.
+        QuantityError: The text is not a number with a unit, or the SI value is not finite.
     """
     stripped = text.strip()
     match = _NUMBER.match(stripped)
@@ -241,7 +241,7 @@ def read_quantity(text: str, dimension: Dimension) -> float:
     """Return the SI value of `text`, which must be a quantity of `dimension`.
 
     Raises:
-        QuantityError: The text is no quantity, or its unit is missing or of another dimension.
+        QuantityError: The text is not a quantity, or its unit is missing or of another dimension.
     """
     expected = expectation(dimension)
     try:
@@ -271,7 +271,7 @@ def _what(text: str, quantity: Quantity) -> str:
 
 
 def format_quantity(value: float, dimension: Dimension) -> str:
-    """Return the quantity in its SI unit; `read_quantity` gives back exactly `value` from it."""
+    """Return the quantity as text in its SI unit; `read_quantity` returns exactly `value` again."""
     unit = _KNOWN[dimension][1] if dimension in _KNOWN else str(dimension)
     return f"{value!r} {unit}".strip()
 
@@ -287,7 +287,7 @@ def example(dimension: Dimension) -> str:
 
 
 def expectation(dimension: Dimension) -> str:
-    """Return what to ask a person for: `a length such as '120 mm'`."""
+    """Return the expected input for messages: `a length such as '120 mm'`."""
     return f"{describe(dimension)} such as '{example(dimension)}'"
 
 

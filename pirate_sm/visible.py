@@ -1,4 +1,4 @@
-"""Text from files as a terminal may show it: nothing in it moves a cursor or rings a bell."""
+"""Escape control characters in text from files before a terminal shows it."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ _NAMED = {"\n": "\\n", "\r": "\\r", "\t": "\\t"}
 
 
 def visible(text: str, *, lines: bool = False) -> str:
-    """Return the text with every character that a reader could not see written out.
+    """Return the text with every invisible character escaped.
 
     These are control characters, marks that change the direction of text, zero-width characters
-    and Unicode's own line ends, which could hide or reorder what a line says.
+    and Unicode line separators, which could hide or reorder the text of a line.
 
     Args:
         text: Any text.

@@ -74,8 +74,8 @@ ALPHABETS = {
         "NewStep(_AnyStep)",
         (
             "drawing/graph/step_text.py",
-            "loading/mission/called_missions.py",
             "loading/mission/program_writer.py",
+            "model/mission.py",
         ),
     ),
     "trigger": Alphabet(

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import doctest
+import importlib
+import pkgutil
 import re
 from pathlib import Path
 
 import pytest
+
+import pirate_sm
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -35,3 +39,42 @@ def test_the_examples_in_python_run_as_they_are_written(monkeypatch):
 
     assert result.attempted >= 15
     assert result.failed == 0, "".join(told)
+
+
+def first_cells(heading: str) -> set[str]:
+    """The names in code in the first column of the table below a heading of python.md."""
+    section = (ROOT / "docs" / "python.md").read_text("utf-8").split(f"## {heading}\n")[1]
+    rows = re.findall(r"^\| (`.*?) \|", section.partition("\n## ")[0], re.MULTILINE)
+    return {name for row in rows for name in re.findall(r"`(\w+)", row)}
+
+
+def test_the_page_on_python_has_every_exception_that_can_leave_the_api():
+    exported = {
+        name
+        for name in pirate_sm.__all__
+        if isinstance(each := getattr(pirate_sm, name), type) and issubclass(each, Exception)
+    }
+
+    assert first_cells("Errors") == exported - {"PirateError"}
+    assert "PirateError" in exported
+
+
+def test_every_error_of_the_package_is_one_that_is_exported():
+    for module in pkgutil.walk_packages(pirate_sm.__path__, "pirate_sm."):
+        if module.name.split(".")[1] not in {"cli", "console", "testing"}:
+            importlib.import_module(module.name)
+    below = [pirate_sm.PirateError]
+    for each in below:
+        below += each.__subclasses__()
+    documented = tuple(getattr(pirate_sm, name) for name in first_cells("Errors"))
+
+    of_commands = {"pirate_sm.drawing.graph.graph"}  # the API draws nothing
+    others = [each for each in below[1:] if not issubclass(each, documented)]
+    assert {each.__module__ for each in others} <= of_commands
+
+
+def test_the_page_on_python_has_every_member_of_a_session():
+    session = pirate_sm.session("mitre_bend", "trace")
+
+    members = {name for name in {*dir(pirate_sm.Session), *vars(session)} if name[0] != "_"}
+    assert first_cells("Step by step") == members

@@ -5,6 +5,7 @@ Everything here does what the command line does, with the package's own exceptio
 
 from __future__ import annotations
 
+from pirate_sm.api import pickling
 from pirate_sm.api.arguments import Mission, check, load
 from pirate_sm.api.result import Columns, Page, Run, read
 from pirate_sm.api.running import run
@@ -13,13 +14,17 @@ from pirate_sm.api.sweeping import sweep
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.gate import CheckError
 from pirate_sm.errors import BackendError, PirateError, RecordingError, UsageError
+from pirate_sm.expressions import ExpressionError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import LoadError
+
+pickling.register()
 
 __all__ = [
     "BackendError",
     "CheckError",
     "Columns",
+    "ExpressionError",
     "Finding",
     "LoadError",
     "LoadedMission",

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Mapping
+from math import isnan
+from numbers import Integral, Real
 from os import PathLike, fspath
 from typing import Any, TypeAlias, TypedDict, Unpack, cast
 
@@ -14,8 +17,11 @@ from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 from pirate_sm.wiring import Order, Prepared
+
+LOG = logging.getLogger("pirate_sm")
+"""Tells at level INFO what takes longer than a moment."""
 
 Mission: TypeAlias = str | PathLike[str] | LoadedMission
 """A shipped mission's name, the path of a file, or what :func:`load` has returned."""
@@ -38,8 +44,8 @@ class Options(TypedDict, total=False):
         port: Where a real robot is, a device or a URL of pyserial; ``baud`` in place of its rate.
     """
 
-    robot: str | None
-    pipe: str | None
+    robot: str | PathLike[str] | None
+    pipe: str | PathLike[str] | None
     set: Mapping[str, object] | None
     start_phase: str | None
     states: Mapping[str, str] | None
@@ -56,8 +62,8 @@ class Options(TypedDict, total=False):
 def load(
     mission: str | PathLike[str],
     *,
-    robot: str | None = None,
-    pipe: str | None = None,
+    robot: str | PathLike[str] | None = None,
+    pipe: str | PathLike[str] | None = None,
     set: Mapping[str, object] | None = None,
 ) -> LoadedMission:
     """Return a mission with its robot and its pipe, ready to be run any number of times.
@@ -72,14 +78,15 @@ def load(
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.
         UsageError: An argument does not fit.
     """
+    robot, pipe = _path_or_none(robot), _path_or_none(pipe)
     return wiring.load(Order(path_of(mission), robot=robot, pipe=pipe, settings=texts(set)))
 
 
 def check(
     mission: Mission,
     *,
-    robot: str | None = None,
-    pipe: str | None = None,
+    robot: str | PathLike[str] | None = None,
+    pipe: str | PathLike[str] | None = None,
     set: Mapping[str, object] | None = None,
 ) -> tuple[Finding, ...]:
     """Return what is wrong with a mission, by place, without what its files allow.
@@ -99,6 +106,7 @@ def check(
         _refuse_options(robot=robot, pipe=pipe, set=set)
         files = {document.name: document.text for document in mission.documents}
         return tuple(f for f in settle(check_loaded(mission).findings, files) if not f.allowed)
+    robot, pipe = _path_or_none(robot), _path_or_none(pipe)
     wishes = Wishes(robot=robot, pipe=pipe, settings=texts(set), keep_going=False)
     return check_paths([path_of(mission)], wishes).open
 
@@ -129,7 +137,7 @@ def prepared(
     """
     loaded = mission if isinstance(mission, LoadedMission) else None
     order = _order(mission, backend, seed, check=check, **options)
-    found = wiring.prepare(order, loaded)
+    found = wiring.prepare(order, loaded, LOG.info)
     if found.confirmation and not yes:
         raise UsageError(f"{found.confirmation}: agree to it with yes=True")
     if found.detector == "operator":
@@ -155,13 +163,17 @@ def _order(
         name = mission.documents[0].name
     else:
         name = path_of(mission)
-    defects = (defects,) if isinstance(defects, str) else tuple(defects)
+    for option in ("robot", "pipe"):
+        rest[option] = _path_or_none(rest.get(option))
+    defects = (defects,) if isinstance(defects, str) else defects
+    _refuse_kinds({**rest, "backend": backend, "defects": defects})
+    rest |= {name: float(rest[name]) for name in _NUMBERS if rest.get(name) is not None}
     return Order(
         name,
         backend,
         seed=whole(seed, "seed", 0),
         settings=settings,
-        defects=defects,
+        defects=tuple(defects),
         check=check,
         **rest,
     )
@@ -192,33 +204,67 @@ def path_of(name: object) -> str:
     return str(fspath(name))
 
 
-def whole(number: object, what: str, least: int) -> int:
+def _path_or_none(name: object) -> str | None:
+    return None if name is None else path_of(name)
+
+
+def is_number(value: object) -> bool:
+    """Return whether the value is a number; NaN and truth values are none."""
+    return not isinstance(value, bool) and isinstance(value, Real) and not isnan(value)
+
+
+def whole(number: Any, what: str, least: int) -> int:
     """Return the number, if it is an integer that is not too small.
 
     Raises:
         UsageError: It is something else.
     """
-    if not isinstance(number, int) or isinstance(number, bool) or number < least:
+    if isinstance(number, bool) or not isinstance(number, Integral) or number < least:
         raise UsageError(f"{what}: expected a whole number from {least} on, got {number!r}")
-    return number
+    return int(number)
+
+
+def _refuse_kinds(options: Mapping[str, object]) -> None:
+    for names, fits, expected in (
+        (_NUMBERS[:3], is_number, "a number"),
+        (_NUMBERS[3:], lambda value: value is None or is_number(value), "a number of m"),
+        (("detector", "start_phase", "port"), lambda v: isinstance(v, str | None), "a text"),
+        (("backend",), lambda value: isinstance(value, str), "the name of a backend"),
+        (("states",), _are_states, "names of states by region"),
+        (("defects",), lambda value: isinstance(value, Iterable), "names of defects"),
+    ):
+        for name in names:
+            if name in options and not fits(options[name]):
+                raise UsageError(f"{name}: expected {expected}, got {options[name]!r}")
+
+
+def _are_states(value: object) -> bool:
+    if not isinstance(value, Mapping):
+        return value is None
+    return all(isinstance(text, str) for text in (*value.keys(), *value.values()))
 
 
 def _refuse_unknown(options: Mapping[str, object]) -> None:
     known = Options.__annotations__
     for name in options:
         if name not in known:
-            close = nearest(name, known)
-            hint = f"did you mean '{close}'?" if close else f"expected {one_of(sorted(known))}"
-            raise UsageError(f"there is no option '{name}': {hint}")
+            raise UsageError(f"there is no option '{name}': {meant(name, sorted(known))}")
 
 
+_NUMBERS = ("start_jitter_m", "diameter_jitter_m", "friction_jitter", "start_at_m")
 _OF_LOADING = ("robot", "pipe", "set")
 _OF_START = ("start_phase", "states")
 """Where a mission begins is written into a recording with the options, not with the mission."""
 
 
 def texts(values: Mapping[str, object] | None) -> dict[str, str]:
-    """Return values of parameters as a command line would give them."""
+    """Return values of parameters as a command line would give them.
+
+    Raises:
+        UsageError: They are not given by name.
+    """
+    if not isinstance(values, Mapping | None):
+        raise UsageError(f"set: expected values by the names of parameters, got {values!r}")
     return {
         name: str(value).lower() if isinstance(value, bool) else str(value)
         for name, value in (values or {}).items()

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from html import escape
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from pirate_sm.api.arguments import path_of
 from pirate_sm.engine.engine import Engine
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
@@ -19,9 +20,9 @@ from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.read.steps import Step
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import rerun_steps
-from pirate_sm.recording.tables.table_rows import SIGNALS, TABLES, TableRow, rows_of
+from pirate_sm.recording.tables.table_rows import SIGNALS, TABLES, TIME, headers, rows_of
 from pirate_sm.report.poses import Poses
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 
 Columns: TypeAlias = dict[str, list[Any]]
 """A table: values by the name of their column, which says the unit. Unknown numbers are NaN.
@@ -37,6 +38,9 @@ class Page:
     """A report as one page of HTML, which a notebook shows."""
 
     html: str = field(repr=False)
+
+    def __repr__(self) -> str:
+        return f"<Page of HTML: {len(self.html) // 1000} kB; write(FILE) keeps it>"
 
     def write(self, path: str | PathLike[str]) -> None:
         """Write the page to a file.
@@ -55,7 +59,7 @@ class Page:
 
 @dataclass(frozen=True)
 class Run:
-    """What happened in a run.
+    """What happened in a run; it can be pickled.
 
     Attributes:
         loaded: The mission as it was run.
@@ -118,21 +122,19 @@ class Run:
     def table(self, name: str) -> Columns:
         """Return one table by its name, as ``pirate export --csv`` names its files.
 
-        It has no columns where nothing of the kind has happened.
+        Its columns are empty where nothing of the kind has happened.
 
         Raises:
             UsageError: There is no such table in any run.
         """
         if name not in TABLES:
-            close = nearest(str(name), TABLES)
-            hint = f"did you mean '{close}'?" if close else f"expected {one_of(sorted(TABLES))}"
-            raise UsageError(f"there is no table '{name}': {hint}")
-        return self._tables.get(name, {})
+            raise UsageError(f"there is no table '{name}': {meant(str(name), sorted(TABLES))}")
+        return self._tables[name]
 
     @property
     def tables(self) -> tuple[str, ...]:
         """Names of the tables that have rows."""
-        return tuple(self._tables)
+        return tuple(name for name, columns in self._tables.items() if columns[TIME])
 
     def report(self) -> Page:
         """Return the report: what happened in words, the robot in its pipe, timeline and plots.
@@ -174,7 +176,7 @@ class Run:
             "outcome": self.outcome or "unknown",
             "message": self.message,
             "duration": f"{self.duration_s:.2f} s",
-            "faults": ", ".join(dict.fromkeys(self.faults.get("code", ()))) or "none",
+            "faults": ", ".join(dict.fromkeys(self.faults["code"])) or "none",
         }
         rows = "".join(
             f"<tr><th>{name}</th><td>{escape(text)}</td></tr>" for name, text in facts.items()
@@ -199,19 +201,14 @@ class Run:
     @cached_property
     def _tables(self) -> dict[str, Columns]:
         """Every table, made by giving the engine again what it was given."""
-        tables: dict[str, Columns] = {}
         engine = self._engine
+        named = headers(engine.robot).items()
+        tables: dict[str, Columns] = {table: {name: [] for name in names} for table, names in named}
         again = rerun_steps(engine, self.steps(), origin_s=self.origin_s)
         for row in rows_of(engine, again, self.origin_s):
-            _add(tables, row)
+            for column, value in zip(tables[row.table].values(), row.values, strict=True):
+                column.append(value)
         return tables
-
-
-def _add(tables: dict[str, Columns], row: TableRow) -> None:
-    if row.table not in tables:
-        tables[row.table] = {name: [] for name in row.header}
-    for column, value in zip(tables[row.table].values(), row.values, strict=True):
-        column.append(value)
 
 
 def read(recording: str | PathLike[str]) -> Run:
@@ -222,16 +219,17 @@ def read(recording: str | PathLike[str]) -> Run:
 
     Raises:
         RecordingError: It cannot be read, or is of a version that cannot be used any more.
+        UsageError: It is no path.
     """
     from pirate_sm.report.recording_report import known_poses
 
-    found = read_recording(Path(recording))
+    found = read_recording(Path(path_of(recording)))
     with recorded_mission(found.header) as loaded:
         return Run(
             loaded,
             found.header,
             steps=found.steps,
-            poses=lambda: known_poses(found, loaded),
+            poses=partial(known_poses, found, loaded),
             notices=found.notices,
             sha256=found.sha256,
             origin_s=found.origin_s,

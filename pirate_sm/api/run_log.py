@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from math import inf
 from os import PathLike
 from pathlib import Path
+from typing import Generic, TypeVar
 
+from pirate_sm.api.arguments import path_of
 from pirate_sm.api.result import Run
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
@@ -20,6 +23,18 @@ from pirate_sm.recording.write.recorder import Recorder
 from pirate_sm.report.poses import EVERY_S, Poses
 from pirate_sm.wiring import Prepared
 from pirate_sm.wiring.run_recorder import RunRecorder, requested_recording, run_header
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class _Same(Generic[T]):
+    """A function that returns one value; other processes can be sent it, which a lambda cannot."""
+
+    value: T
+
+    def __call__(self) -> T:
+        return self.value
 
 
 class Notes:
@@ -78,12 +93,12 @@ class Notes:
         """
         failure = self._recorder.failure if self._recorder is not None else ""
         early = f"the recording ends early: {failure}" if failure else ""
-        steps, poses = tuple(self._steps), self._poses.thinned()
+        poses = self._poses.thinned()
         return Run(
             self._prepared.loaded,
             self._header,
-            steps=lambda: steps,
-            poses=lambda: poses if poses.times_s else None,
+            steps=_Same(tuple(self._steps)),
+            poses=_Same(poses if poses.times_s else None),
             notices=tuple(text for text in (early, *notices) if text),
         )
 
@@ -106,12 +121,13 @@ def noted(
 
     Raises:
         RecordingError: The file cannot be made.
+        UsageError: It is no path.
     """
     header = run_header(prepared, inf, datetime.now(UTC).astimezone())
     if record is None:
         yield Notes(prepared, header, None)
         return
-    path = Path(record)
+    path = Path(path_of(record))
     recording = RunRecorder(prepared, header, requested_recording(path, header))
     recording.follow(prepared, state)
     try:

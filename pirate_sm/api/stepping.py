@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
+from math import inf
 from os import PathLike
 from types import TracebackType
 from typing import Self, Unpack
 
-from pirate_sm.api.arguments import Mission, Options, prepared
+from pirate_sm.api.arguments import Mission, Options, is_number, prepared
 from pirate_sm.api.guarded_pump import AbandonOnError
 from pirate_sm.api.result import Run
 from pirate_sm.api.run_log import Notes, noted
@@ -19,7 +20,7 @@ from pirate_sm.expressions import Expression, compile_condition
 from pirate_sm.model.effects import CommandStatus, Effect, Ended
 from pirate_sm.model.events import Answer, Event, OperatorCommand, Pause, Resume
 from pirate_sm.runtime.pump import Pump
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 from pirate_sm.wiring import Prepared
 
 CLOSED = "the session was closed"
@@ -43,6 +44,14 @@ class Session:
         self._stack = ExitStack()
         self._pump: Pump | None = None
         self._notes: Notes | None = None
+
+    def __repr__(self) -> str:
+        ready = self._ready
+        what = f"{ready.loaded.mission.mission} on {ready.backend.name}"
+        if self._pump is None:
+            return f"<Session of {what}: not entered>"
+        how = self.ended.outcome if self.ended else "going on"
+        return f"<Session of {what}: {how} at {self.now_s:.2f} s>"
 
     def __enter__(self) -> Self:
         """Open the backend, start the mission paused, and wait until a command can be given.
@@ -161,7 +170,7 @@ class Session:
             until: A mission time in s; a condition as missions write it, such as
                 ``"odometry >= 200 mm"``; None: until a command can be given, which is when the
                 newest one is done or has failed (:attr:`status` says which).
-            within_s: So much time passes at most.
+            within_s: How long to wait at most where no mission time is given, s.
 
         Returns:
             True when it has come; False when time ran out or the run has ended before.
@@ -207,9 +216,7 @@ class Session:
         name = self._ready.loaded.loaded_robot.profile.aliases.get(command, command)
         known = self._ready.engine.robot.table.command_index
         if name not in known:
-            close = nearest(command, known)
-            hint = f"did you mean '{close}'?" if close else f"expected {one_of(sorted(known))}"
-            raise UsageError(f"there is no command '{command}': {hint}")
+            raise UsageError(f"there is no command '{command}': {meant(command, sorted(known))}")
         return name
 
     @property
@@ -227,15 +234,12 @@ class Session:
 
 
 def _refuse_time(until: object, within_s: object) -> None:
-    if not (isinstance(until, str | None) or _is_time(until)):
+    if not (isinstance(until, str | None) or is_number(until)):
         raise UsageError(f"expected a time in s or a condition as text, got {until!r}")
-    if not _is_time(within_s):
+    if until == inf:
+        raise UsageError("until: expected a time in s that comes, got inf")
+    if not is_number(within_s):
         raise UsageError(f"within_s: expected a time in s, got {within_s!r}")
-
-
-def _is_time(value: object) -> bool:
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and value == value  # noqa: PLR0124 - NaN is not equal to itself
 
 
 def session(

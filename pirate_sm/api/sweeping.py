@@ -6,10 +6,8 @@ from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from multiprocessing import get_context, parent_process
-from multiprocessing.reduction import ForkingPickler
 from os import cpu_count
-from types import MappingProxyType
-from typing import Any, NamedTuple, Unpack
+from typing import NamedTuple, Unpack
 
 from pirate_sm.api.arguments import Mission, Options, loaded_once, prepared, whole
 from pirate_sm.api.result import Columns
@@ -17,18 +15,6 @@ from pirate_sm.errors import UsageError
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
-
-
-def _read_only(values: dict[Any, Any]) -> MappingProxyType[Any, Any]:
-    return MappingProxyType(values)
-
-
-def _reduced(it: MappingProxyType[Any, Any]) -> tuple[Any, ...]:
-    return _read_only, (dict(it),)
-
-
-# A loaded mission goes to other processes; Python itself cannot send the read-only views in it.
-ForkingPickler.register(MappingProxyType, _reduced)
 
 
 class _Row(NamedTuple):

@@ -11,74 +11,73 @@ Completion: TypeAlias = Literal["measured", "nominal"]
 
 
 class Backend(Protocol):
-    """Takes setpoint arrays and says what happens in its world.
+    """Takes setpoint arrays and reports what happens to them and to the robot.
 
     Attributes:
-        name: What users call it.
-        completion: ``measured``: its sensors tell when a command is done. ``nominal``: nothing
-            moves, a command is taken as done after its nominal duration.
-        real_time: Whether ``advance`` itself takes as long as the time that it passes.
+        name: Name of the backend, as users give it.
+        completion: ``measured``: sensors show when a command is done. ``nominal``: nothing moves,
+            and a command counts as done after its nominal duration.
+        real_time: Whether ``advance`` takes as long as the time by which it advances.
     """
 
     @property
     def name(self) -> str:
-        """What users call it."""
+        """Name of the backend, as users give it."""
         ...
 
     @property
     def completion(self) -> Completion:
-        """How commands are seen to be done."""
+        """How a command is found to be done."""
         ...
 
     @property
     def real_time(self) -> bool:
-        """Whether time passes by itself."""
+        """Whether ``advance`` runs in real time."""
         ...
 
     def open(self) -> Sequence[Event]:
-        """Make the backend ready without moving anything; return what it knows already.
+        """Make the backend ready without moving anything; return the events known at the start.
 
         Raises:
-            BackendError: It cannot be made ready.
+            BackendError: The backend cannot be made ready.
         """
         ...
 
     def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
-        """Hand an array over; exactly one ``SubmitResult`` for it follows from ``advance``.
+        """Take an array; ``advance`` reports exactly one ``SubmitResult`` for it later.
 
-        Never blocks. Arrays are a stream in which the newest wins. An array that has not been sent
-        when a newer one is submitted is never sent and ends as ``superseded``; the newest is sent
-        as soon as the backend can send. An array that has been sent ends as ``accepted``, or as
-        ``unknown`` where a newer one had to be sent before it was confirmed; it is not sent again
-        after the newer one. No array is accepted after a newer one. Submitting the same id again
-        repeats the same array.
+        Never blocks. The newest array wins. An array that is still unsent when a newer one is
+        submitted is never sent, and its result is ``superseded``. The newest is sent as soon as the
+        backend can send. A sent array ends as ``accepted``, or as ``unknown`` if a newer one was
+        sent before it was confirmed; it is not repeated after the newer one. No array is accepted
+        after a newer one. Submitting the same id again repeats the same array.
 
         Args:
             setpoint_id: Id of the array.
             values: One value per slot, duty cycle -1..1 or angle in rad.
 
         Raises:
-            BackendError: The backend can no longer take anything.
+            BackendError: The backend can take no more arrays.
         """
         ...
 
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
-        """Let the world run until ``until_s``, or until there is something to say.
+        """Let time run until ``until_s``, or until there is an event to report.
 
         Args:
             until_s: Seconds since the run began; may be infinite.
 
         Returns:
-            The time reached, never before that of the last call, and the events of that moment.
+            The time reached, never less than in the last call, and the events at that time.
 
         Raises:
-            BackendError: The backend has broken beyond telling it by an event.
+            BackendError: The backend has failed in a way that no event can report.
         """
         ...
 
     def close(self) -> None:
         """Send the last array submitted and release everything.
 
-        May be called more than once and after any error; never raises.
+        It may be called more than once and after any error. It never raises.
         """
         ...

@@ -1,7 +1,7 @@
 """The simulator behind the backend protocol: arrays in, raw frames and reports out.
 
 One board reports per bus cycle, in turn, as on the real link (thesis section 4-2). An array takes
-effect with the next cycle; its echo comes after the profile's delay.
+effect in the next cycle, and its echo comes after the profile's delay.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from pirate_sm.simulation.simulated_robot import SimulatedRobot
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter
 from pirate_sm.simulation.xpbd.world import World
 
-# With a silent robot `advance` still returns this often.
+# `advance` returns after this time even if the robot reports nothing.
 _SILENCE_S = 1.0
 
 
@@ -39,39 +39,39 @@ class _Sent(NamedTuple):
 
 @dataclass
 class _Wire:
-    """What is on its way: an array that waits for the next cycle, and results to be told."""
+    """An array that waits for the next cycle, and results that wait to be reported."""
 
     waiting: _Sent | None = None
     results: list[tuple[float, SubmitResult]] = field(default_factory=list)
 
     @property
     def due_s(self) -> float:
-        """When the next result is to be told."""
+        """When the next result is due."""
         return min([due for due, _ in self.results]) if self.results else math.inf
 
     def take(self, now: float) -> list[Event]:
-        """The results that are due, oldest first."""
+        """Return the results that are due, oldest first."""
         due = [result for at, result in self.results if at <= now]
         self.results = [(at, result) for at, result in self.results if at > now]
         return list(due)
 
 
 class SimulatorBackend:
-    """A robot in a pipe that exists only in here.
+    """Simulates a robot in a pipe.
 
     Args:
-        profile: The robot.
-        pipe: Where it is.
-        seed: Of everything that is random; equal seeds give equal runs.
-        start_values: Setpoints of the configuration that it starts in, one per slot, for a start
-            with clamped parts; None for a straight robot.
+        profile: The robot's profile.
+        pipe: The pipe.
+        seed: Seed of all random numbers; equal seeds give equal runs.
+        start_values: Setpoints of the configuration at the start, one per slot, for a start with
+            clamped parts; None for a straight robot.
         jitter: How far start, friction and diameter may differ from the files.
         defects: Names of the profile's defects to switch on.
-        physics: Makes what moves the robot.
+        physics: Makes the physics that moves the robot.
 
     Raises:
-        UsageError: It does not fit: the robot into the pipe, the pipe into itself, a defect's
-            name to the profile.
+        UsageError: The robot does not fit into the pipe, the pipe intersects itself, or the
+            profile has no such defect.
     """
 
     name = "sim"
@@ -112,22 +112,22 @@ class SimulatorBackend:
 
     @property
     def truth(self) -> FullTruth:
-        """Where the robot really is."""
+        """The robot's true position and state."""
         return self._robot.truth
 
     @property
     def wheels(self) -> tuple[tuple[float, float], ...]:
-        """Place of each wheel in the drawing of the pipe, m: of the truth what costs little."""
+        """Position of each wheel in the drawing of the pipe, m; cheaper than ``truth``."""
         return self._robot.wheels
 
     @property
     def arcs_m(self) -> list[float]:
-        """Place of each wheel along the pipe: of the truth what a detector needs often."""
+        """Position of each wheel along the pipe, m; cheaper than ``truth``, for detectors."""
         return self._robot.arcs_m
 
     @property
     def crossings_m(self) -> tuple[float, ...]:
-        """Where the axes of the pipe cross, along the pipe."""
+        """Where the axes of the pipe cross, m along the pipe."""
         return self._robot.crossings_m
 
     def open(self) -> Sequence[Event]:
@@ -138,7 +138,7 @@ class SimulatorBackend:
         return events
 
     def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
-        """Put the array in force from the next cycle on, unless it is lost or refused.
+        """Put the array in force from the next cycle on, unless it is lost or rejected.
 
         Raises:
             BackendError: The simulator has been closed.
@@ -147,7 +147,7 @@ class SimulatorBackend:
             raise BackendError("the simulator is closed")
         refusal = self._robot.electronics.refusal(values)
         if refusal:
-            self._tell(self._now, SubmitResult(setpoint_id, "rejected", refusal))
+            self._report(self._now, SubmitResult(setpoint_id, "rejected", refusal))
             return
         older = self._wire.waiting
         if older is not None:
@@ -156,12 +156,12 @@ class SimulatorBackend:
         arrives, echoes = self._robot.delivery(self._now)
         self._wire.waiting = _Sent(setpoint_id, values, arrives)
         if arrives and echoes:
-            self._tell(self._now + self._echo_s, SubmitResult(setpoint_id, "accepted"))
+            self._report(self._now + self._echo_s, SubmitResult(setpoint_id, "accepted"))
         else:
             lost = SubmitResult(setpoint_id, "unknown", "no echo came")
-            self._tell(self._now + self._unknown_s, lost)
+            self._report(self._now + self._unknown_s, lost)
 
-    def _tell(self, due_s: float, result: SubmitResult) -> None:
+    def _report(self, due_s: float, result: SubmitResult) -> None:
         self._wire.results.append((due_s, result))
 
     def _supersede(self, setpoint_id: int, reason: str) -> None:
@@ -186,7 +186,7 @@ class SimulatorBackend:
                 return self._now, events
 
     def _cycle(self) -> list[Event]:
-        """Let one cycle of the bus pass."""
+        """Simulate one cycle of the bus."""
         robot = self._robot
         waiting = self._wire.waiting
         if waiting is not None:
@@ -199,7 +199,7 @@ class SimulatorBackend:
         for incident in robot.step(self._now, turn):
             events += self._react_to(incident)
         board = turn.board
-        if turn.last == board.last:  # values that come one by one are reported when all have come
+        if turn.last == board.last:  # single values are reported when all have come
             events += self._frame(board)
         fault = robot.meet_obstacles()
         if fault is not None:
@@ -207,7 +207,7 @@ class SimulatorBackend:
         return events
 
     def _react_to(self, incident: Incident) -> Sequence[Event]:
-        """Return what is known at once of something that has happened to the boards."""
+        """Return the faults that follow at once from an incident on the boards."""
         if incident.what == "boards_restarted":
             return (BuiltInFault.FIRMWARE_RESET.report("the boards have started again"),)
         if incident.what == "controller_restarted":
@@ -215,9 +215,9 @@ class SimulatorBackend:
         return ()
 
     def _start_again(self, until_s: float) -> FaultReport:
-        """Let the motors go on until the controller is set up and writes its setpoints, all zero.
+        """Simulate until the controller has restarted and writes its setpoints, all zero.
 
-        Mission time stands still meanwhile, as it does where the link is silent.
+        The motors go on meanwhile. Mission time stands still, as during a silence of the link.
         """
         for _ in range(round((until_s - self._now) / self._cycle_s)):
             self._robot.step(self._now, self._turns[0])
@@ -230,7 +230,7 @@ class SimulatorBackend:
         return (SensorFrame(board.board, tuple(counts)),) if counts is not None else ()
 
     def close(self) -> None:
-        """Put the last array submitted in force; take nothing more."""
+        """Put the last submitted array in force and take no more."""
         waiting = self._wire.waiting
         self._wire.waiting = None
         self._closed = True

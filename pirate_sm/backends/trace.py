@@ -1,7 +1,7 @@
-"""A backend in which nothing moves: it takes every array at once and lets time jump.
+"""A backend in which nothing moves: it accepts every array at once and time can jump.
 
-With it the engine takes commands as done after their nominal duration, so a mission can be read
-through from its start to an end without a robot, a pipe or a simulator.
+The engine counts commands as done after their nominal duration. So a mission can be followed from
+start to end without a robot, a pipe or a simulator.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ IDEAL = (
     "trace: nothing moves, no sensor speaks; every command succeeds after its nominal duration "
     "and every wait is passed by its first trigger or by the script"
 )
-"""What must be said before anybody takes a trace for a prediction."""
+"""The note printed before a trace, so that nobody takes it for a prediction."""
 
 SCRIPTED = (
     "trace: nothing moves, no sensor speaks; what happens is laid down in the script, and then "
     "all goes well; its time limit counts from then on"
 )
-"""The same, where a course of events is played."""
+"""The note when the events of a script are played."""
 
 
 class Verdicts:
-    """Fates of arrays that a script decides; without a script, or after it, all are accepted.
+    """Results of arrays as a script decides; without a script, or after it, all are accepted.
 
     Args:
         scripted: Whether arrays wait for a decision.
@@ -39,26 +39,26 @@ class Verdicts:
         self._decided: deque[tuple[SubmitStatus, str]] = deque()
 
     def decide(self, status: SubmitStatus, reason: str = "") -> None:
-        """Decide the fate of the oldest array that waits."""
+        """Set the result of the oldest array that waits."""
         self._decided.append((status, reason))
 
     def release(self) -> None:
-        """Accept from now on whatever is not decided."""
+        """Accept every undecided array from now on."""
         self._scripted = False
 
     def next(self) -> tuple[SubmitStatus, str] | None:
-        """Return the fate of the next array; None while it is to wait."""
+        """Return the result of the next array; None while it has to wait."""
         if self._decided:
             return self._decided.popleft()
         return None if self._scripted else ("accepted", "")
 
 
 class TraceBackend:
-    """The ideal world, unless a script says otherwise.
+    """The ideal world, except for what a script decides.
 
     Args:
-        verdicts: Whether arrays are accepted; all are without it.
-        known: What is known at the start.
+        verdicts: Decides the results of arrays; without it all are accepted.
+        known: Events known at the start.
     """
 
     name = "trace"
@@ -73,14 +73,14 @@ class TraceBackend:
         self._closed = False
 
     def open(self) -> Sequence[Event]:
-        """Return what is known at the start."""
+        """Return the events known at the start."""
         return self._known
 
     def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
-        """Accept the array at this very moment, or let it wait for the script.
+        """Accept the array at once, or let it wait for the script.
 
         Raises:
-            BackendError: It has been closed.
+            BackendError: The backend has been closed.
         """
         if self._closed:
             raise BackendError("the trace is closed")
@@ -88,10 +88,10 @@ class TraceBackend:
             self._waiting.append(setpoint_id)
 
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
-        """Return results without letting time pass; without any, go to ``until_s``.
+        """Return results without letting time pass; without any, jump to ``until_s``.
 
         Raises:
-            BackendError: Nothing is left that could ever happen.
+            BackendError: Nothing can ever happen any more.
         """
         results = self._decided()
         if results:
@@ -108,5 +108,5 @@ class TraceBackend:
         return tuple(found)
 
     def close(self) -> None:
-        """Take nothing more."""
+        """Accept no more arrays."""
         self._closed = True

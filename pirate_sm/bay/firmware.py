@@ -1,7 +1,7 @@
-"""The firmware's loop: four cases in each bus cycle, with the serial port in between.
+"""The firmware's loop: four cases in each bus cycle, on the serial port.
 
-idle (look for bytes), write setpoints, read a board, publish (thesis section 4-2). A write to a
-full send ring holds the whole loop up, as on the real controller; cases do not catch up.
+The cases are: idle (read bytes), write setpoints, read a board, publish (thesis section 4-2). A
+write to a full send ring blocks the whole loop, as on the real controller; cases do not catch up.
 """
 
 from __future__ import annotations
@@ -29,15 +29,14 @@ class Record(NamedTuple):
     """An event in the bay.
 
     Attributes:
-        at_s: When.
-        event: ``received`` (an array came whole), ``applied`` (it is in force), ``echoed`` (its
-            echo has been handed to the line), ``tripped`` (the dead man's switch has stopped what
-            is not held), ``reset``, ``booted``, ``hung``,
-            ``unconfigured``, ``spontaneous``, ``fault`` (the host did something that it must
-            not), ``opened``, ``closed``.
-        setpoint_id: Of the array, where there is one.
+        at_s: Time of the event.
+        event: ``received`` (a whole array came), ``applied`` (it is in force), ``echoed`` (its echo
+            was written to the line), ``tripped`` (the dead man's switch has stopped every slot that
+            is not held), ``reset``, ``booted``, ``hung``, ``unconfigured``, ``spontaneous``,
+            ``fault`` (the host did something forbidden), ``opened``, ``closed``.
+        setpoint_id: Id of the array, if the event is about one.
         counts: Its setpoints.
-        detail: For a person.
+        detail: Text for people.
     """
 
     at_s: float
@@ -47,23 +46,23 @@ class Record(NamedTuple):
     detail: str = ""
 
 
-Tell = Callable[[Record], None]
+TakeRecord = Callable[[Record], None]
 
 
 class Firmware:
-    """The program of the controller between two restarts.
+    """The controller's program between two restarts.
 
     Args:
         wire: The robot's messages.
-        line: To and from the host.
-        robot: Behind the bus.
-        switches: What goes wrong.
-        cycle_s: Of the bus.
-        echo_delay_s: From the reception of an array to its echo.
+        line: The line to and from the host.
+        robot: The simulated robot.
+        switches: The defects to emulate.
+        cycle_s: Period of the bus.
+        echo_delay_s: Time from the reception of an array to its echo.
         stop_after_s: The dead man's switch trips after this long without a valid array; infinite:
             there is no switch.
         now_s: When the set-up is done and the loop begins.
-        tell: Takes what happens.
+        log: Is called with each record.
     """
 
     def __init__(
@@ -77,11 +76,11 @@ class Firmware:
         echo_delay_s: float,
         stop_after_s: float,
         now_s: float,
-        tell: Tell,
+        log: TakeRecord,
     ) -> None:
         self._wire, self._line, self._robot = wire, line, robot
         self._switches = switches
-        self._tell = tell
+        self._log = log
         self._case_for_s = cycle_s / _CASES
         self._echo_delay_s = echo_delay_s
         self._node = NodeHandle(wire.publishers, wire.subscribers)
@@ -96,17 +95,17 @@ class Firmware:
         self._echoes: deque[tuple[float, Array]] = deque()
         self._state: Frame | None = None
         self._stop_after_s = stop_after_s
-        self._stop_s = math.inf  # until an array has come there is nothing to stop
+        self._stop_s = math.inf  # before the first array there is nothing to stop
         self._in_force: Array | None = None
 
     @property
     def configured(self) -> bool:
-        """Whether it publishes."""
+        """Whether the firmware publishes."""
         return self._node.configured
 
     @property
     def turn(self) -> int:
-        """The turn that is read next."""
+        """The turn whose board is read next."""
         return self._turn
 
     @property
@@ -118,18 +117,18 @@ class Firmware:
         return max(due, self._free_s)
 
     def stall(self, until_s: float) -> None:
-        """Make the loop stand still until then."""
+        """Block the loop until then."""
         self._free_s = max(self._free_s, until_s)
 
     def forget(self) -> None:
-        """Become unconfigured: publish nothing, still obey arrays."""
+        """Become unconfigured: publish nothing, but still obey arrays."""
         self._node.configured = False
 
     def step(self) -> None:
-        """Do what is due next."""
+        """Do the next due action."""
         now = self.due_s
         if self._echoes and self._echoes[0][0] <= now:
-            self._say_echo(now, self._echoes.popleft()[1])
+            self._send_echo(now, self._echoes.popleft()[1])
         elif self._stop_s <= now:
             self._stop(now)
         elif self._poll_s <= now:
@@ -166,41 +165,41 @@ class Firmware:
         )
 
     def _write_setpoints(self, now_s: float) -> None:
-        """Apply the last array that came; those that it overtook are never applied."""
+        """Apply the last received array; older ones are never applied."""
         waiting, self._to_write = self._to_write, []
         if not waiting or not self._switches.motors_started:
             return
         array = waiting[-1]
         self._robot.set_values(self._wire.values(array))
         self._in_force = array
-        self._tell(Record(now_s, "applied", array.number, array.counts))
+        self._log(Record(now_s, "applied", array.number, array.counts))
 
     def _stop(self, now_s: float) -> None:
-        """Trip the dead man's switch: no valid array has come for too long.
+        """Trip the dead man's switch, because no valid array has come for too long.
 
-        The echo is that of the last array with the values that are in force now. It may be lost,
-        so it is said again for as long as nothing comes.
+        The echo is that of the last array, with the values that are in force now. It may be lost,
+        so it is repeated until another array comes.
         """
         self._stop_s = now_s + self._stop_after_s
         if self._in_force is None:
             return
         self._in_force = array = self._in_force.tripped
         self._robot.set_values(self._wire.values(array))
-        self._tell(Record(now_s, "tripped", array.number, array.counts))
-        self._say_echo(now_s, array)
+        self._log(Record(now_s, "tripped", array.number, array.counts))
+        self._send_echo(now_s, array)
 
     def _publish(self, now_s: float) -> None:
         state, self._state = self._state, None
         if state is not None and self._node.configured:
-            self._say(now_s, state)
+            self._send(now_s, state)
 
-    def _say_echo(self, now_s: float, array: Array) -> None:
+    def _send_echo(self, now_s: float, array: Array) -> None:
         if self._node.configured and now_s < self._switches.no_echo_at_s:
-            self._say(now_s, self._wire.echo(array))
-            self._tell(Record(now_s, "echoed", array.number, array.counts))
+            self._send(now_s, self._wire.echo(array))
+            self._log(Record(now_s, "echoed", array.number, array.counts))
 
-    def _say(self, now_s: float, frame: Frame) -> None:
-        """Send the frame; the loop goes on when the send ring has taken it."""
+    def _send(self, now_s: float, frame: Frame) -> None:
+        """Send the frame; the loop continues when the send ring has taken it."""
         self._free_s = self._line.write(frame, max(now_s, self._free_s))
 
     def _poll(self, now_s: float) -> None:
@@ -212,29 +211,29 @@ class Firmware:
                 self._take(now_s, frame)
         was = self._node.configured
         for due in self._node.tick(now_s):
-            self._say(now_s, due)
+            self._send(now_s, due)
         if was and not self._node.configured:
-            self._tell(Record(now_s, "unconfigured", detail="no answer to its time requests"))
+            self._log(Record(now_s, "unconfigured", detail="no answer to its time requests"))
 
     def _take(self, now_s: float, frame: Frame) -> None:
         was = self._node.configured
         answer = self._node.take(frame, now_s)
         for due in answer.says:
-            self._say(now_s, due)
+            self._send(now_s, due)
         if self._node.configured and not was:
-            self._say(now_s, _READY)
+            self._send(now_s, _READY)
         if answer.fault:
-            self._tell(Record(now_s, "fault", detail=answer.fault))
+            self._log(Record(now_s, "fault", detail=answer.fault))
         if answer.delivered is not None:
             self._obey(now_s, answer.delivered)
 
     def _obey(self, now_s: float, buffer: bytes) -> None:
-        """Take the array that the buffer begins with, to be applied and echoed later."""
+        """Take the array at the beginning of the buffer, to apply and echo it later."""
         array = self._wire.array(buffer)
         if array is None:
-            self._tell(Record(now_s, "fault", detail="a payload that is no array of setpoints"))
+            self._log(Record(now_s, "fault", detail="a payload that is no array of setpoints"))
             return
-        self._tell(Record(now_s, "received", array.number, array.counts))
+        self._log(Record(now_s, "received", array.number, array.counts))
         arrives, echoes = self._robot.delivery(now_s)
         if arrives:
             self._stop_s = now_s + self._stop_after_s

@@ -17,12 +17,12 @@ class Line:
     """Both directions of the serial line, with loss, damage and delay.
 
     Args:
-        baud: Of the line.
-        switches: What goes wrong.
-        rng: Source of chance.
+        baud: Baud rate of the line.
+        switches: The defects to emulate.
+        rng: Random numbers.
 
     Attributes:
-        connected: Whether somebody has the port open; what is sent otherwise is gone.
+        connected: Whether a host has the port open; if not, sent frames are lost.
     """
 
     def __init__(self, baud: int, switches: Switches, rng: np.random.Generator) -> None:
@@ -40,12 +40,12 @@ class Line:
 
     @property
     def overrun(self) -> int:
-        """How many bytes of the host came to a full ring."""
+        """How many bytes of the host were lost to a full ring."""
         return self._inlet.lost
 
     @property
     def due_s(self) -> float:
-        """When the frame on its way has reached the host, s."""
+        """When the frame under way reaches the host, s."""
         return self._outlet.due_s
 
     def receive(self, data: bytes, now_s: float) -> None:
@@ -53,12 +53,12 @@ class Line:
         self._inlet.send(self._damage_in.damage(data), now_s + self._late(self._late_in))
 
     def read(self, now_s: float) -> tuple[list[tuple[int, float]], bool]:
-        """Return the bytes that wait with their times of arrival, and whether others were lost."""
+        """Return the waiting bytes with their times of arrival, and whether others were lost."""
         lost = self._inlet.lost
         return self._inlet.read(now_s), self._inlet.lost > lost
 
     def lets_in(self, topic: int) -> bool:
-        """Return whether a frame that came whole is not to be lost."""
+        """Return whether a received frame gets past the emulated loss."""
         return self._loss_in.arrives(topic)
 
     def write(self, frame: Frame, now_s: float) -> float:
@@ -67,15 +67,15 @@ class Line:
         start, done = self._outlet.write(len(data), now_s)
         if self.connected and self._loss_out.arrives(frame.topic):
             late = self._late(self._late_out)
-            self._outlet.carry(self._damage_out.damage(data), start + late)
+            self._outlet.send(self._damage_out.damage(data), start + late)
         return done
 
     def collect(self, now_s: float) -> bytes:
-        """Return what has reached the host since the last call."""
+        """Return the bytes that have reached the host since the last call."""
         return self._outlet.collect(now_s)
 
     def hang_up(self) -> None:
-        """Drop what is on its way to the host: nobody has the port open."""
+        """Drop the frames under way to the host, because no host has the port open."""
         self.connected = False
         self._outlet.discard()
 
@@ -85,7 +85,7 @@ class Line:
         self._inlet.clear(now_s)
 
     def ignore(self, now_s: float) -> None:
-        """Drop what has come until now."""
+        """Drop everything received until now."""
         self._inlet.clear(now_s)
 
     def _late(self, rng: np.random.Generator) -> float:

@@ -21,20 +21,20 @@ from pirate_sm.rosserial.topics import (
 )
 
 MOST_SUBSCRIBERS = 25
-"""Numbers from ``FIRST_OF_THE_DEVICE`` on are subscribers'; publishers' follow after so many."""
+"""Subscribers' ids begin at ``FIRST_OF_THE_DEVICE``, publishers' ids this many later."""
 
 _ASK_TIME_EVERY_S = 2.5
 _FORGET_AFTER_S = 11.0
 
 
 class Answer(NamedTuple):
-    """What a frame makes the device do.
+    """The device's reaction to a frame.
 
     Attributes:
-        says: Frames to be sent, in order.
+        says: Frames to send, in order.
         delivered: For a subscriber: the receive buffer, which begins with the payload. Behind a
-            payload that is too short stands what earlier ones left there.
-        fault: What the host did wrong, empty for nothing.
+            short payload it holds remains of earlier ones.
+        fault: What the host did wrong; empty if nothing.
     """
 
     says: tuple[Frame, ...] = ()
@@ -43,15 +43,15 @@ class Answer(NamedTuple):
 
 
 class NodeHandle:
-    """Answers the host, and says nothing until it is asked for its topics.
+    """Answers the host; sends nothing until the host asks for its topics.
 
     Args:
-        publishers: What the device sends, in the order in which it says so.
-        subscribers: What it listens to.
+        publishers: Topics that the device sends, in the order of their introduction.
+        subscribers: Topics that it receives.
 
     Attributes:
-        configured: Whether it has been asked for its topics and its time is answered; if not, it
-            publishes nothing.
+        configured: Whether the host has asked for its topics and answers its time requests; if not,
+            it publishes nothing.
     """
 
     def __init__(self, publishers: Sequence[TopicInfo], subscribers: Sequence[TopicInfo]) -> None:
@@ -64,7 +64,7 @@ class NodeHandle:
         self._heard_time_s = -math.inf
 
     def take(self, frame: Frame, now_s: float) -> Answer:
-        """Obey this frame."""
+        """Handle this frame and return the reaction."""
         if len(frame.payload) > LONGEST_PAYLOAD:
             return Answer(fault=f"a payload of {len(frame.payload)} bytes overwrites memory")
         self._buffer[: len(frame.payload)] = frame.payload
@@ -83,7 +83,7 @@ class NodeHandle:
         return Answer()
 
     def tick(self, now_s: float) -> tuple[Frame, ...]:
-        """Return what there is to send now; without an answer about the time stop publishing."""
+        """Return the frames to send now; without answers to time requests stop publishing."""
         if now_s - self._heard_time_s > _FORGET_AFTER_S:
             self.configured = False
         if self.configured and now_s - self._asked_time_s >= _ASK_TIME_EVERY_S:

@@ -1,7 +1,7 @@
-"""How the firmware reads frames: byte by byte, with a deadline, and never looking back.
+"""How the firmware reads frames: byte by byte, with a deadline, without going back.
 
-Unlike :class:`pirate_sm.rosserial.frames.Decoder` it loses what damage has made part of a frame,
-as the Arduino client does.
+Unlike :class:`pirate_sm.rosserial.frames.Decoder` it loses the frame that follows a damaged one, as
+the Arduino client does.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from enum import Enum, auto
 
 from pirate_sm.rosserial.frames import SYNC, Frame
 
-# A frame not complete this long after its first byte is given up.
+# A frame that is incomplete this long after its first byte is given up.
 _PATIENCE_S = 0.020
 _SYNC, _REVISION = SYNC
 
@@ -36,13 +36,12 @@ _NEXT_OF_HEAD = {
 
 
 class Reception:
-    """Takes bytes one at a time; damaged frames vanish without a word.
+    """Takes bytes one at a time and drops damaged frames silently.
 
-    The bytes of a damaged frame are gone, and with them the beginning of a frame that the damage
-    made part of it.
+    A damaged frame may swallow the beginning of the next frame, which is then lost as well.
 
     Attributes:
-        dropped: How many frames were begun and given up.
+        dropped: Frames that were begun and given up.
     """
 
     def __init__(self) -> None:
@@ -65,7 +64,7 @@ class Reception:
         for byte, at_s in arrivals:
             if self._at is not _At.SYNC and at_s > self._deadline_s:
                 self._give_up()
-            if self._at is _At.PAYLOAD:  # most bytes are
+            if self._at is _At.PAYLOAD:  # as for most bytes
                 self._pay(byte)
                 continue
             if self._at is _At.SYNC:

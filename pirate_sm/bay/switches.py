@@ -1,4 +1,4 @@
-"""What can be made to go wrong with an emulated bay, and the chance behind it."""
+"""The defects that an emulated bay can have, and their random numbers."""
 
 from __future__ import annotations
 
@@ -17,44 +17,44 @@ Topic = Literal["state", "echo", "setpoints"]
 TOPICS: tuple[Topic, ...] = ("state", "echo", "setpoints")
 
 RING = 64
-"""Bytes that the controller holds for a firmware that is busy."""
+"""Bytes that the controller buffers for a busy firmware."""
 
 
 @dataclass(frozen=True)
 class Switches:
-    """All off unless said otherwise. Times are seconds since the bay was switched on.
+    """Which defects are switched on; none by default. Times are seconds since the bay started.
 
     Attributes:
         loss_in: Share of frames lost on their way to the bay.
         loss_out: Share of frames lost on their way to the host.
-        never_two: Of two consecutive frames of one topic one always arrives (thesis 4-2-2); the
-            shares hold, so at most half of the frames can be lost.
-        corruption: Share of bytes changed on their way, either way.
-        delay_s: Further time every frame takes, either way.
-        jitter_s: Up to this much more, drawn evenly per frame; the order stays.
-        reset_at_s: When the firmware starts again.
+        never_two: One of two consecutive frames of a topic always arrives (thesis 4-2-2). The
+            shares still hold, so at most half of the frames can be lost.
+        corruption: Share of bytes changed, in either direction.
+        delay_s: Added delay of every frame, in either direction.
+        jitter_s: Up to this much more delay, drawn uniformly per frame; the order stays.
+        reset_at_s: When the firmware restarts.
         reset_every_s: Mean time between further restarts, 0 for none.
-        hang_at_s: When the firmware stands still.
-        hang_for_s: For how long.
+        hang_at_s: When the firmware hangs.
+        hang_for_s: How long it hangs.
         boot_s: How long boot loader and set-up take after a restart; None: drawn anew each time
             between three quarters and the whole of the profile's time.
-        ring: Bytes that wait for the firmware, None for no end: no overrun.
-        poll_s: How often the firmware looks for bytes; None: in the idle case of each cycle.
+        ring: Bytes that can wait for the firmware; None: no limit and no overrun.
+        poll_s: How often the firmware reads bytes; None: in the idle case of each cycle.
         stale_every_s: Mean time between spells in which boards repeat their values, 0 for none.
         stale_for_s: How long such a spell lasts.
         wrong_md5: Topics that are announced with the md5 of another definition.
         unconfigured_at_s: When the firmware forgets that it was configured: it obeys setpoints
-            but neither echoes nor publishes until it is asked for its topics.
-        no_echo_at_s: From then on it obeys and publishes, and echoes nothing.
-        silent_boards: These boards say nothing from ``silent_boards_at_s`` on.
-        spontaneous_at_s: When a motor that nobody asked moves.
+            but neither echoes nor publishes until the host asks for its topics.
+        no_echo_at_s: When it stops echoing; it still obeys and publishes.
+        silent_boards: Boards that report nothing from ``silent_boards_at_s`` on.
+        spontaneous_at_s: When a motor moves without a command.
         spontaneous_every_s: Mean time between further such motions, 0 for none.
         motors_started: Whether the actuators were started on the panel ([Play], thesis App. D);
             if not, setpoints are echoed and motors ignore them.
-        sensors_started: Whether the sensors were ([Set]); if not, no board says anything.
-        old_client: The client of 2014 to 2017: unconfigured after an overrun.
+        sensors_started: Whether the sensors were started ([Set]); if not, no board reports.
+        old_client: The client of 2014 to 2017, which is unconfigured after an overrun.
         dead_man: Whether the firmware has the dead man's switch that the profile describes.
-        defects: Names of the profile's defects.
+        defects: Names of defects in the profile.
     """
 
     loss_in: float = 0.0
@@ -86,16 +86,16 @@ class Switches:
     defects: tuple[str, ...] = ()
 
     def speaks(self, board: int, now_s: float) -> bool:
-        """Whether the board has anything to say."""
+        """Return whether the board reports."""
         mute = board in self.silent_boards and now_s >= self.silent_boards_at_s
         return self.sensors_started and not mute
 
     def more_defects(self, seed: int, chances: Sequence[np.random.Generator]) -> list[AtWork]:
-        """Return what is switched on here of the defects that a profile may name as well.
+        """Return the switched-on defects that a profile can name as well.
 
         Args:
-            seed: Of the spells of repeated values.
-            chances: Three sources of chance: of motions, of restarts, of the times of motions.
+            seed: Seed of the spells of repeated values.
+            chances: Random numbers for motions, for restarts and for the times of motions.
         """
         motions, restarts, moments = chances
         spells = np.random.default_rng((seed, len(self.defects)))
@@ -111,7 +111,7 @@ class Switches:
         if self.spontaneous_every_s:
             found.append(_at_work("stray_motion", moments, every=self.spontaneous_every_s))
         if self.hang_at_s < math.inf and self.hang_for_s:
-            # A defect that lasts for good has no duration.
+            # A lasting defect has no duration.
             for_s = self.hang_for_s if self.hang_for_s < math.inf else 0.0
             found.append(_at_work("controller_hang", moments, after=self.hang_at_s, lasting=for_s))
         return found
@@ -145,11 +145,11 @@ def _at_work(
 
 
 class Corruption:
-    """Changes bytes.
+    """Changes random bytes.
 
     Args:
-        share: Of bytes changed.
-        rng: Source of chance.
+        share: Share of bytes to change.
+        rng: Random numbers.
     """
 
     def __init__(self, share: float, rng: np.random.Generator) -> None:
@@ -158,11 +158,11 @@ class Corruption:
         self._spared = self._gap()
 
     def _gap(self) -> int:
-        """How many bytes pass before the next one is changed."""
+        """Return how many bytes pass before the next one is changed."""
         return int(self._rng.geometric(self._share)) - 1 if self._share > 0.0 else 0
 
     def damage(self, data: bytes) -> bytes:
-        """The bytes as they arrive."""
+        """Return the bytes as they arrive."""
         if self._share == 0.0:
             return data
         changed = bytearray(data)

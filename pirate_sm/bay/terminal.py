@@ -1,4 +1,4 @@
-"""The bay behind a pseudo-terminal, in real time: any program may open it as a serial port."""
+"""The bay on a pseudo-terminal, in real time: any program can open it as a serial port."""
 
 from __future__ import annotations
 
@@ -22,26 +22,26 @@ from pirate_sm.errors import BackendError, UsageError
 # Short beside the firmware's cases of 4 ms.
 _PAUSE_S = 0.001
 _READ_AT_ONCE = 4096
-# Where the speeds stand in what `termios.tcgetattr` returns.
+# Indices of the speeds in the result of `termios.tcgetattr`.
 _SPEEDS = slice(4, 6)
 _AT_ANOTHER_RATE = bytes((byte * 3 + 0x5B) % 256 for byte in range(256))
-"""What is read of each byte at a rate that it was not sent at: never a frame."""
+"""How each byte reads at a wrong baud rate; never as a frame."""
 
 
 class Terminal:
     """A pseudo-terminal whose other end a host opens; a context manager.
 
     Args:
-        link: Where a symbolic link to it is to stand; an old link there is replaced.
-        baud: Of the device. A host that sets the port to another rate sends and reads garbage;
-            one that leaves it alone does not. None, or a rate that has no name here: any does.
+        link: Path for a symbolic link to it; an old link there is replaced.
+        baud: Baud rate of the device. A host that sets another rate sends and reads garbage; one
+            that sets none does not. None, or a rate that has no constant here: any rate works.
 
     Attributes:
         name: Path of the end that a host opens.
 
     Raises:
         UsageError: The link cannot be made.
-        BackendError: There is no pseudo-terminal to be had.
+        BackendError: No pseudo-terminal is available.
     """
 
     def __init__(self, link: Path | None = None, baud: int | None = None) -> None:
@@ -87,7 +87,7 @@ class Terminal:
                     self._link.unlink()
 
     def wait(self, patience_s: float) -> tuple[bool, bytes]:
-        """Return whether a host has it open, and what it has written; wait no longer than this."""
+        """Wait at most this long; return whether a host has it open, and what it has written."""
         events = dict(self._poll.poll(patience_s * 1000.0)).get(self._ours, 0)
         data = b""
         if events & select.POLLIN:
@@ -96,12 +96,12 @@ class Terminal:
         return not events & select.POLLHUP, data
 
     def write(self, data: bytes) -> None:
-        """Let the host read the bytes; what it has no room for is lost, as on the real port."""
+        """Let the host read the bytes; what does not fit is lost, as on the real port."""
         with suppress(OSError):
             os.write(self._ours, self._at_rate(data))
 
     def _at_rate(self, data: bytes) -> bytes:
-        """Return the bytes as they are read when the host's rate may not be the device's."""
+        """Return the bytes as read at the device's rate, if they were sent at the host's."""
         if self._speed is None or termios.tcgetattr(self._ours)[_SPEEDS] == [self._speed] * 2:
             return data
         return data.translate(_AT_ANOTHER_RATE)
@@ -114,19 +114,19 @@ class Terminal:
             termios.tcsetattr(self._ours, termios.TCSANOW, settings)
 
     def renew(self) -> None:
-        """Discard what a host has left: its bytes and its rate."""
+        """Discard the bytes and the rate that the last host has left."""
         with suppress(termios.error):
             termios.tcflush(self._ours, termios.TCIOFLUSH)
             self._set_speed()
 
 
 class StopSignals:
-    """Lets SIGINT, SIGTERM and SIGHUP end the bay, not the process; a context manager.
+    """Makes SIGINT, SIGTERM and SIGHUP end the bay instead of the process; a context manager.
 
-    A signal that this process was started to ignore (``nohup``) stays ignored.
+    A signal that this process ignored at its start (``nohup``) stays ignored.
 
     Attributes:
-        stop: Whether one has come.
+        stop: Whether a signal has come.
     """
 
     def __init__(self) -> None:
@@ -154,14 +154,14 @@ def serve(
     log: TextIO | None = None,
     clock: Callable[[], float] = time.monotonic,
 ) -> None:
-    """Run the bay in real time until it is to stop.
+    """Run the bay in real time until it should stop.
 
     Args:
-        bay: Switched on just now.
-        terminal: Where hosts reach it.
-        stopped: Whether it is to end.
-        log: Takes a line of JSON for each thing that happens.
-        clock: Seconds.
+        bay: The bay, just switched on.
+        terminal: The terminal that hosts open.
+        stopped: Returns whether the bay should stop.
+        log: Takes a line of JSON for each record.
+        clock: Returns the time, s.
     """
     began = clock()
     connected = False

@@ -1,4 +1,4 @@
-"""The message texts that stand beside a robot's profile."""
+"""The message definitions beside a robot's profile."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from pirate_sm.rosserial import messages
 
 
 def message_texts(folder: Path, profile: Profile) -> dict[str, str]:
-    """Return the texts of the messages of the robot's link, by their names on the wire.
+    """Return the ``.msg`` texts of the robot's link, by message name (``package/Type``).
 
     Args:
-        folder: The robot's, which holds its profile.
-        profile: The robot.
+        folder: The robot's folder, with its profile.
+        profile: The robot's profile.
 
     Raises:
-        UsageError: It has no link, or a text cannot be read.
+        UsageError: The robot has no link, or a text cannot be read.
     """
     serial = messages.serial_of(profile)
     return messages.message_texts(folder / serial.messages, serial)

@@ -1,4 +1,4 @@
-"""The whole bay in virtual time: bytes go in, bytes come out, nothing waits for a clock."""
+"""The whole bay in virtual time: bytes go in and out, and nothing waits for a clock."""
 
 from __future__ import annotations
 
@@ -30,22 +30,22 @@ class VirtualBay:
     Calls must come in order of time. Equal seeds and calls give equal bytes.
 
     Args:
-        profile: The robot; it must have a serial link.
-        pipe: Where it is.
-        texts: The ``.msg`` text of each message type, by its name on the wire.
-        switches: What goes wrong.
-        seed: Of everything random.
-        start_values: Setpoints of the configuration that the robot starts in, one per slot, for
-            a start with clamped parts; None for a straight robot.
-        physics: Makes what moves the robot.
+        profile: The robot's profile; it must have a serial link.
+        pipe: The pipe.
+        texts: The ``.msg`` text of each message type, by its name.
+        switches: The defects to emulate.
+        seed: Seed of all random numbers.
+        start_values: Setpoints of the configuration at the start, one per slot, for a start with
+            clamped parts; None for a straight robot.
+        physics: Makes the physics that moves the robot.
 
     Attributes:
-        records: What has happened, oldest first; a reader may clear it.
-        last_array: The last array of setpoints that came whole; None before the first.
-        last_applied: The array in force; where the dead man's switch has tripped, what it left.
+        records: Past events, oldest first; a reader may clear the list.
+        last_array: The last whole array received; None before the first.
+        last_applied: The array in force, after a trip of the dead man's switch with its zeros.
 
     Raises:
-        UsageError: SimulatedRobot, pipe, texts and switches do not fit together.
+        UsageError: Robot, pipe, texts and switches do not fit together.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class VirtualBay:
         self._lapses_s = [math.inf, *sorted(switches.unconfigured_at_s, reverse=True)]
         self._cycles = 0
         self._world_s = self._cycle_s
-        self._expect_trouble()
+        self._find_next_defect()
         self._booted_s = math.inf
         self.records: list[Record] = []
         self.last_array: Array | None = None
@@ -90,12 +90,12 @@ class VirtualBay:
 
     @property
     def truth(self) -> FullTruth:
-        """Where the robot really is."""
+        """The robot's true position and state."""
         return self._robot.truth
 
     @property
     def duties(self) -> tuple[float, ...]:
-        """Duties in force, of the joints at each wheel, then of the wheels."""
+        """Duties in force: of the joints at each wheel, then of the wheels."""
         return self._robot.duties
 
     @property
@@ -105,68 +105,68 @@ class VirtualBay:
 
     @property
     def overrun(self) -> int:
-        """How many bytes of the host have come to a full receive ring."""
+        """How many bytes of the host were lost to a full receive ring."""
         return self._line.overrun
 
     @property
     def due_s(self) -> float:
-        """No frame is whole at the host before this time if nothing is received."""
-        due = self._line.due_s  # of the frame on its way, before which no other can come
+        """The time before which no frame is complete at the host if nothing is received."""
+        due = self._line.due_s  # of the frame under way; others come after it
         return due if due < math.inf else self._next_s()
 
     def open(self, now_s: float) -> None:
-        """Somebody has opened the port, which resets the controller; the boot loader runs."""
+        """Open the port, which resets the controller and starts its boot loader."""
         self._run(now_s)
         self._line.connected = True
-        self._tell(Record(now_s, "opened"))
+        self._log(Record(now_s, "opened"))
         self._reset(now_s, "the port was opened")
 
     def close(self, now_s: float) -> None:
-        """Nobody has the port open; the bay goes on, and what it says is gone."""
+        """Close the port; the bay goes on, and what it sends is lost."""
         self._run(now_s)
         self._line.hang_up()
-        self._tell(Record(now_s, "closed"))
+        self._log(Record(now_s, "closed"))
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Take in the bytes that the host has written in one call."""
+        """Take bytes that the host has written in one call."""
         self._run(now_s)
         self._line.receive(data, now_s)
 
     def advance(self, now_s: float) -> bytes:
-        """The bay has run until this time; returns what has reached the host since the last call.
+        """Run until this time; return the bytes that have reached the host since the last call.
 
         Args:
-            now_s: Not before that of any earlier call.
+            now_s: Not earlier than in any earlier call.
         """
         self._run(now_s)
         return self._line.collect(now_s)
 
     def _next_s(self) -> float:
         firmware = self._firmware.due_s if self._firmware is not None else self._booted_s
-        return min(firmware, self._trouble_s, self._world_s)
+        return min(firmware, self._defect_s, self._world_s)
 
-    def _expect_trouble(self) -> None:
-        """Note when something goes wrong next."""
-        self._trouble_s = min(self._lapses_s[-1], self._robot.due_s)
+    def _find_next_defect(self) -> None:
+        """Find out when the next defect acts."""
+        self._defect_s = min(self._lapses_s[-1], self._robot.due_s)
 
     def _run(self, now_s: float) -> None:
         while True:
             firmware = self._firmware
             own_s = firmware.due_s if firmware is not None else self._booted_s
-            due = min(own_s, self._trouble_s, self._world_s)
+            due = min(own_s, self._defect_s, self._world_s)
             if due > now_s:
                 return
             if due == self._world_s:
                 self._move(due)
             elif due < own_s:
-                self._go_wrong(due)
+                self._strike(due)
             elif firmware is not None:
                 firmware.step()
             else:
                 self._start(due)
 
     def _move(self, now_s: float) -> None:
-        """Let the robot move for a cycle."""
+        """Move the robot for one cycle."""
         self._cycles += 1
         self._world_s = (self._cycles + 1) * self._cycle_s
         turn = self._turns[self._firmware.turn if self._firmware is not None else 0]
@@ -175,38 +175,38 @@ class VirtualBay:
         if incidents:
             self._react_to(now_s, incidents)
 
-    def _go_wrong(self, now_s: float) -> None:
-        """Let happen what is due between two cycles."""
+    def _strike(self, now_s: float) -> None:
+        """Let the defects act that are due between two cycles."""
         if now_s == self._lapses_s[-1]:
             self._lapses_s.pop()
             if self._firmware is not None:
                 self._firmware.forget()
-            self._tell(Record(now_s, "unconfigured", detail="forgotten"))
+            self._log(Record(now_s, "unconfigured", detail="forgotten"))
         self._react_to(now_s, self._robot.strike(now_s))
 
     def _react_to(self, now_s: float, incidents: Sequence[Incident]) -> None:
-        """Let the controller take part in what has happened to the robot."""
+        """Let the controller react to incidents of the robot."""
         for incident in incidents:
             if incident.what == "boards_restarted":
                 self._reset(now_s, "a defect of the firmware")
             elif incident.what == "controller_restarted":
                 self._reset(now_s, "the firmware started again by itself")
             elif incident.what == "motor_moves":
-                self._tell(Record(now_s, "spontaneous"))
+                self._log(Record(now_s, "spontaneous"))
             else:
                 if self._firmware is not None:
                     self._firmware.stall(incident.until_s)
-                self._tell(Record(now_s, "hung", detail=f"until {incident.until_s:g} s"))
-        self._expect_trouble()
+                self._log(Record(now_s, "hung", detail=f"until {incident.until_s:g} s"))
+        self._find_next_defect()
 
     def _reset(self, now_s: float, why: str) -> None:
-        """Restart the controller; motors go on as they were until it is set up."""
+        """Restart the controller; motors keep their setpoints until it is set up."""
         self._line.restart(now_s)
         self._firmware = None
         least, most, rng = self._boot
         drawn = float(rng.uniform(least, most))
         self._booted_s = now_s + (drawn if self._switches.boot_s is None else self._switches.boot_s)
-        self._tell(Record(now_s, "reset", detail=why))
+        self._log(Record(now_s, "reset", detail=why))
 
     def _start(self, now_s: float) -> None:
         """Finish the set-up: write initial setpoints and begin the loop."""
@@ -214,7 +214,7 @@ class VirtualBay:
         self._line.ignore(now_s)
         self._robot.electronics.rest()
         self._firmware = self._set_up(now_s)
-        self._tell(Record(now_s, "booted"))
+        self._log(Record(now_s, "booted"))
 
     def _set_up(self, now_s: float) -> Firmware:
         return Firmware(
@@ -223,10 +223,10 @@ class VirtualBay:
             echo_delay_s=self._echo_delay_s,
             stop_after_s=self._stop_after_s,
             now_s=now_s,
-            tell=self._tell,
+            log=self._log,
         )
 
-    def _tell(self, record: Record) -> None:
+    def _log(self, record: Record) -> None:
         self.records.append(record)
         if record.setpoint_id is None:
             return

@@ -1,4 +1,4 @@
-"""Which topics a robot's firmware has, and what its arrays and states look like on the wire."""
+"""The topics of a robot's firmware, and its arrays and states as messages."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ class Wire:
     """The robot's messages.
 
     Args:
-        profile: The robot.
+        profile: The robot's profile.
         texts: Message texts by type name, see :func:`~pirate_sm.bay.texts.message_texts`.
-        wrong_md5: Topics announced with another md5 than theirs.
+        wrong_md5: Topics announced with a wrong md5.
 
     Attributes:
-        publishers: The topics that the firmware sends, states first, then echoes.
-        subscribers: The topic that it takes.
-        one_value: Whether a state message is one value instead of a board.
+        publishers: Topics that the firmware sends: states, then echoes.
+        subscribers: The topic that it receives.
+        one_value: Whether a state message holds one value instead of a board's.
 
     Raises:
         UsageError: Profile and texts do not fit together.
@@ -41,7 +41,7 @@ class Wire:
             link.angle_resolution if slot.unit == "angle" else link.duty_resolution
             for slot in slots
         )
-        # What a sketch has compiled in whose messages have no field for it.
+        # The mask built into a firmware whose messages have no field for it.
         zero = set(profile.safe_state.zero)
         self._kept = sum(1 << at for at, slot in enumerate(slots) if slot.name not in zero)
         self._messages = messages = link_messages(texts, serial, len(slots))
@@ -73,11 +73,11 @@ class Wire:
             )
 
     def state(self, board: int, channel: int, counts: Sequence[float]) -> Frame:
-        """Return the frame with what a board has measured.
+        """Return the frame with the values of a board.
 
         Args:
             board: Number of the board.
-            channel: Number of the channel, where one value is a message.
+            channel: Number of the channel, if a message holds one value.
             counts: Raw counts of this channel, or of all.
         """
         reading = StateReading(board, channel, tuple(counts))
@@ -89,7 +89,7 @@ class Wire:
         return Frame(self.publishers[1].number, payload)
 
     def array(self, buffer: bytes) -> Array | None:
-        """Return the array that a receive buffer begins with; None where it holds none."""
+        """Return the array at the beginning of a receive buffer; None if there is none."""
         try:
             array = self._messages.setpoints.unpack(buffer, whole=False)
         except Malformed:

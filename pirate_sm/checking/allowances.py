@@ -1,4 +1,4 @@
-"""Findings that somebody allows on their line: `# pirate: allow CODE: reason`.
+"""Comments that allow findings on their line: `# pirate: allow CODE: reason`.
 
 Several codes may stand in one comment, separated by commas. On the first line of a text in block
 style (`|` or `>`), which can hold no comments itself, the comment is about all of its lines.
@@ -21,7 +21,7 @@ _MARK = re.compile(r"#[ \t]*pirate:[ \t]*allow\b[ \t]*(?P<said>.*)")
 _CODE = re.compile(r"[^\s,][^,]*")
 _BLANK = re.compile(r"\s")
 
-# libyaml is about ten times as fast; a build of PyYAML without it says the same more slowly.
+# libyaml is about ten times as fast; PyYAML without it gives the same result.
 _Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
@@ -30,9 +30,9 @@ class Allowance:
     """One code that a comment allows.
 
     Attributes:
-        place: Where the code stands in the comment.
-        lines: The lines on which it is allowed.
-        reason: Why; empty when the comment does not say.
+        place: The place of the code in the comment.
+        lines: The lines on which the code is allowed.
+        reason: The reason; empty if the comment gives none.
         excerpt: The line of the comment.
     """
 
@@ -44,11 +44,11 @@ class Allowance:
 
 
 def allowances(name: str, text: str) -> tuple[Allowance, ...]:
-    """Return every allowance in a file.
+    """Return all allowances in a file.
 
     Args:
-        name: What the file is called in findings.
-        text: What stands in it.
+        name: Name of the file in findings.
+        text: The content of the file.
     """
     if "pirate:" not in text or len(text) > LARGEST_FILE:
         return ()
@@ -64,11 +64,11 @@ def allowances(name: str, text: str) -> tuple[Allowance, ...]:
 
 
 def settle(found: Iterable[Finding], files: Mapping[str, str]) -> tuple[Finding, ...]:
-    """Mark the findings that are allowed, and add what is wrong with the allowances.
+    """Return the findings with allowed ones marked, and with findings about faulty allowances.
 
     Args:
-        found: All findings, each once.
-        files: Text of every file that was looked at, by its name in findings.
+        found: All findings, without duplicates.
+        files: Text of every checked file, by its name in findings.
     """
     every = [each for name, text in files.items() for each in allowances(name, text)]
     by_file: dict[str, list[Allowance]] = {}
@@ -88,7 +88,7 @@ def settle(found: Iterable[Finding], files: Mapping[str, str]) -> tuple[Finding,
 
 
 def _allowing(finding: Finding, known: Iterable[Allowance]) -> Allowance | None:
-    """Return the allowance that is about a finding and may be."""
+    """Return the valid allowance for a finding, None without one."""
     for allowance in known:
         if finding.code == allowance.code and finding.place.line in allowance.lines:
             return allowance if finding.code in catalogue.allowable() else None
@@ -96,7 +96,7 @@ def _allowing(finding: Finding, known: Iterable[Allowance]) -> Allowance | None:
 
 
 def _faults(allowance: Allowance, used: bool) -> Iterator[Finding]:
-    """Yield what is wrong with an allowance."""
+    """Yield findings about an allowance."""
     code = allowance.code
     if not allowance.reason:
         message = (
@@ -127,13 +127,13 @@ def _begins_comment(line: str, start: int) -> bool:
 def _said(
     name: str, number: int, line: str, mark: re.Match[str], texts: _Texts
 ) -> Iterator[Allowance]:
-    """Yield what a comment allows; one allowance without a code where it names none."""
+    """Yield the allowances of a comment; a single one without a code if it names none."""
     codes, _, reason = mark["said"].partition(":")
     lines = texts.under(number)
     named = list(_CODE.finditer(codes))
     if not named:
         yield Allowance("", Place(name, number, mark.start() + 1), lines, "", line)
-    # Words after the code that no colon sets off may be meant as a reason, and may be a slip.
+    # Words after the code without a colon may be a reason or a mistake.
     whole = "" if any(_BLANK.search(code[0].strip()) for code in named) else reason.strip()
     for code in named:
         place = Place(name, number, mark.start("said") + code.start() + 1)
@@ -141,7 +141,7 @@ def _said(
 
 
 class _Texts:
-    """Where the quoted and the block texts of a file stand: what looks like a comment is none."""
+    """The quoted and block texts of a file, in which `#` does not begin a comment."""
 
     def __init__(self, text: str) -> None:
         self._spans: list[tuple[int, int]] = []
@@ -154,11 +154,11 @@ class _Texts:
             return  # what cannot be read has findings of its own
 
     def hold(self, position: int) -> bool:
-        """Return whether a character of the file is inside of a text."""
+        """Return whether a position in the file is inside a text."""
         return any(start <= position < end for start, end in self._spans)
 
     def under(self, line: int) -> range:
-        """Return the lines that a comment on this line is about."""
+        """Return the lines to which a comment on this line applies."""
         return self._blocks.get(line, range(line, line + 1))
 
     def _take(self, token: yaml.ScalarToken, text: str) -> None:

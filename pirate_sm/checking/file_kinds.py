@@ -1,4 +1,4 @@
-"""Find out from its text what a file is, even if it is too broken to be read."""
+"""Determine the kind of a file from its text, even if the file is too broken to be read."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pirate_sm.loading.yaml.document import LARGEST_FILE
 
 
 class Kind(StrEnum):
-    """What can be checked, or is at least known."""
+    """The known kinds of files."""
 
     ROBOT = "robot"
     CHART = "chart"
@@ -36,10 +36,10 @@ _TELLING = (
     (Kind.PIPE, {"pipe", "diameter"}),
     (Kind.CALIBRATION, {"robot", "zeros"}),
 )
-"""Keys at the top of a file that together say what it is, the first that fits."""
+"""Combinations of top-level keys that identify a kind of file; the first match decides."""
 
 _ENTRY = {"phase", "trigger", "after"}
-"""Keys of an entry of a trace script; in a list two of them tell it where a third is misspelt."""
+"""Keys of an entry of a trace script; two of them identify a script if a third is misspelt."""
 
 _CONTENT = re.compile(r"^([ ]*)([^\s#%].*)$", re.MULTILINE)
 _WORD = r"""["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:(?=\s|$)"""
@@ -47,13 +47,13 @@ _IN_BRACES = re.compile(r"""[\s{,]["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:""")
 
 
 def kind_of(path: Path) -> Kind:
-    """Return what the file is."""
+    """Return the kind of the file."""
     text = _beginning(path)
     return Kind.UNREADABLE if text is None else kind_of_text(text)
 
 
 def kind_of_text(text: str) -> Kind:
-    """Return what a file with this text is."""
+    """Return the kind of a file with this text."""
     text = "\n".join(text.splitlines())  # a line may end in CR alone, which `^` does not know
     first = next((each for each in _CONTENT.finditer(text) if each[2].rstrip() != "---"), None)
     if first is None:
@@ -80,7 +80,7 @@ def _lists_triggers(text: str) -> bool:
 
 
 def _beginning(path: Path) -> str | None:
-    """Return as much of the file as any of ours has, or None when it cannot be read."""
+    """Return the beginning of the file, or None if it cannot be read."""
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             return None

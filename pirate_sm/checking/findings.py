@@ -1,4 +1,4 @@
-"""A finding: what is wrong, how surely, where, and how it comes about."""
+"""Findings of checks: what is wrong, how certain it is, where, and how it happens."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 
 class Severity(IntEnum):
-    """How surely something is wrong; greater is worse.
+    """The severity of a finding; a greater value is worse.
 
-    ``POSSIBLE`` depends on what the check cannot decide, such as two sensors compared with each
-    other; ``WARNING`` can run and is hardly meant; ``ERROR`` will be refused or goes wrong.
+    ``POSSIBLE``: depends on something that the check cannot decide, such as a comparison of two
+    sensors. ``WARNING``: can run, but is probably a mistake. ``ERROR``: is refused or goes wrong.
     """
 
     POSSIBLE = 1
@@ -28,26 +28,26 @@ class Severity(IntEnum):
 
     @property
     def word(self) -> str:
-        """Its name in messages and files."""
+        """Return the name of the severity in messages and files."""
         return self.name.lower()
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that a person should know before anything moves.
+    """One finding of a check.
 
     Attributes:
-        code: A stable word for programs, explained in :mod:`pirate_sm.checking.catalogue`.
-        place: Where it stands.
+        code: A stable identifier for programs, explained in :mod:`pirate_sm.checking.catalogue`.
+        place: Its place.
         message: What is wrong, in one sentence.
-        mend: How to mend it, where this is more than the catalogue says of the code.
-        suggestion: A name that was probably meant.
+        mend: How to mend it, if this is more than the catalogue's advice for the code.
+        suggestion: The name that was probably meant.
         excerpt: The source line of the place.
-        related: Further places with what they have to do with it.
-        story: How it comes about, one sentence for each event, the first one first.
-        example: File of the script that plays the story in a trace; empty without one.
-        course: The exploration and the step of it in which it comes about; empty without one.
-        allowed: Why it may stay, said in a comment on its line; empty: it may not.
+        related: Related places, each with an explanation.
+        story: How it happens, with one sentence for each event, in order.
+        example: File of the trace script that reproduces the story; empty without one.
+        course: The exploration and the index of its step; empty without one.
+        allowed: The reason in a comment that allows it; empty if it is not allowed.
     """
 
     code: str
@@ -63,18 +63,22 @@ class Finding:
     course: tuple[tuple[Exploration, int], ...] = field(default=(), compare=False, repr=False)
     allowed: str = field(default="", compare=False)
 
+    def __repr__(self) -> str:
+        allowed = f" (allowed: {self.allowed})" if self.allowed else ""
+        return f"<Finding {self.place}: {self.severity.word} [{self.code}] {self.message}{allowed}>"
+
     @property
     def order(self) -> tuple[Place, str, str]:
-        """Findings are ordered by place, then code."""
+        """Return the sort key: place, then code, then message."""
         return self.place, self.code, self.message
 
     def allow(self, reason: str) -> Finding:
-        """Return the same finding, allowed."""
+        """Return the finding as allowed for a reason."""
         return replace(self, allowed=reason)
 
 
 def finding_of(problem: Problem) -> Finding:
-    """Return the finding that says what loading found."""
+    """Return a problem of loading as a finding."""
     warning = problem.severity is LoadSeverity.WARNING
     return Finding(
         problem.code,
@@ -102,16 +106,16 @@ def at(
     mend: str = "",
     related: Iterable[tuple[Place, str]] = (),
 ) -> Finding:
-    """Return a finding at a place of a document, with the line that stands there.
+    """Return a finding at a place of a document, with its source line.
 
     Args:
         document: The file.
-        place: Where in it.
+        place: The place in the file.
         code: An entry of the catalogue.
         message: What is wrong, in one sentence.
-        severity: None: the usual one of the code.
-        mend: How to mend it, where this is more than the catalogue says.
-        related: Further places with what they have to do with it.
+        severity: The severity; None for the usual one of the code.
+        mend: How to mend it, if this is more than the catalogue's advice.
+        related: Related places, each with an explanation.
     """
     severity = usual_severity(code) if severity is None else severity
     excerpt = document.excerpt(place.line)

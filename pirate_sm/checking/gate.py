@@ -1,4 +1,4 @@
-"""Refuse to run a mission that is certainly wrong."""
+"""Refuse to run a mission with errors."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_loaded
 from pirate_sm.checking.reports.check_report import CheckedFile, Report
 from pirate_sm.checking.reports.text import text_report
-from pirate_sm.errors import PirateError
+from pirate_sm.errors import Hint, PirateError
 from pirate_sm.loading.mission import LoadedMission
 
 
 class CheckError(PirateError):
-    """Is raised when a mission is refused before anything moves; holds what is wrong with it."""
+    """Raised for a mission that is refused before anything moves; holds its findings."""
 
     exit_code: ClassVar[int] = 2
 
@@ -23,18 +23,19 @@ class CheckError(PirateError):
         self.findings = findings
         report = Report(findings, (CheckedFile(name, Kind.MISSION),))
         said = text_report(report, lambda role, text: text)
-        hint = "; --no-check runs the mission all the same"
-        super().__init__(f"{said}\nnothing has moved", option_hint=hint)
+        all_the_same = "runs the mission all the same"
+        hint = Hint(f"; --no-check {all_the_same}", f"; check=False {all_the_same}")
+        super().__init__(f"{said}\nnothing has moved", hint=hint)
 
 
 def pass_or_raise(loaded: LoadedMission) -> MissionCheck:
-    """Raise an error if a mission is certainly wrong, except for what its files allow.
+    """Return the result of a mission's check, or raise an error if it has errors.
 
     Returns:
-        What was found all the same.
+        The check, with findings that do not prevent the run.
 
     Raises:
-        CheckError: Something is.
+        CheckError: The mission has errors that its files do not allow.
     """
     texts = {document.name: document.text for document in loaded.documents}
     check = check_loaded(loaded)

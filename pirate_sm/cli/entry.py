@@ -1,7 +1,7 @@
-"""The commands `pirate` and `pirate-run`: which there are, and where their options and work stand.
+"""The commands `pirate` and `pirate-run`: a table of their options and their work.
 
-A command's options are imported when it is asked for, its work when it is known to run: a help
-text or a typing error must not wait for models, numbers and compilers.
+A command's options are imported when it is requested, its work when it is known to run. So help
+texts and usage errors do not wait for models, numbers and compilers.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ its docstring is the help text. The work takes them and returns the exit code.
 
 
 class _Group(TyperGroup):
-    """A group of commands that imports a command's options when it is asked for."""
+    """A group of commands that imports a command's options when it is requested."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the commands of this group, in the order of the table."""
@@ -58,21 +58,21 @@ class _Group(TyperGroup):
         return list(dict.fromkeys(each.partition(" ")[0] for each in inside))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return the command of this name, None where there is none."""
+        """Return the command with this name, None if there is none."""
         whole = f"{self.name} {cmd_name}".strip()
         if whole in COMMANDS:
             return typer.main.get_command(_single(whole))
         return super().get_command(ctx, cmd_name)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the command that is meant; what is like a mistyped name is suggested."""
+        """Return the requested command; suggest a similar name for a mistyped one."""
         if self.get_command(ctx, args[0]) is None:
             self.commands = {name: self.get_command(ctx, name) for name in self.list_commands(ctx)}
         return super().resolve_command(ctx, args)
 
 
 def _app(**more: Any) -> typer.Typer:
-    # Plain help starts in half the time of the coloured one; our own errors are shown by us.
+    # Plain help starts in half the time of coloured help; errors are printed by this package.
     return typer.Typer(
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
@@ -82,7 +82,7 @@ def _app(**more: Any) -> typer.Typer:
 
 
 def _single(name: str) -> typer.Typer:
-    """Return an app that is one command; its options are imported, its work is not."""
+    """Return an app with one command; its options are imported, its work is not."""
     options_at, work_at = COMMANDS[name]
     options = _found("options", options_at)
 
@@ -99,7 +99,7 @@ def _single(name: str) -> typer.Typer:
 
 
 def _found(package: str, at: str) -> Any:
-    """Return what stands at ``module:name`` in a package of the command line."""
+    """Return the object at ``module:name`` in a package of the command line."""
     module, _, name = at.partition(":")
     return getattr(import_module(f"pirate_sm.cli.{package}.{module}"), name)
 
@@ -119,7 +119,7 @@ def _everything(version: Version = False) -> None:
 
 
 def _enter(app: typer.Typer) -> None:
-    """Run the app, which ends this process; say in one line when its output cannot be written."""
+    """Run the app, which ends this process; report in one line that output cannot be written."""
     if sys.stdout is None:
         from pirate_sm.cli.errors import say
         from pirate_sm.runtime.stop_requests import OUTPUT_LOST
@@ -140,7 +140,7 @@ def _enter(app: typer.Typer) -> None:
 
 
 def main() -> None:
-    """Do what the command line of `pirate` says, and end the process."""
+    """Run the command line of `pirate`, and end the process."""
     _enter(commands)
 
 

@@ -14,11 +14,11 @@ from pirate_sm.runtime.stop_requests import OUTPUT_LOST
 from pirate_sm.visible import visible
 
 _LOST = {errno.EPIPE, errno.ENOSPC, errno.EBADF}
-"""What writing to a standard output fails with that is closed or full."""
+"""Exceptions from writing to a standard output that is closed or full."""
 
 
 def guarded(work: Callable[[], int], debug: bool) -> int:
-    """Do the work and return its exit code; say on standard error what it raises."""
+    """Do the work and return its exit code; print its exceptions on standard error."""
     try:
         code = work()
         sys.stdout.flush()
@@ -37,7 +37,7 @@ def guarded(work: Callable[[], int], debug: bool) -> int:
     except PirateError as error:
         if debug:
             show_traceback(error)
-        say(f"{error}{error.option_hint}")
+        say(error.for_terminal)
         return error.exit_code
     except Exception as error:
         say_bug(error, debug)
@@ -45,15 +45,15 @@ def guarded(work: Callable[[], int], debug: bool) -> int:
 
 
 def say(message: str) -> None:
-    """Print the message to standard error, if anybody still reads it."""
-    if sys.stderr is None:  # it was closed before we began
+    """Print the message to standard error, if that is still open."""
+    if sys.stderr is None:  # it was closed from the start
         return
     with suppress(OSError, ValueError):
         print(visible(message, lines=True), file=sys.stderr, flush=True)
 
 
 def say_bug(error: BaseException, debug: bool) -> None:
-    """Say that this program has a fault and how to learn more; with ``debug`` the traceback."""
+    """Print that this program has a fault and how to learn more; with ``debug`` the traceback."""
     if debug:
         show_traceback(error)
     hint = "" if debug else "; run again with --debug for the traceback, and please report it"
@@ -68,14 +68,14 @@ def show_traceback(error: BaseException) -> None:
 
 
 def output_lost(error: OSError) -> int:
-    """Say that standard output cannot be written; return the exit code for that."""
+    """Print that standard output cannot be written; return the exit code for that."""
     silence_stdout()
     say(f"the output cannot be written: {error.strerror}")
     return OUTPUT_LOST
 
 
 def silence_stdout() -> None:
-    """Send what is still to be flushed at exit nowhere instead of to a closed pipe."""
+    """Discard output that is still to be flushed at exit, instead of writing to a closed pipe."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())
     os.close(nowhere)

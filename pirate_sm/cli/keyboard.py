@@ -1,4 +1,4 @@
-"""The operator at the keyboard of a terminal: one key answers, Enter gives the first choice."""
+"""The operator at a terminal's keyboard: one key answers, Enter gives the first choice."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ _LOOK_EVERY_S = 0.05
 
 
 def can_type() -> bool:
-    """Whether standard input is a terminal whose keys reach this process."""
+    """Return whether standard input is a terminal whose keys reach this process."""
     try:
         fd = sys.stdin.fileno()
-        # In the background, touching the terminal would halt us in the middle of a run.
+        # A process in the background would be stopped by touching the terminal, during a run.
         return os.isatty(fd) and os.tcgetpgrp(fd) == os.getpgrp()
     except (AttributeError, OSError, ValueError):  # closed, or no terminal of ours
         return False
 
 
 class Keys(Protocol):
-    """Gives the keys pressed since it was last asked."""
+    """Returns the keys pressed since the last call."""
 
     def pressed(self) -> str:
-        """Return the keys, oldest first; empty when there were none."""
+        """Return the keys, oldest first; empty if there were none."""
         ...
 
 
 class TerminalKeys:
-    """Keys as they are pressed, without echo, while it is entered; Ctrl-C still interrupts."""
+    """Reads keys as they are pressed, without echo, while it is entered; Ctrl-C still works."""
 
     def __init__(self) -> None:
         self._fd = sys.stdin.fileno()
@@ -60,36 +60,36 @@ class TerminalKeys:
                 termios.tcsetattr(self._fd, termios.TCSADRAIN, self._before)
 
     def pressed(self) -> str:
-        """Return the keys pressed since it was last asked."""
+        """Return the keys pressed since the last call."""
         ready, _, _ = select.select([self._fd], [], [], 0)
         if not ready:
             return ""
         try:
             return os.read(self._fd, 64).decode(errors="replace")
         except OSError:
-            return ""  # the terminal has gone; a signal will tell
+            return ""  # the terminal has gone; a signal will follow
 
 
 class _Share:
-    """The keys of one of those who share a keyboard."""
+    """The keys of one user of a shared keyboard."""
 
     def __init__(self, look: Callable[[], None]) -> None:
         self._look = look
         self.waiting = ""
 
     def pressed(self) -> str:
-        """Return the keys for this one since it was last asked."""
+        """Return this user's keys since the last call."""
         self._look()
         keys, self.waiting = self.waiting, ""
         return keys
 
 
 class SharedKeys:
-    """One keyboard for two: some keys say the detector's words, all others answer.
+    """Shares a keyboard: some keys are the detector's words, all others are answers.
 
     Attributes:
-        words: The keys that say words.
-        answers: All others.
+        words: The keys for words.
+        answers: The other keys.
     """
 
     def __init__(self, keys: Keys, for_words: str) -> None:
@@ -105,29 +105,29 @@ class SharedKeys:
 
 
 class Operator:
-    """Puts questions and the operator's triggers to a person; a companion.
+    """A companion that asks a person the mission's questions and the operator's triggers.
 
     Attributes:
-        question: What is asked now, empty when nothing is.
-        choices: The answers on offer, numbered from 1.
+        question: The present question, empty if there is none.
+        choices: Its answers, numbered from 1.
     """
 
     def __init__(
         self,
         keys: Keys,
         heard: Mapping[str, Sequence[str]],
-        tell: Callable[[str], None] = lambda text: None,
+        show_question: Callable[[str], None] = lambda text: None,
     ) -> None:
         """Begin with no question.
 
         Args:
-            keys: Where answers come from.
+            keys: Source of the answers.
             heard: The words that the wait of each phase listens to.
-            tell: Shows a question, where no view does.
+            show_question: Shows a question if there is no view.
         """
         self._keys = keys
         self._heard = heard
-        self._tell = tell
+        self._show = show_question
         self.question = ""
         self.choices: tuple[str, ...] = ()
         self._expects = False
@@ -136,11 +136,11 @@ class Operator:
 
     @property
     def listening(self) -> bool:
-        """Whether somebody may answer."""
+        """Whether a person may answer."""
         return bool(self.choices)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Put a new question, forget an old one."""
+        """Ask a new question; drop an old one."""
         for effect in effects:
             if isinstance(effect, Ask):
                 self._put(effect.question, effect.choices, now_s, expects=True)
@@ -151,7 +151,7 @@ class Operator:
                 self._put("", (), now_s, expects=False)
 
     def look(self, state: EngineState | None, now_s: float) -> Sequence[Log]:
-        """Return a log line if a key has answered; the answer is spoken next."""
+        """Return a log line if a key has answered; ``speak`` returns the answer next."""
         self.due_s = now_s + _LOOK_EVERY_S
         for key in self._keys.pressed():
             choice = self._choice(key)
@@ -162,7 +162,7 @@ class Operator:
         return ()
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Return the answer that was just seen."""
+        """Return the answer found by ``look``."""
         answer, self._answer = self._answer, None
         return () if answer is None else (Answer(answer),)
 
@@ -171,9 +171,9 @@ class Operator:
         self._expects = expects
         self.due_s = now_s if choices else inf
         if choices:
-            self._keys.pressed()  # what was typed before does not answer
+            self._keys.pressed()  # earlier keys are no answer
             offered = "  ".join(f"[{n}] {choice}" for n, choice in enumerate(choices, 1))
-            self._tell(f"{question}  {offered}")
+            self._show(f"{question}  {offered}")
 
     def _choice(self, key: str) -> str | None:
         if key in "\r\n" and self._expects:

@@ -1,4 +1,4 @@
-"""The file that a run is recorded into: its name, and its beginning."""
+"""The recording of a run: its default path, and its creation."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 RUNS = "runs"
 RUNS_VARIABLE = "PIRATE_SM_RUNS"
-"""Names the folder for recordings in place of ``runs``; empty: none unless asked for."""
+"""Names the folder for recordings in place of ``runs``; empty: no recording by default."""
 
 
 def usual_path(prepared: Prepared, began: datetime) -> Path | None:
-    """Return where a run is recorded that names no file; None where nobody wants it."""
+    """Return the default path of a run's recording; None if there is none by default."""
     folder = os.environ.get(RUNS_VARIABLE, RUNS)
     name = f"{began:%Y-%m-%dT%H-%M-%S}_{prepared.loaded.mission.mission}_{prepared.order.backend}"
     return Path(folder) / f"{name}.mcap" if folder else None
@@ -32,16 +32,15 @@ def usual_path(prepared: Prepared, began: datetime) -> Path | None:
 def begin_recording(
     path: Path, header: RunHeader, *, asked: bool
 ) -> tuple[RecordingFile | None, Path]:
-    """Make a recording and write its beginning; return it with its path, None where that fails.
+    """Create a recording and write its header; return it with its path, None if that fails.
 
     Args:
-        path: Where to.
-        header: Its beginning.
-        asked: Whether the file was asked for, so that there is no run without it, and no other
-            name will do.
+        path: Path of the file.
+        header: Its header.
+        asked: Whether the user named the file, so that the run needs it and under this very name.
 
     Raises:
-        RecordingError: It was asked for and cannot be made.
+        RecordingError: The user named the file, and it cannot be created.
     """
     if asked:
         return requested_recording(path, header), path

@@ -1,4 +1,4 @@
-"""A recording that a command reads: progress on a terminal, and what is to be said of it."""
+"""Opens a recording for a command: with progress on a terminal, and its notices."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from pirate_sm.visible import visible
 
 @contextmanager
 def opened_recording(path: str) -> Iterator[Recording]:
-    """Open a recording and print its notices; a terminal shows how far the block has read it.
+    """Open a recording and print its notices; show on a terminal how far it has been read.
 
     Raises:
-        RecordingError: It cannot be read.
+        RecordingError: The recording cannot be read.
     """
     with progress(f"reading {visible(path)}") as watch:
         recording = read_recording(Path(path), watch)
@@ -26,11 +26,11 @@ def opened_recording(path: str) -> Iterator[Recording]:
 
 
 def title(recording: Recording) -> str:
-    """Return the mission, the backend and the date of a recorded run, in a line."""
+    """Return the mission, the backend and the date of a recorded run, in one line."""
     header = recording.header
     return f"{header.mission} on {header.backend}, {header.began}"
 
 
 def print_visible(text: str) -> None:
-    """Print a text with everything written out that a terminal would not show."""
+    """Print a text with all invisible characters written out."""
     print(visible(text))

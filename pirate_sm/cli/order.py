@@ -1,4 +1,4 @@
-"""The order that the options of `pirate run` or `pirate console` give."""
+"""Makes the order of a run from the options of `pirate run` or `pirate console`."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from pirate_sm.wiring import Order
 
 
 def order_of(options: RunOptions | ConsoleOptions) -> Order:
-    """Return the order that the command line gives; without a mission its name is empty.
+    """Return the order in the options; without a mission its name is empty.
 
     Raises:
         LoadError: The script cannot be used.
-        UsageError: An option reads otherwise than it should.
+        UsageError: An option does not have the right form.
     """
     order = Order(
         mission=options.mission or "",
@@ -51,10 +51,10 @@ def order_of(options: RunOptions | ConsoleOptions) -> Order:
 
 
 def read_fire(texts: Iterable[str]) -> list[Firing]:
-    """Return the firings that ``--fire TRIGGER[=SECONDS]`` asks for.
+    """Return the firings in ``--fire TRIGGER[=SECONDS]``.
 
     Raises:
-        UsageError: One of them reads otherwise.
+        UsageError: A text has another form.
     """
     firings = []
     for text in texts:
@@ -74,10 +74,10 @@ def _seconds(text: str, whole: str) -> float:
 
 
 def read_script(path: Path) -> tuple[list[Firing], tuple[Happening, ...]]:
-    """Return the firings that a file lists, or the whole course of events that it lays down.
+    """Return the firings in a file, or its whole course of events.
 
     Raises:
-        LoadError: Everything that is wrong with the file.
+        LoadError: The file has errors; it lists all of them.
     """
     script = loading.read_script(read_document(path))
     return [Firing(each.trigger, each.after, each.phase) for each in script.entries], script.course

@@ -1,4 +1,4 @@
-"""What `pirate doctor` and `pirate calibrate` share: a robot, a port, and a way to stop."""
+"""Shared by `pirate doctor` and `pirate calibrate`: a robot, a port, and a way to stop."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pirate_sm.runtime.stop_requests import Stop, StopRequests
 
 
 class StoppedError(Exception):
-    """Is raised in the middle of listening when somebody wants it to end."""
+    """Is raised while listening when a stop is requested."""
 
     def __init__(self, stop: Stop) -> None:
         super().__init__(stop.reason)
@@ -23,11 +23,11 @@ class StoppedError(Exception):
 
 
 def find_loaded(name: str | None) -> LoadedRobot:
-    """Return the robot of this name or path; without one the first that is shipped.
+    """Return the robot with this name or path; by default the first shipped one.
 
     Raises:
         LoadError: Its files cannot be used.
-        UsageError: There is none.
+        UsageError: There is no such robot.
     """
     folder = library.find_robot(name, Path.cwd()) if name else library.robots()[0]
     return load_robot(folder)
@@ -37,7 +37,7 @@ def subject_of(loaded: LoadedRobot, robot: RobotSpec) -> Subject:
     """Return the robot with its plan of the serial link.
 
     Raises:
-        UsageError: It has no serial link, its texts do not fit, or a library is missing.
+        UsageError: The robot has no serial link, its messages do not fit, or a library is missing.
     """
     return Subject(loaded.profile, robot, read_plan(loaded.folder, loaded.profile, robot))
 
@@ -49,20 +49,20 @@ def connection(
     requests: StopRequests,
     stay_s: float | None = None,
 ) -> Listening:
-    """Return a connection to the robot, not open yet; a guardian will own the port."""
+    """Return a connection to the robot, not opened yet; a guardian will own the port."""
     rate = baud or subject.plan.serial.baud
     port = guarded_port(subject.plan, url, baud, STAY_S if stay_s is None else stay_s)
     return Listening(subject, port, rate, stopper(requests))
 
 
 def stopper(requests: StopRequests) -> Callable[[], None]:
-    """Return a check that raises once when a stop is asked for, so the way out is undisturbed."""
-    told = False
+    """Return a check that raises once when a stop is requested; cleaning up is then undisturbed."""
+    raised = False
 
     def check() -> None:
-        nonlocal told
-        if requests.stop is not None and not told:
-            told = True
+        nonlocal raised
+        if requests.stop is not None and not raised:
+            raised = True
             raise StoppedError(requests.stop)
 
     return check

@@ -1,4 +1,4 @@
-"""Records a run while it goes on, and says what became of the recording."""
+"""Records a run while it goes on, and reports problems with the recording."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RecordingOptions:
-    """What the command line says of recording.
+    """The options about recording.
 
     Attributes:
-        record: The file; None for one of the usual name.
-        off: Whether nothing is to be kept.
-        live: Whether viewers are served while the run goes on.
+        record: The file; None for the default name.
+        off: Whether nothing is recorded.
+        live: Whether viewers are served during the run.
     """
 
     record: str | None = None
@@ -45,13 +45,13 @@ class RecordingOptions:
 
 @dataclass
 class Kept:
-    """A run that is being recorded, or not.
+    """A run with or without a recording.
 
     Attributes:
-        prepared: The run, with what is to be said of its recording.
-        recording: Where to; None: nowhere.
-        companions: Who stands beside the mission for it.
-        wanted: Whether the recording is to be left when the run is over.
+        prepared: The run, with notices about its recording.
+        recording: The recording; None: there is none.
+        companions: The companions for the recording.
+        wanted: Whether the recording is kept after the run.
     """
 
     prepared: Prepared
@@ -61,15 +61,15 @@ class Kept:
 
     @property
     def tap(self) -> Recorder | None:
-        """Who keeps the run; None where nobody does."""
+        """The recorder of the run; None without one."""
         return self.recording.recorder if self.recording is not None else None
 
     def forget(self) -> None:
-        """Leave no recording: nothing was asked for in the run."""
+        """Discard the recording, because the operator requested nothing in the run."""
         self.wanted = False
 
     def follow(self, run: MissionRun) -> None:
-        """Show this run to viewers, and record its state now and then."""
+        """Show this run to viewers, and record its state at intervals."""
         if self.recording is not None:
             self.recording.follow(self.prepared, lambda: run.state)
 
@@ -78,16 +78,16 @@ class Kept:
 def recorded(
     prepared: Prepared, options: RecordingOptions, factor: float, *, quiet: bool = False
 ) -> Iterator[Kept]:
-    """Record the run as is asked for, until the block ends.
+    """Record the run as the options say, until the block ends.
 
     Args:
         prepared: The run.
-        options: What is to be recorded, and how.
+        options: What to record, and how.
         factor: Mission seconds per second.
-        quiet: Whether the run's output leaves out what the recording tells while it goes on.
+        quiet: Whether the output omits warnings about the recording during the run.
 
     Raises:
-        RecordingError: It was to go into a file that cannot be made.
+        RecordingError: The requested file cannot be created.
         UsageError: The options exclude each other.
     """
     if options.record is not None and options.off:
@@ -118,14 +118,14 @@ def recorded(
             yield kept
         finally:
             recording.close(place, wanted=kept.wanted)
-            if recorder.failure and (quiet or warner.told != until_when(recorder)):
+            if recorder.failure and (quiet or warner.warning != until_when(recorder)):
                 say(f"warning: {shown(place) if place else 'live'}: {until_when(recorder)}")
             if side.failure:
                 say(f"warning: viewers see less than there is: {side.failure}")
 
 
 def _live(options: RecordingOptions, stack: ExitStack) -> tuple[Live | None, tuple[str, ...]]:
-    """Return what serves viewers while the run goes on, and notices about it."""
+    """Return the server for viewers, and notices about it."""
     if not options.live:
         return None, ()
     from pirate_sm.recording.viewers.live_server import Live
@@ -136,33 +136,33 @@ def _live(options: RecordingOptions, stack: ExitStack) -> tuple[Live | None, tup
 
 
 def until_when(recorder: Recorder) -> str:
-    """Return until when a recording holds that ended before its run, and why it did."""
+    """Return up to when a recording that ended early goes, and why it ended."""
     if recorder.kept_s is None:
         return f"nothing of the run is recorded: {recorder.failure}"
     return f"the recording holds until {recorder.kept_s:.3f} s and ends there: {recorder.failure}"
 
 
 class Warner:
-    """A companion that tells once, when the recording has ended before the run."""
+    """A companion that warns once if the recording has ended before the run."""
 
     listening = False
 
     def __init__(self, recorder: Recorder) -> None:
         self._recorder = recorder
-        self.told = ""
+        self.warning = ""
 
     @property
     def due_s(self) -> float:
-        """At once when there is a warning to give."""
-        return 0.0 if self._recorder.failure and not self.told else inf
+        """At once if there is a warning; else infinite."""
+        return 0.0 if self._recorder.failure and not self.warning else inf
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
         """Do nothing."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Return the warning."""
-        self.told = until_when(self._recorder)
-        return (Log("warning", f"{self.told}; the run goes on"),)
+        self.warning = until_when(self._recorder)
+        return (Log("warning", f"{self.warning}; the run goes on"),)
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Return no event."""

@@ -1,6 +1,6 @@
-"""Where the commands `pirate` and `pirate-run` begin: quiet about Ctrl-C while they are loading.
+"""Starts the commands `pirate` and `pirate-run`, without a traceback for an early Ctrl-C.
 
-Loading the command line takes some tenths of a second. Until it can answer Ctrl-C in a sentence,
+Loading the command line takes some tenths of a second. Until it can answer Ctrl-C with a sentence,
 the system's own handling ends the process without a traceback. Nothing has moved by then.
 """
 
@@ -15,7 +15,7 @@ from pirate_sm.cli.stored_help import print_stored_help
 
 
 def main() -> None:
-    """Do what the command line of `pirate` says, and end the process."""
+    """Run the command line of `pirate`, and end the process."""
     with _ctrl_c_without_traceback():
         if print_stored_help(sys.argv):
             return
@@ -43,7 +43,7 @@ def _ctrl_c_without_traceback() -> Iterator[None]:
 
 
 def _end(command: Callable[[], None]) -> None:
-    """Run the command; ignore Ctrl-C afterwards, when the interpreter is being shut down."""
+    """Run the command; ignore Ctrl-C afterwards, while the interpreter shuts down."""
     try:
         command()
     finally:

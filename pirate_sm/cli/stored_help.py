@@ -1,6 +1,6 @@
-"""The help texts, read from files: to build one takes six times as long as Python needs to start.
+"""Prints stored help texts: to make one takes six times as long as Python needs to start.
 
-`make golden` writes the files in ``cli/help`` anew from the options; a test compares them.
+`make golden` writes the files in ``cli/help`` from the options; a test compares them.
 """
 
 from __future__ import annotations
@@ -12,17 +12,17 @@ from collections.abc import Sequence
 FOLDER = os.path.join(os.path.dirname(__file__), "help")  # noqa: PTH118, PTH120 - pathlib is slow
 
 WIDEST = 80
-"""No help text is laid out for more columns."""
+"""Help texts are never wider than this many columns."""
 
 
 def print_stored_help(arguments: Sequence[str]) -> bool:
-    """Print the help text that a command line asks for and return whether that was possible.
+    """Print the help text that a command line requests; return whether that was possible.
 
-    It is not where something else is asked for, on a narrow terminal, and on one that has not every
-    sign.
+    It is not possible for other requests, on a narrow terminal, and on one that lacks a sign of the
+    text.
 
     Args:
-        arguments: The command line, the program first.
+        arguments: The command line, beginning with the program.
     """
     if len(arguments) < 2 or arguments[-1] not in ("-h", "--help"):
         return False
@@ -34,7 +34,7 @@ def print_stored_help(arguments: Sequence[str]) -> bool:
             text = file.read()
         sys.stdout.write(text)
         sys.stdout.flush()
-    except OSError:  # there is no such command, or the output is lost: the slow way says so
+    except OSError:  # no such command, or output lost: the slow way reports it
         return False
     return True
 
@@ -45,7 +45,7 @@ def help_name(words: Sequence[str]) -> str:
 
 
 def _fits() -> bool:
-    """Whether standard output has every sign, and a line for each of the text."""
+    """Return whether standard output has every sign and is wide enough for the text."""
     if sys.stdout is None or sys.stdout.encoding.lower() != "utf-8":
         return False
     try:

@@ -1,4 +1,4 @@
 """The operator's console: a client of the runtime, in the terminal.
 
-Widgets get immutable snapshots and post messages; only the session talks to the run.
+Widgets receive immutable snapshots and post messages; only the session uses the run.
 """

@@ -41,22 +41,22 @@ _W = TypeVar("_W", bound=Widget)
 
 FRAMES_PER_S = 25
 _WORDS_EVERY = 3
-"""Words change with every third frame: faster nobody can read them."""
+"""Text is updated with every third frame, which is as fast as people can read."""
 
 _WIDE, _HIGH = 120, 36
 """From this size on everything is visible at once."""
 
 _LARGE, _TALL = 150, 44
-"""And from this size on with room to spare."""
+"""From this size on there is room to spare."""
 
 _SHORT = {name: name.title() for name in ("pause", "step", "skip", "abort")}
 _SHORT |= {"go": "Start", "hand_back": "Hand"}
-"""What the footer calls the controls."""
+"""Labels of the controls in the footer."""
 
 _SHOWN = frozenset(
     ["header", "alarm", "pages", "picture", "commands", "controls", "now", "why", "link"]
 ).union(["states", "phases", "body", "log", "question"])
-"""Names of the widgets that a snapshot is shown in."""
+"""Names of the widgets that show a snapshot."""
 
 CRASHED = Stop("a fault in the console", 4)
 
@@ -65,10 +65,10 @@ class Console(OperatorActions, App[None]):
     """The operator's console.
 
     Args:
-        session: What runs. It is started when there is something to be seen.
+        session: Runs the missions. It is started when the console is shown.
 
     Attributes:
-        failure: What broke in here; None: nothing.
+        failure: The exception that ended the console; None without one.
     """
 
     CSS_PATH = Path(__file__).with_name("console.tcss")
@@ -111,7 +111,7 @@ class Console(OperatorActions, App[None]):
     # --- what there is ------------------------------------------------------------------------
 
     def compose(self) -> ComposeResult:
-        """Every panel, each once; the stylesheet says which are visible at which size."""
+        """Yield every panel once; the stylesheet shows and hides them by size."""
         yield Lines(id="header")
         yield Lines(id="alarm")
         yield Lines(id="pages")
@@ -155,7 +155,7 @@ class Console(OperatorActions, App[None]):
         self.query_one(Picture).restyle()
 
     def on_resize(self, event: Resize) -> None:
-        """Show everything, or one page where the terminal is too small."""
+        """Show everything, or one page if the terminal is too small."""
         self._lay_out(event.size.width, event.size.height)
 
     def _lay_out(self, width: int, height: int) -> None:
@@ -199,10 +199,10 @@ class Console(OperatorActions, App[None]):
         link = self.on_base(Lines, "link")
         link.set_class(snapshot.link is not None, "on")
         link.show(panels.link(snapshot))
-        self.on_base(EventLog, "log").tell(snapshot)
+        self.on_base(EventLog, "log").show_snapshot(snapshot)
 
     def _show_rows(self, snapshot: Snapshot) -> None:
-        """Show what can be asked for, and once for all the rest why not."""
+        """Show the requests that are possible, and the reasons for the others, each reason once."""
         motion = snapshot.state.robot.motion if snapshot.state is not None else None
         doing = snapshot.scene.robot.commands[motion.command].name if motion else ""
         commands, controls = [], []
@@ -225,7 +225,7 @@ class Console(OperatorActions, App[None]):
         bar.show(lines)
 
     def on_base(self, kind: type[_W], name: str) -> _W:
-        """Return a widget of the console itself, also while a dialog lies over it."""
+        """Return a widget of the console itself, also behind a dialog."""
         return self.screen_stack[0].query_one(f"#{name}", kind)
 
     def is_visible(self, selector: str) -> bool:
@@ -235,7 +235,7 @@ class Console(OperatorActions, App[None]):
     # --- what does not move the robot ---------------------------------------------------------
 
     def action_page(self, by: int) -> None:
-        """Show another page, where there is not room for all."""
+        """Show another page of a small terminal."""
         if len(self.screen_stack) > 1:
             (self.screen.focus_next if by > 0 else self.screen.focus_previous)()
             return
@@ -247,11 +247,11 @@ class Console(OperatorActions, App[None]):
         self.on_base(EventLog, "log").look_back(pages)
 
     def action_other_theme(self) -> None:
-        """Light becomes dark, dark becomes light."""
+        """Switch between the light and the dark theme."""
         self.theme = "textual-light" if self.current_theme.dark else "textual-dark"
 
     def action_help(self) -> None:
-        """Every key is explained."""
+        """Show the help page."""
         self.push_screen(Help(help_lines(self.letters, self.session.latest)))
 
     def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
@@ -264,7 +264,7 @@ class Console(OperatorActions, App[None]):
     # --- when something breaks ----------------------------------------------------------------
 
     def _handle_exception(self, error: Exception) -> None:
-        """Send the robot to its safe state before the error is shown."""
+        """Bring the robot to its safe state before the error is shown."""
         self.session.quit(CRASHED)
         self.failure = self.failure or error
         super()._handle_exception(error)

@@ -1,4 +1,4 @@
-"""Tell what the operator may ask for now, and why not the rest, in the engine's words."""
+"""Decides which requests of the operator are possible now, with the engine's reasons."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from pirate_sm.engine.mission.operator import why_not_command
 from pirate_sm.engine.mission.pausing import why_not_on, why_not_to
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.engine.robot.robot_state import RobotState, state_change
+from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import GoTo, Resume
 from pirate_sm.showing.snapshot import Scene, Snapshot
@@ -25,11 +26,11 @@ LOOKING = "being looked at"
 _PLACE = re.compile(r"\((?P<file>[^()]+):(?P<line>\d+):\d+\)")
 
 Entries = Mapping[str, str]
-"""Per phase why the mission cannot be handed back there, as far as that has been looked at."""
+"""Per checked phase, why the mission cannot be handed back there; empty if it can."""
 
 
 class Control(NamedTuple):
-    """Something that the operator can do with a mission; ``reason`` is empty when he can."""
+    """A control of a mission; ``reason`` is empty if it is available."""
 
     name: str
     key: str
@@ -38,7 +39,7 @@ class Control(NamedTuple):
 
 
 class Situation(NamedTuple):
-    """All that decides where a mission can be handed back."""
+    """Everything that decides where a mission can be handed back."""
 
     mission: int
     configuration: int
@@ -46,7 +47,7 @@ class Situation(NamedTuple):
 
 
 def situation_of(snapshot: Snapshot) -> Situation | None:
-    """Return the situation while nothing is under way; None where nothing can be handed back."""
+    """Return the situation while no command is under way; None if there can be no hand-back."""
     state = snapshot.state
     program = snapshot.scene.loaded.program
     if state is None or not snapshot.scene.mission:
@@ -58,7 +59,7 @@ def situation_of(snapshot: Snapshot) -> Situation | None:
 
 
 def look_at_entries(scene: Scene, body: RobotState) -> Entries:
-    """Return why the mission cannot start at each phase; takes some milliseconds each."""
+    """Return why the mission cannot start at each phase; takes some milliseconds per phase."""
     document, phases = Path(scene.loaded.documents[0].name), scene.loaded.program.phases
     return {
         phase: without_path(why_not_from(scene.loaded, phase, body), document) for phase in phases
@@ -66,11 +67,11 @@ def look_at_entries(scene: Scene, body: RobotState) -> Entries:
 
 
 def without_path(reason: str, document: Path) -> str:
-    """Return a reason with each ``(file:line:column)`` as a line, and its mission if another's.
+    """Return a reason with each ``(file:line:column)`` shortened to a line and a foreign mission.
 
     Args:
-        reason: What the engine or the check says.
-        document: The file of the mission at hand.
+        reason: The reason of the engine or the check.
+        document: The file of the current mission.
     """
 
     def shorter(place: re.Match[str]) -> str:
@@ -81,7 +82,7 @@ def without_path(reason: str, document: Path) -> str:
 
 
 def command_reason(snapshot: Snapshot, command: str) -> str:
-    """Return why the engine would refuse the command now; empty: it would not."""
+    """Return why the engine would refuse the command now; empty if it would not."""
     if snapshot.over:
         return OVER
     if snapshot.state is None:
@@ -91,7 +92,7 @@ def command_reason(snapshot: Snapshot, command: str) -> str:
 
 
 def phase_reason(snapshot: Snapshot, phase: str, entries: Entries | None) -> str:
-    """Return why the mission cannot be handed back at the phase now; empty: it can."""
+    """Return why the mission cannot be handed back at the phase now; empty if it can."""
     state = snapshot.state
     if snapshot.over or state is None:
         return OVER if snapshot.over else OPENING
@@ -109,14 +110,14 @@ def untouched(snapshot: Snapshot) -> bool:
 
 
 def hand_back(snapshot: Snapshot, phase: str) -> GoTo:
-    """Return the event that hands the mission back there, as the robot is in this snapshot."""
+    """Return the event that hands the mission back there with the robot's present states."""
     assert snapshot.state is not None
     change = state_change(snapshot.scene.robot, snapshot.state.robot)
     return GoTo(phase, change.states, change.unconfirmed)
 
 
 def going_on(snapshot: Snapshot) -> GoTo | Resume:
-    """Return the event that starts the mission, or lets it go on."""
+    """Return the event that starts or resumes the mission."""
     program = snapshot.scene.loaded.program
     if untouched(snapshot):
         return hand_back(snapshot, program.phase_of[program.start])
@@ -125,19 +126,21 @@ def going_on(snapshot: Snapshot) -> GoTo | Resume:
 
 def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[Control, ...]:
     """Return everything that can be done with a mission, in the order of its keys."""
-    fresh = untouched(snapshot)
-    return (
-        _control("go", "Start" if fresh else "Resume", _why_not_go(snapshot, entries)),
-        _control("pause", "Pause", _why_not_pause(snapshot)),
-        _control("step", "Next step", _why_not_step(snapshot, entries)),
-        _control("skip", "Skip the wait", _why_not_skip(snapshot)),
-        _control("hand_back", "Hand back at …", _general(snapshot) or _why_not_paused(snapshot)),
-        _control("abort", "Abort", _why_not_abort(snapshot)),
-    )
-
-
-def _control(name: str, label: str, reason: str) -> Control:
-    return Control(name, CONTROLS[name], label, reason)
+    general, state = _general(snapshot), snapshot.state
+    start = "Start" if untouched(snapshot) else "Resume"
+    if general or state is None:
+        reasons = (general,) * len(CONTROLS)
+    else:
+        reasons = (
+            _why_not_go(snapshot, state, entries),
+            _why_not_pause(state),
+            _why_not_step(snapshot, state, entries),
+            _why_not_skip(snapshot, state),
+            "" if state.mission.paused else "pause the mission first",
+            "it has not begun" if untouched(snapshot) else "",
+        )
+    labels = (start, "Pause", "Next step", "Skip the wait", "Hand back at …", "Abort")
+    return tuple(map(Control, CONTROLS, CONTROLS.values(), labels, reasons))
 
 
 def _general(snapshot: Snapshot) -> str:
@@ -148,58 +151,34 @@ def _general(snapshot: Snapshot) -> str:
     return "" if snapshot.scene.mission else NO_MISSION
 
 
-def _why_not_paused(snapshot: Snapshot) -> str:
-    assert snapshot.state is not None
-    return "" if snapshot.state.mission.paused else "pause the mission first"
-
-
-def _why_not_go(snapshot: Snapshot, entries: Entries | None) -> str:
-    general = _general(snapshot)
-    if general or snapshot.state is None:
-        return general
-    if not snapshot.state.mission.paused:
+def _why_not_go(snapshot: Snapshot, state: EngineState, entries: Entries | None) -> str:
+    if not state.mission.paused:
         return "it is running"
     if untouched(snapshot):
         program = snapshot.scene.loaded.program
         return phase_reason(snapshot, program.phase_of[program.start], entries)
-    return why_not_on(snapshot.state)
+    return why_not_on(state)
 
 
-def _why_not_step(snapshot: Snapshot, entries: Entries | None) -> str:
-    state = snapshot.state
-    if not _general(snapshot) and state is not None and not state.mission.paused:
+def _why_not_step(snapshot: Snapshot, state: EngineState, entries: Entries | None) -> str:
+    if not state.mission.paused:
         return ""  # it pauses after the step under way
-    return _why_not_go(snapshot, entries)
+    return _why_not_go(snapshot, state, entries)
 
 
-def _why_not_pause(snapshot: Snapshot) -> str:
-    general = _general(snapshot)
-    if general or snapshot.state is None:
-        return general
-    mission = snapshot.state.mission
-    return "it is paused" if mission.paused or mission.pause_wanted else ""
+def _why_not_pause(state: EngineState) -> str:
+    return "it is paused" if state.mission.paused or state.mission.pause_wanted else ""
 
 
-def _why_not_skip(snapshot: Snapshot) -> str:
-    general = _general(snapshot)
-    if general or snapshot.state is None:
-        return general
-    mission = snapshot.state.mission
-    if mission.paused:
+def _why_not_skip(snapshot: Snapshot, state: EngineState) -> str:
+    if state.mission.paused:
         return "nothing is passed over while paused"
-    waits = isinstance(snapshot.scene.loaded.program.instructions[mission.pc], Wait)
-    return "" if waits and mission.begun else "nothing is waited for"
-
-
-def _why_not_abort(snapshot: Snapshot) -> str:
-    general = _general(snapshot)
-    if general:
-        return general
-    return "it has not begun" if untouched(snapshot) else ""
+    waits = isinstance(snapshot.scene.loaded.program.instructions[state.mission.pc], Wait)
+    return "" if waits and state.mission.begun else "nothing is waited for"
 
 
 def why_not_mission(snapshot: Snapshot, loaded: LoadedMission) -> str:
-    """Return why the mission cannot be taken up with the robot as it is; empty: it can."""
+    """Return why the mission cannot be chosen with the robot's present states; empty if it can."""
     scene, state = snapshot.scene, snapshot.state
     if loaded.loaded_robot.folder != scene.loaded.loaded_robot.folder:
         return f"it is for another robot, {loaded.robot.name}"

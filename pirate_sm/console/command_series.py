@@ -1,4 +1,4 @@
-"""Commands that the operator has agreed to: given one after the other, each awaited."""
+"""A series of commands that the operator has confirmed: each waits for the one before."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ if TYPE_CHECKING:
     from pirate_sm.engine.state import EngineState
 
 LOOK_EVERY_S = 0.02
-"""So late the next command follows on the one before at most."""
+"""The longest delay between the end of a command and the next one."""
 
 BY_OPERATOR = "the operator has stopped it"
 RUN_OVER = "the run has ended"
 
 
 class Series(NamedTuple):
-    """A series of commands and how far it has come; replaced, never changed.
+    """A series of commands and its progress; immutable.
 
     Attributes:
-        commands: Their names.
-        then: How the mission is handed back after the last of them.
-        done: How many are done.
+        commands: Names of the commands.
+        then: The hand-back of the mission after the last of them.
+        done: Number of done commands.
         given: Whether the next one has been given.
-        stopped: Why no more are given; empty while nothing has stopped the series.
+        stopped: Why the series has stopped; empty while it goes on.
         handed_back: Whether all are done and the mission has been handed back.
     """
 
@@ -41,20 +41,20 @@ class Series(NamedTuple):
 
     @property
     def active(self) -> bool:
-        """Whether anything is still to come."""
+        """Whether the series goes on."""
         return not self.stopped and not self.handed_back
 
     @property
     def current(self) -> str:
-        """The command that comes next or is under way; empty after the last."""
+        """The next or present command; empty after the last."""
         return self.commands[self.done] if self.done < len(self.commands) else ""
 
 
 class Giver:
     """A companion of the console's runs that gives a series of commands.
 
-    A command follows when the one before is done. A refusal, a failure or a fault stops the
-    series, and so does the operator, by anything else that he asks for.
+    A command follows when the one before is done. A refusal, a failure or a fault stops the series,
+    and so does any other request of the operator.
 
     Attributes:
         series: The newest series; None before the first.
@@ -64,20 +64,20 @@ class Giver:
 
     def __init__(self) -> None:
         self.series: Series | None = None
-        self._lock = Lock()  # a wish to stop must not be lost while the next command is given
+        self._lock = Lock()  # a request to stop must not be lost while the next command is given
         self._busy = True
         self._due_s = -inf
 
     # --- from the console's thread ------------------------------------------------------------
 
     def give(self, commands: Sequence[str], then: GoTo) -> None:
-        """Begin with a series; one that is under way is given up."""
+        """Begin a series; abandon the present one."""
         with self._lock:
             self._due_s = -inf
             self.series = Series(tuple(commands), then)
 
     def stop(self, why: str = BY_OPERATOR) -> None:
-        """Give no further command; one that is under way goes on until it is done."""
+        """Give no further command; a command under way goes on until it is done."""
         with self._lock:
             series = self.series
             if series is not None and series.active:
@@ -87,11 +87,11 @@ class Giver:
 
     @property
     def due_s(self) -> float:
-        """Soon while there is something to be given."""
+        """Soon while a series goes on; else infinite."""
         return self._due_s if self.series is not None and self.series.active else inf
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Note how the command under way has ended, and whatever stops the series."""
+        """Note the end of the command under way, and any event that stops the series."""
         for effect in effects:
             series = self.series
             if series is None or not series.active:
@@ -107,7 +107,7 @@ class Giver:
                     pass
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """See whether a command would be taken now."""
+        """Find out whether the next command would be accepted now."""
         robot = state.robot
         under_way = robot.motion is not None and not state.mission.suspended
         self._busy = under_way or robot.awaited is not None
@@ -115,7 +115,7 @@ class Giver:
         return ()
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Return the next command once the one before is done, at the end the hand-back."""
+        """Return the next command when the one before is done; at the end the hand-back."""
         with self._lock:
             series = self.series
             if series is None or not series.active or series.given or self._busy:

@@ -1,4 +1,4 @@
-"""Ask the operator before the robot moves, and say why something is refused."""
+"""Asks the operator before the robot moves, and shows why a request is refused."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ else:
 
 
 class ConfirmedActions(_Base):
-    """Actions that somebody must agree to first."""
+    """Actions that the operator must confirm first."""
 
     session: OperatorSession
     _agreed = False
 
     def _ask(self, question: str, yes: str, then: Callable[[], None]) -> None:
-        """Do what follows once the operator has said yes; at once where there is no question."""
+        """Act once the operator has said yes; at once if there is no question."""
         if question:
             self.push_screen(Confirm(question, yes), lambda said: then() if said else None)
         else:
             then()
 
     def _move(self, event: Event) -> None:
-        """Give the engine an event once somebody has agreed that the robot may move at all."""
-        self._agree(partial(self.session.tell, event))
+        """Give the engine an event once the operator has confirmed that the robot may move."""
+        self._agree(partial(self.session.give_event, event))
 
     def _agree(self, move: Callable[[], None]) -> None:
-        """Move the robot once somebody has agreed that it may."""
+        """Move the robot once the operator has confirmed that it may."""
         question = self.session.prepared.confirmation
         if self._agreed or not question:
             move()

@@ -1,4 +1,4 @@
-"""What lies over the console for a moment. The stop works above all of them."""
+"""Dialogs over the console. The stop key works in all of them."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from pirate_sm.console.themed_lines import line
 from pirate_sm.showing.text_styles import MUTED
 
 _WIDEST = 100
-"""A list is at most so wide, as the stylesheet says."""
+"""The largest width of a list, as in the stylesheet."""
 
 _FRAME = 6
-"""How many of its columns are border, padding and scroll bar."""
+"""Columns of a list for border, padding and scroll bar."""
 
 
 _NO_KEYS = f"{both_cases('n')},{both_cases(LEAVE)},escape"
 _STOP = Binding(STOP_KEY, "app.stop", "STOP")
-"""Stands in the last line of each dialog, where it works as everywhere else."""
+"""The stop key in the last line of each dialog."""
 
 
 def last_line() -> Footer:
-    """Return the line that shows the keys of what is open, over that of the console."""
+    """Return a footer with the keys of the dialog, over that of the console."""
     return Footer(show_command_palette=False, compact=True)
 
 
 class Confirm(ModalScreen[bool]):
-    """Asks for a yes; anything else is a no."""
+    """Asks a question; any answer but yes is a no."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         _STOP,
@@ -51,7 +51,7 @@ class Confirm(ModalScreen[bool]):
         self._yes = yes
 
     def compose(self) -> ComposeResult:
-        """Lay out the question and two buttons; the careful one has the focus."""
+        """Lay out the question and two buttons; the safe one has the focus."""
         with Vertical(classes="dialog"):
             yield Static(self._question, markup=False, classes="question")
             with Horizontal(classes="buttons"):
@@ -60,7 +60,7 @@ class Confirm(ModalScreen[bool]):
         yield last_line()
 
     def on_mount(self) -> None:
-        """Enter alone says no."""
+        """Focus the button for no, so that Enter alone says no."""
         self.query_one("#no").focus()
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
@@ -73,7 +73,7 @@ class Confirm(ModalScreen[bool]):
 
 
 class Choice(NamedTuple):
-    """One line of a list; with a reason it cannot be chosen."""
+    """A line of a list; a line with a reason cannot be chosen."""
 
     name: str
     label: str
@@ -82,7 +82,7 @@ class Choice(NamedTuple):
 
 
 class Pick(ModalScreen[str | None]):
-    """A list to choose one of."""
+    """A list to choose from."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         _STOP,
@@ -125,7 +125,7 @@ class Pick(ModalScreen[str | None]):
             listed.replace_option_prompt_at_index(index, self._text(self._choices[index]))
 
     def replace(self, choices: Sequence[Choice]) -> None:
-        """Reasons have become known."""
+        """Show new reasons."""
         pairs = enumerate(zip(self._choices, choices, strict=True))
         changed = [index for index, (old, new) in pairs if old != new]
         self._choices = list(choices)
@@ -142,7 +142,7 @@ class Pick(ModalScreen[str | None]):
 
 
 class HelpDialog(ModalScreen[None]):
-    """Every key, and what the signs mean."""
+    """A page with every key and the meaning of the signs."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding(f"escape,{both_cases(LEAVE)},question_mark,enter", "dismiss", "Close"),
@@ -162,6 +162,6 @@ class HelpDialog(ModalScreen[None]):
 
 
 class Help(HelpDialog):
-    """A help page where there is a robot to be stopped."""
+    """The help page with the stop key."""
 
     BINDINGS: ClassVar[list[BindingType]] = [_STOP]

@@ -1,4 +1,4 @@
-"""Hand the mission back at a phase, after the commands that restore what the phase needs."""
+"""Hands the mission back at a phase, after commands that restore the states it needs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pirate_sm.showing.snapshot import Snapshot
 
 
 class HandBackActions(ConfirmedActions):
-    """The list of phases, with what hinders each and what restores it."""
+    """The list of phases, with obstacles to each and commands against them."""
 
     _situation: availability.Situation | None = None
     _entries: availability.Entries | None = None
@@ -43,11 +43,11 @@ class HandBackActions(ConfirmedActions):
         return found
 
     def _seeking(self, snapshot: Snapshot) -> bool:
-        """Whether it is not known yet what restores the phases that cannot run."""
+        """Return whether the search for restoring commands still goes on."""
         return self._ways is None or self._ways.situation != availability.situation_of(snapshot)
 
     def _plan(self, snapshot: Snapshot, phase: str) -> Plan | None:
-        """Return what restores a phase that cannot run; None while that is not known."""
+        """Return the plan that restores a blocked phase; None while it is unknown."""
         if self._ways is None or self._seeking(snapshot):
             return None
         return self._ways.plans.get(phase)
@@ -74,7 +74,7 @@ class HandBackActions(ConfirmedActions):
             self._ask(text, "Give", partial(self._give, phase, plan))
 
     def _give(self, phase: str, plan: Plan) -> None:
-        """Give the commands of a plan if the robot is still as it was when they were planned."""
+        """Give the commands of a plan if the robot's states have not changed since."""
         snapshot = self.session.latest
         robot = snapshot.scene.robot
         if self._plan(snapshot, phase) is not plan:
@@ -114,7 +114,7 @@ class HandBackActions(ConfirmedActions):
         self.run_worker(look, thread=True, group="ways", exclusive=True, exit_on_error=False)
 
     def _report_series(self) -> None:
-        """Say once why a series of commands has been stopped, and what was not given."""
+        """Report once why a series of commands has stopped, and which were not given."""
         series = self.session.giver.series
         if series is None or not series.stopped or series is self._reported:
             return

@@ -1,4 +1,4 @@
-"""What restores the configuration that a phase needs: found beside everything else, in words."""
+"""Commands that restore the states that a phase needs: found in the background, with texts."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from pirate_sm.showing.snapshot import Scene
 from pirate_sm.showing.text_styles import STRONG, Part, line
 
 SEEKING = "looking for commands that lead there …"
-"""What the list says of a phase that cannot run, until it is known what restores it."""
+"""Shown in the list for a blocked phase until its restoring commands are known."""
 
 
 class Ways(NamedTuple):
-    """The plans for the phases at which the mission cannot be handed back as the robot is.
+    """The plans for the phases at which the mission cannot be handed back now.
 
     Attributes:
-        scene: The mission that they are for.
-        situation: That of the robot.
-        begun_in: Where the phases of the mission begin.
-        plans: By phase.
+        scene: The mission.
+        situation: The robot's situation.
+        begun_in: States in which the phases of the mission begin.
+        plans: Plans by phase.
     """
 
     scene: Scene
@@ -46,14 +46,14 @@ def look_for_ways(
     blocked: tuple[str, ...],
     known: Ways | None,
 ) -> Ways:
-    """Return what restores each blocked phase; takes some tenths of a second.
+    """Return the plan for each blocked phase; takes some tenths of a second.
 
     Args:
         scene: The mission.
-        situation: That of the robot.
-        state: The engine's.
-        blocked: Phases that cannot run as the robot is.
-        known: What was found before, perhaps for another situation.
+        situation: The robot's situation.
+        state: The engine's state.
+        blocked: Phases that cannot run now.
+        known: Earlier results, perhaps for another situation.
     """
     same = known is not None and known.scene is scene
     begun_in = known.begun_in if known is not None and same else beginnings(scene.loaded)
@@ -67,7 +67,7 @@ def names(robot: RobotSpec, plan: Plan) -> tuple[str, ...]:
 
 
 def with_way(robot: RobotSpec, choice: Choice, plan: Plan | None) -> Choice:
-    """Return the line of a phase that cannot run as the robot is, with what would restore it."""
+    """Return the list's line of a blocked phase, with the commands that would restore it."""
     if plan is None:
         return choice
     step = plan.hindered
@@ -78,7 +78,7 @@ def with_way(robot: RobotSpec, choice: Choice, plan: Plan | None) -> Choice:
 
 
 def leap(phase: str, waits: str) -> str:
-    """Return what the operator is asked before a hand-back that needs no commands, over waits."""
+    """Return the question before a hand-back without commands that skips waits."""
     return (
         f"Nothing checks where the robot stands, and in this run the mission has not passed "
         f"{waits}. Hand back at {phase}?"
@@ -86,14 +86,14 @@ def leap(phase: str, waits: str) -> str:
 
 
 def question(robot: RobotSpec, phase: str, plan: Plan, body: RobotState, waits: str) -> str:
-    """Return what the operator is asked before the commands are given.
+    """Return the question before the commands are given.
 
     Args:
         robot: The robot.
-        phase: Where the mission is to be handed back.
-        plan: What leads there.
-        body: What the robot has been commanded to.
-        waits: What :func:`~pirate_sm.console.waits_before.not_passed` says.
+        phase: The phase of the hand-back.
+        plan: The plan for it.
+        body: The robot's commanded state.
+        waits: The result of :func:`~pirate_sm.console.waits_before.not_passed`.
     """
     given = names(robot, plan)
     each = "It is awaited" if len(given) == 1 else "Each is awaited"
@@ -107,13 +107,13 @@ def question(robot: RobotSpec, phase: str, plan: Plan, body: RobotState, waits: 
 
 
 def hand_back(robot: RobotSpec, phase: str, plan: Plan) -> GoTo:
-    """Return the event that hands the mission back, if the robot has then come where it should."""
+    """Return the event that hands the mission back, valid after the plan."""
     change = state_change(robot, plan.body)
     return GoTo(phase, change.states, change.unconfirmed)
 
 
 def _needed(robot: RobotSpec, plan: Plan, body: RobotState) -> str:
-    """Return the states that are not so yet, or not confirmed."""
+    """Return the states that are not reached or not confirmed yet."""
     now, then = state_change(robot, body), state_change(robot, plan.body)
     doubted = set(now.unconfirmed) - set(then.unconfirmed)
     each = zip(robot.regions, now.states, then.states, strict=True)
@@ -125,7 +125,7 @@ def _needed(robot: RobotSpec, plan: Plan, body: RobotState) -> str:
 
 
 def bar(series: Series | None) -> list[Text]:
-    """Return how far a series of commands has come; nothing while there is none."""
+    """Return the progress of a series of commands; nothing without one."""
     if series is None or not series.active:
         return []
     parts: list[Part] = [(f" ▶ for {series.then.phase}:  ", STRONG)]

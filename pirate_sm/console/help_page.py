@@ -1,4 +1,4 @@
-"""The help page, written from what this robot has."""
+"""The help page, made for the present robot."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Which key asks for what: letters from the names themselves, so that any robot has its own.
+"""Keys for commands and controls: letters from their names, so they fit any robot.
 
-A letter means the same in both cases, so that Caps Lock harms nothing.
+A letter means the same in both cases, so Caps Lock does no harm.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ CONTROLS: Mapping[str, str] = {
     "hand_back": "h",
     "abort": "x",
 }
-"""Letters of what can be done with a mission."""
+"""Letters of the controls of a mission."""
 
 MISSIONS = "m"
 TAKEN = frozenset({LEAVE, MISSIONS, *CONTROLS.values()})
-"""Letters that no command has."""
+"""Letters that no command gets."""
 
 
-def letters_for(names: Sequence[str], taken: frozenset[str] = TAKEN) -> dict[str, str]:
+def letters_for(names: Sequence[str]) -> dict[str, str]:
     """Return a lower-case letter for each name, in order, as far as there are letters.
 
     The first that is free of: the capitals of the name, its other letters, the rest of the
     alphabet from its end.
     """
-    free = [letter for letter in ascii_lowercase if letter not in taken]
+    free = [letter for letter in ascii_lowercase if letter not in TAKEN]
     found: dict[str, str] = {}
     for name in names:
         capitals = [letter.lower() for letter in name if letter.isupper()]
@@ -48,7 +48,7 @@ def letters_for(names: Sequence[str], taken: frozenset[str] = TAKEN) -> dict[str
 
 
 def both_cases(letter: str) -> str:
-    """Return the keys of a letter, as a binding takes them."""
+    """Return the keys of a letter in both cases, for a binding."""
     return f"{letter},{letter.upper()}"
 
 

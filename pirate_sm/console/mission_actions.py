@@ -1,4 +1,4 @@
-"""Let the operator choose a mission."""
+"""Lets the operator choose a mission."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class MissionActions(ConfirmedActions):
     """The list of missions, and the change to another one."""
 
     def action_missions(self) -> None:
-        """Read the missions in the background; the list is shown once they are read."""
+        """Read the missions in the background, then show the list."""
         look = partial(listed_missions, Path.cwd())
         self.run_worker(look, thread=True, group="missions", exclusive=True, exit_on_error=False)
 

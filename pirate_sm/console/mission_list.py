@@ -1,4 +1,4 @@
-"""List and load the missions that the operator can choose from."""
+"""Lists and loads the missions that the operator can choose."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pirate_sm.wiring import Order, load
 
 
 class ListedMission(NamedTuple):
-    """A mission's file as the list shows it."""
+    """A mission as shown in the list."""
 
     path: Path
     name: str
@@ -30,7 +30,7 @@ class ListedMission(NamedTuple):
 
 
 def listed_missions(folder: Path | None = None) -> list[ListedMission]:
-    """Return the missions in a folder, then the shipped ones; other files are left out."""
+    """Return the missions in a folder, then the shipped ones; leave out other files."""
     own = sorted(folder.glob("*.yaml")) if folder is not None else []
     found = {each.resolve(): each for each in (*own, *library.missions())}
     return [listed for path in found.values() if (listed := _listed(path)) is not None]
@@ -49,12 +49,12 @@ def _listed(path: Path) -> ListedMission | None:
 
 
 def load_listed(order: Order, path: Path) -> LoadedMission:
-    """Return the mission in this file, for the robot and pipe that the console has.
+    """Return the mission in this file, for the console's robot and pipe.
 
     Raises:
-        LoadError: Everything that is wrong with it.
-        UsageError: It does not fit.
-        CheckError: It is refused.
+        LoadError: The file has errors; it lists all of them.
+        UsageError: An argument does not fit the mission.
+        CheckError: The mission is refused.
     """
     loaded = load(replace(order, mission=str(path), settings={}, start_phase=None, states=None))
     if order.check:
@@ -63,9 +63,9 @@ def load_listed(order: Order, path: Path) -> LoadedMission:
 
 
 def without_mission(order: Order) -> LoadedMission:
-    """Return a robot without a mission: the one named or the first shipped, in the pipe named.
+    """Return a robot without a mission: the named or first shipped one, in the named pipe.
 
-    Without a pipe it is the one that most missions of this robot are written for.
+    By default the pipe is the one of most missions of this robot.
 
     Raises:
         LoadError: A file cannot be used.

@@ -1,4 +1,4 @@
-"""Do what the operator asks for with keys, rows and the command palette."""
+"""Acts on keys, clicked rows and the command palette."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _WORDS_HEARD_FROM = {"operator", "none"}
 
 
 class OperatorActions(HandBackActions, MissionActions):
-    """The half of the console that acts; every refusal is shown with the engine's reason.
+    """The acting half of the console; every refusal is shown with the engine's reason.
 
     Attributes:
         seen: Number of the last alarm that the operator has seen.
@@ -49,7 +49,7 @@ class OperatorActions(HandBackActions, MissionActions):
         self.stop_now()
 
     def action_leave(self) -> None:
-        """Go to the safe state and leave; leave at once when asked twice."""
+        """Go to the safe state and leave; at the second request leave at once."""
         quitting = self.session.quitting
         if quitting.stop is not None:
             quitting.insist()
@@ -60,13 +60,13 @@ class OperatorActions(HandBackActions, MissionActions):
     # --- commands and words -------------------------------------------------------------------
 
     def on_row_asked(self, message: object) -> None:
-        """Do what the row that was clicked stands for."""
+        """Act on a clicked row."""
         name = str(getattr(message, "name", ""))
         known = name in self.session.latest.scene.robot.table.command_index
         (self.action_command if known else self.action_control)(name)
 
     def action_command(self, name: str) -> None:
-        """Give the robot a command if the engine takes it; end a series of commands."""
+        """Give the robot a command if the engine accepts it; end a series of commands."""
         self.session.giver.stop()
         snapshot = self.session.latest
         reason = availability.command_reason(snapshot, name)
@@ -83,24 +83,24 @@ class OperatorActions(HandBackActions, MissionActions):
             give()
 
     def action_word(self, word: str) -> None:
-        """Say one of the detector's words for the operator."""
+        """Send one of the detector's words in place of a detector."""
         prepared = self.session.prepared
         if prepared.detector not in _WORDS_HEARD_FROM:
             self._refuse(word, f"the detector speaks for itself ({prepared.detector})")
             return
         valid_for_s = prepared.loaded.loaded_robot.profile.detector.valid_for
-        self.session.tell(DetectorWord(word, valid_for_s))
+        self.session.give_event(DetectorWord(word, valid_for_s))
 
     def action_answer(self, number: int) -> None:
-        """Give the mission the answer of this number."""
+        """Give the mission the answer with this number."""
         _, offered = choices(self.session.latest)
         if 1 <= number <= len(offered):
-            self.session.tell(Answer(offered[number - 1]))
+            self.session.give_event(Answer(offered[number - 1]))
 
     # --- the mission --------------------------------------------------------------------------
 
     def action_control(self, name: str) -> None:
-        """Start, pause or resume the mission, as far as it can; end a series of commands."""
+        """Start, pause or resume the mission, if possible; end a series of commands."""
         self.session.giver.stop()
         snapshot = self.session.latest
         control = next(
@@ -118,7 +118,7 @@ class OperatorActions(HandBackActions, MissionActions):
         elif name == "abort":
             self.session.stop()
         elif name == "pause":
-            self.session.tell(Pause())
+            self.session.give_event(Pause())
         else:
             events: dict[str, Event] = {"step": Step(), "skip": Skip()}
             self._move(events.get(name) or availability.going_on(snapshot))
@@ -126,10 +126,10 @@ class OperatorActions(HandBackActions, MissionActions):
     # --- where a mission can be handed back ----------------------------------------------------
 
     def on_worker_state_changed(self, event: Worker.StateChanged) -> None:
-        """Take in what a worker has found out or loaded, or show why it could not."""
+        """Take in the result of a worker, or show why it failed."""
         worker, error = event.worker, event.worker.error
         if event.state is WorkerState.ERROR and isinstance(error, PirateError):
-            self.notify(str(error), severity="error", timeout=10, markup=False)
+            self.notify(error.for_terminal, severity="error", timeout=10, markup=False)
         elif event.state is WorkerState.ERROR and isinstance(error, Exception):
             self._handle_exception(error)
         elif event.state is WorkerState.SUCCESS:
@@ -163,7 +163,7 @@ class OperatorActions(HandBackActions, MissionActions):
             self.seen = max(self.seen, story.alarm.number)
 
     def palette(self) -> Iterable[SystemCommand]:
-        """Yield everything that can be asked for, with the reason where it cannot."""
+        """Yield all commands, with the reason for those that are not available."""
         snapshot = self.session.latest
         yield SystemCommand("Stop", f"Safe state at once ({STOP_KEY})", self.action_stop)
         ask: Callable[[str], None] = self.action_command

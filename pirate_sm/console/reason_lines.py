@@ -1,4 +1,4 @@
-"""Show why keys are grey: each reason once, with the keys that it holds for."""
+"""Shows why keys are grey: each reason once, with its keys."""
 
 from __future__ import annotations
 
@@ -16,31 +16,33 @@ _SIGNS = {"unneeded": "=", "impossible": "✕"}
 
 
 class Request(NamedTuple):
-    """Something that can be asked for, and why not now; the reason is empty where it can."""
+    """A request of the operator, and why it is not available; the reason is empty if it is."""
 
     key: str
     reason: str
 
 
 def sign_of(reason: str) -> str:
-    """Return ``=`` where it is so already, ``✕`` where it cannot be."""
+    """Return ``=`` if the state is reached already, ``✕`` if it cannot be."""
     return _SIGNS.get(reason.partition(": ")[0], "✕")
 
 
 def obstacles(
     asked: Mapping[str, Sequence[Request]], robot: RobotSpec, width: int, rows: int
 ) -> list[Text]:
-    """Return every reason in as many lines as there is room for; what is so already comes last.
+    """Return every reason in as many lines as there is room; reached states come last.
 
     Args:
-        asked: What can be asked for, by what it is called when one reason holds for all of it.
-        robot: Whose regions the reasons name; they are shown by their short names.
-        width: Of a line.
-        rows: How many lines there are.
+        asked: All requests, by the name that is shown if one reason holds for all.
+        robot: The robot, whose regions are shown by their short names.
+        width: Width of a line.
+        rows: Number of lines.
     """
     found = sorted(_grouped(asked).items(), key=lambda each: sign_of(each[0]) == "=")
     heads = [f"{sign_of(reason)} {keys}  " for reason, keys in found]
-    texts = [head + _said(reason, robot) for head, (reason, _) in zip(heads, found, strict=True)]
+    texts = [
+        head + _shortened(reason, robot) for head, (reason, _) in zip(heads, found, strict=True)
+    ]
     lines = []
     for head, shown in zip(heads, _fitting(texts, width, rows), strict=False):
         first, *more = shown
@@ -62,7 +64,7 @@ def _grouped(asked: Mapping[str, Sequence[Request]]) -> dict[str, str]:
     return {reason: " ".join(keys) for reason, keys in found.items()}
 
 
-def _said(reason: str, robot: RobotSpec) -> str:
+def _shortened(reason: str, robot: RobotSpec) -> str:
     kind, _, rest = reason.partition(": ")
     said = (rest if kind in _SIGNS else reason).replace("it needs ", "needs ", 1)
     for region, label in zip(robot.regions, shortened(robot.regions), strict=True):

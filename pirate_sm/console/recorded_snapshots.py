@@ -1,4 +1,4 @@
-"""Make the snapshots of a recording again by the engine, to be drawn by the console."""
+"""Makes snapshots of a recording by replaying it, to be drawn by the console."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ from pirate_sm.showing.run_history import Memory
 from pirate_sm.showing.snapshot import Scene, Snapshot
 
 MOST_FRAMES = 4000
-"""The most moments between two checkpoints that can be looked at; where checkpoints lie farther
-apart, as in older recordings without any, so do the moments."""
+"""The most snapshots between two checkpoints. If checkpoints are far apart, or in old recordings
+without them, so are the snapshots."""
 
 FINEST_S = 0.1
 
 _MOST_WINDOWS = 8
-"""The most stretches between checkpoints whose moments are in memory."""
+"""The most stretches between checkpoints whose snapshots are in memory."""
 
 _PLACES = "/places"
 
 
 class RecordedSnapshots:
-    """Every moment of a recording that can be looked at, made when it is looked at.
+    """The snapshots of a recording, made on demand.
 
     Args:
-        windows: The stretches of the recording that can be made each by itself, in order.
+        windows: The stretches of the recording that can be replayed separately, in order.
         phases_s: When each phase was entered.
-        length_s: Time of the last moment.
-        frames: The moments of the window of a number, in order.
+        length_s: Time of the last snapshot.
+        frames: Returns the snapshots of the window with this number, in order.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class RecordedSnapshots:
         self._frames = frames
 
     def at(self, time_s: float) -> Snapshot:
-        """Return the newest snapshot that is not later than the time, else the first one."""
+        """Return the newest snapshot not later than this time, else the first one."""
         frames = self._frames(max(bisect_right(self._starts_s, time_s) - 1, 0))
         return frames[max(bisect_right(frames, time_s, key=lambda frame: frame.now_s) - 1, 0)]
 
@@ -66,9 +66,9 @@ class _Window(NamedTuple):
     """A stretch of a recording.
 
     Attributes:
-        after: The checkpoint with which it begins; None: it begins with the run.
-        memory: What had happened until then.
-        start_s: When that was.
+        after: The checkpoint at its beginning; None: the start of the run.
+        memory: The events before it.
+        start_s: Time of its beginning.
     """
 
     after: Checkpoint | None
@@ -80,7 +80,7 @@ def recorded_snapshots(recording: Recording) -> RecordedSnapshots:
     """Return the snapshots of a recording.
 
     Raises:
-        RecordingError: It is damaged, or nothing was recorded in it.
+        RecordingError: The recording is damaged or empty.
     """
     with recorded_mission(recording.header) as loaded:
         windows, phases_s = _windows(recording, loaded)
@@ -100,11 +100,11 @@ def _windows(recording: Recording, loaded: LoadedMission) -> tuple[list[_Window]
     windows, phases_s = [_Window(None, memory.twin(), 0.0)], [0.0]
     checkpoints = recording.checkpoints()
     due = next(checkpoints, None)
-    for told in recording.effects():
-        while due is not None and due.step < told.number:
+    for step in recording.effects():
+        while due is not None and due.step < step.number:
             windows.append(_Window(due, memory.twin(), due.at_s))
             due = next(checkpoints, None)
-        memory.see(told.effects, told.at_s)
+        memory.see(step.effects, step.at_s)
         if memory.phase.since_s > phases_s[-1]:
             phases_s.append(memory.phase.since_s)
     return windows, phases_s
@@ -113,7 +113,7 @@ def _windows(recording: Recording, loaded: LoadedMission) -> tuple[list[_Window]
 def _frames(
     recording: Recording, loaded: LoadedMission, windows: list[_Window], number: int
 ) -> Iterator[Snapshot]:
-    """Yield the snapshots of a window; trends are followed from the window before."""
+    """Yield the snapshots of a window, with trends continued from the window before."""
     begin, window = windows[max(number - 1, 0)], windows[number]
     last = number + 1 == len(windows)
     until_s = recording.until_s if last else windows[number + 1].start_s
@@ -150,7 +150,7 @@ def _frames(
 
 
 class _RecordedPlaces:
-    """Reads where the robot was from what the recording holds for viewers."""
+    """Reads the robot's positions from the recording's messages for viewers."""
 
     def __init__(self, recording: Recording, loaded: LoadedMission) -> None:
         body = loaded.loaded_robot.profile.body
@@ -166,12 +166,12 @@ class _RecordedPlaces:
         self.known = False
 
     def begin(self, since_s: float) -> None:
-        """Begin to read places at this time."""
+        """Begin to read positions at this time."""
         self._shown = self._recording.shown(_PLACES, since_s=since_s)
         self._next = next(self._shown, None)
 
     def at(self, time_s: float) -> Truth | None:
-        """Return the newest place, asked for in the order of time; None where none is recorded."""
+        """Return the newest position by this time, in order of time; None if none is recorded."""
         while self._next is not None and self._next.at_s <= time_s:
             content = self._next.content
             self.known = bool(content.get("known"))

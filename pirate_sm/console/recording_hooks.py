@@ -1,4 +1,4 @@
-"""What a session asks of whoever records its runs."""
+"""The protocol of a recorder of a session's runs."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from pirate_sm.wiring import Prepared
 
 
 class RunKeeper(Protocol):
-    """How one run is recorded, or not.
+    """Records one run, or not.
 
     Attributes:
-        prepared: The run, with what is to be said of its recording.
-        tap: Who keeps it; None where nobody does.
-        companions: Who stands beside the mission for it.
+        prepared: The run, with notices about its recording.
+        tap: The tap that records it; None without a recording.
+        companions: The recorder's companions.
     """
 
     @property
@@ -28,12 +28,12 @@ class RunKeeper(Protocol):
 
     @property
     def tap(self) -> Tap | None:
-        """Who keeps it."""
+        """The tap that records it; None without a recording."""
         ...
 
     @property
     def companions(self) -> tuple[Companion, ...]:
-        """Who stands beside the mission for it."""
+        """The recorder's companions."""
         ...
 
     def follow(self, run: MissionRun) -> None:
@@ -41,23 +41,23 @@ class RunKeeper(Protocol):
         ...
 
     def forget(self) -> None:
-        """Leave no recording of it, for nothing was asked for in it."""
+        """Discard the recording of this run, because the operator requested nothing in it."""
         ...
 
 
 @dataclass(frozen=True)
 class NoKeeper:
-    """A run that nobody records."""
+    """A run without a recording."""
 
     prepared: Prepared
     tap: Tap | None = None
     companions: tuple[Companion, ...] = ()
 
     def follow(self, run: MissionRun) -> None:
-        """Do nothing: nobody looks."""
+        """Do nothing."""
 
     def forget(self) -> None:
-        """Do nothing: there is no recording."""
+        """Do nothing."""
 
 
 def unkept(prepared: Prepared) -> AbstractContextManager[RunKeeper]:

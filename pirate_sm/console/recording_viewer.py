@@ -1,4 +1,4 @@
-"""The console's view of a run that is over: everything is seen, nothing can be steered."""
+"""The console's viewer of a recording: it shows everything and controls nothing."""
 
 from __future__ import annotations
 
@@ -32,19 +32,19 @@ _PAGES = ("drive", "body", "log")
 _SHOWN = frozenset(
     ["header", "alarm", "now", "states", "phases", "picture", "body", "log", "slider"]
 )
-"""Names of the widgets that a moment is shown in."""
+"""Names of the widgets that show a snapshot."""
 
 
 class RecordingViewer(App[None]):
     """Scrubs through a recording.
 
     Args:
-        reel: The recording.
-        name: What it is called.
+        reel: The snapshots of the recording.
+        name: Name of the recording.
 
     Attributes:
-        time_s: The moment that is shown.
-        playing: Whether time goes on by itself.
+        time_s: The time that is shown.
+        playing: Whether time goes on.
     """
 
     CSS_PATH = Path(__file__).with_name("console.tcss")
@@ -76,7 +76,7 @@ class RecordingViewer(App[None]):
         self._page = 0
 
     def compose(self) -> ComposeResult:
-        """Lay out the console's panels without those that steer."""
+        """Lay out the console's panels, without those that control the robot."""
         yield Lines(id="header")
         yield Lines(id="alarm")
         with Horizontal(id="main"):
@@ -95,19 +95,19 @@ class RecordingViewer(App[None]):
         yield Footer(show_command_palette=False, compact=True)
 
     def on_mount(self) -> None:
-        """Show the first moment."""
+        """Show the first snapshot."""
         self.set_interval(1 / FRAMES_PER_S, self._tick)
         self.call_after_refresh(self.show)
 
     def on_resize(self, event: Resize) -> None:
-        """Show everything, or one page where the terminal is too small."""
+        """Show everything, or one page if the terminal is too small."""
         base = self.screen_stack[0]
         base.set_class(event.size.width < _WIDE or event.size.height < _HIGH, "-paged")
         self._turn(0)
         self.call_after_refresh(self.show)
 
     def show(self) -> None:
-        """Show the moment of ``time_s``."""
+        """Show the snapshot at ``time_s``."""
         if not is_whole(self, _SHOWN):
             return
         snapshot = self.reel.at(self.time_s)
@@ -120,11 +120,11 @@ class RecordingViewer(App[None]):
         now = self._base(Lines, "now")
         now.show(panels.now(snapshot, now.content_size.width))
         show_robot(self, snapshot)
-        self._base(EventLog, "log").tell(snapshot)
+        self._base(EventLog, "log").show_snapshot(snapshot)
         self._base(Lines, "slider").show([line(*self._slider())])
 
     def _slider(self) -> list[Part]:
-        """Where the moment is in the recording."""
+        """Return the slider with the position in the recording."""
         mark = "▶" if self.playing else "‖"
         whole = self.reel.length_s
         said = f" {mark} {self.time_s:8.2f} s of {whole:.2f} s  "
@@ -155,22 +155,22 @@ class RecordingViewer(App[None]):
     # --- what a person wants -------------------------------------------------------------------
 
     def action_play(self) -> None:
-        """Time goes on by itself, from the start if it was at the end; or it stands."""
+        """Play, from the start if at the end; or stop."""
         self.playing = not self.playing
         if self.playing and self.time_s >= self.reel.length_s:
             self.time_s = 0.0
         self.show()
 
     def action_by(self, seconds: float) -> None:
-        """Move so many seconds on, or back where negative."""
+        """Move by this many seconds; backward if negative."""
         self._move(self.time_s + seconds)
 
     def action_to(self, share: float) -> None:
-        """At this share of the recording."""
+        """Move to this share of the recording."""
         self._move(share * self.reel.length_s)
 
     def action_phase(self, by: int) -> None:
-        """At the beginning of the phase before or after this one."""
+        """Move to the beginning of the previous or next phase."""
         starts = self.reel.phases_s
         if by > 0:
             later = [each for each in starts if each > self.time_s + 1e-6]
@@ -180,7 +180,7 @@ class RecordingViewer(App[None]):
             self._move(earlier[-1] if earlier else 0.0)
 
     def action_help(self) -> None:
-        """Every key and sign is explained."""
+        """Show the help page."""
         self.push_screen(HelpDialog(recording_lines()))
 
     def action_page(self) -> None:

@@ -1,4 +1,4 @@
-"""Pass snapshots from the run, in its own thread, to the console, and events back."""
+"""Passes snapshots from the run's thread to the console, and events back."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from pirate_sm.showing.snapshot import Scene, Snapshot
 from pirate_sm.wiring import Prepared
 
 QUIET = frozenset({"another mission was chosen", "the console was left"})
-"""Ends that the operator has asked for in another way than by the stop: they need no banner."""
+"""Ends that the operator has requested by other means than a stop; they need no banner."""
 
 LOOK_EVERY_S = 0.02
-"""So late an event of the operator reaches the engine at most."""
+"""The longest delay of an operator's event to the engine."""
 
 
 class RunBridge:
@@ -29,7 +29,7 @@ class RunBridge:
 
     Attributes:
         latest: The newest snapshot; replaced, never changed.
-        asked: How many events of the operator the present run has been given.
+        asked: Number of the operator's events in the present run.
     """
 
     listening = False
@@ -49,8 +49,8 @@ class RunBridge:
 
     # --- from the console's thread ------------------------------------------------------------
 
-    def tell(self, event: Event) -> None:
-        """Give the engine the event at the next turn of the loop."""
+    def queue(self, event: Event) -> None:
+        """Queue an event for the engine at the next turn of the loop."""
         self._waiting.append(event)
 
     # --- from the run's thread ----------------------------------------------------------------
@@ -73,14 +73,14 @@ class RunBridge:
 
     @property
     def due_s(self) -> float:
-        """When it speaks next: at once where the operator has asked for something."""
+        """When it is due: at once after a request of the operator."""
         return -inf if self._waiting else self._due_s
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
         """Do nothing: :meth:`see` notes what has happened."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """Make a new snapshot; return a line for each answer of the operator's."""
+        """Make a new snapshot; return a log line for each answer of the operator."""
         self._due_s = now_s + LOOK_EVERY_S
         self._trends.look(self._scene, state, now_s)
         self.latest = self._snapshot(now_s)
@@ -99,7 +99,7 @@ class RunBridge:
         return said
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Note the effects for the log and the story of the run."""
+        """Note the effects for the log and the history of the run."""
         self._memory.see(effects, now_s)
 
     def pulse(self, now_s: float) -> None:

@@ -1,4 +1,4 @@
-"""Runs one mission after the other on one open backend, in a thread of their own."""
+"""Runs missions one after the other on one open backend, in a separate thread."""
 
 from __future__ import annotations
 
@@ -30,24 +30,24 @@ LEFT = Stop("the console was left", 0)
 
 _SHORT_S = 1.0
 _MOST_SHORT = 3
-"""So many runs in a row that end by a fault at once: there is nothing left to be run."""
+"""After this many consecutive runs that a fault ended at once, the session ends."""
 
 
 Keep = Callable[[Prepared], AbstractContextManager[RunKeeper]]
 
 
 class OperatorSession:
-    """Everything that the console can ask for. Nothing here waits, but :meth:`join`.
+    """The operations of the console. None of them blocks, except :meth:`join`.
 
     Args:
         prepared: The first mission, its engine, and the backend that stays open.
-        factor: Mission seconds per second of the wall.
-        clock: The wall's.
-        keep: Records each run, for as long as it goes on.
+        factor: Mission seconds per second of the wall clock.
+        clock: The wall clock.
+        keep: Records each run.
 
     Attributes:
-        quitting: What ends the session.
-        giver: Gives a series of commands that the operator has agreed to.
+        quitting: Requests to end the session.
+        giver: Gives a series of commands that the operator has confirmed.
         result: How the last run ended; None before.
     """
 
@@ -81,20 +81,20 @@ class OperatorSession:
         self._thread.start()
 
     def join(self, within_s: float | None = None) -> bool:
-        """Wait; return whether the robot is in its safe state and the backend closed by then."""
+        """Wait at most this long; return whether the robot is safe and the backend closed."""
         if self._thread.ident is not None:
             self._thread.join(within_s)
         return not self._thread.is_alive()
 
-    def tell(self, event: Event) -> None:
-        """Give the engine the event soon; a series of commands ends with it."""
+    def give_event(self, event: Event) -> None:
+        """Give the engine the event soon; end a series of commands."""
         self.giver.stop()
-        self._bridge.tell(event)
+        self._bridge.queue(event)
 
     def give(self, commands: Sequence[str], then: GoTo) -> None:
-        """Give the commands one after the other, each awaited; then the mission goes on.
+        """Give the commands one after the other, each when the last is done; then hand back.
 
-        Nothing is given any more in a run that has been asked to stop, nor in the one after it.
+        The series ends with a request to stop the run, and does not continue in the next run.
         """
         if self.quitting.run.stop is None:
             self.giver.give(commands, then)
@@ -107,14 +107,14 @@ class OperatorSession:
         """End the present mission in the safe state and begin the other one, paused.
 
         Raises:
-            UsageError: It is for another robot.
+            UsageError: The mission is for another robot.
         """
         again(self.prepared, loaded)
         self._next = loaded
         self.quitting.run.ask(CHANGED)
 
     def quit(self, stop: Stop = LEFT) -> None:
-        """End everything; the robot is brought to its safe state."""
+        """End the session, with the robot in its safe state."""
         self.quitting.ask(stop)
 
     # --- in its own thread --------------------------------------------------------------------
@@ -154,7 +154,7 @@ class OperatorSession:
         self.giver.stop(RUN_OVER)
         prepared = kept.prepared
         attended = [FirstChoice()] if prepared.attended else []
-        # An operator may do something else where a trace alone would repeat itself.
+        # An operator may act where a trace alone would repeat itself.
         companions = [each for each in prepared.companions if not isinstance(each, LoopWatch)]
         run = MissionRun(
             prepared.engine,
@@ -176,7 +176,7 @@ class OperatorSession:
         return run
 
     def _hopeless(self, result: Result, run: MissionRun) -> bool:
-        """Return whether run after run ends by a fault before anybody asks for anything."""
+        """Return whether several runs have ended by a fault before any request of the operator."""
         short_s = _SHORT_S + self.prepared.loaded.robot.sight.within_s  # a start may be refused
         at_once = result.now_s < self._began_s + short_s and not self._bridge.asked
         self._short = self._short + 1 if at_once and result.ended.outcome == "fault" else 0

@@ -1,6 +1,6 @@
-"""A terminal whose stop key is heard by the thread that reads it, however busy the rest is.
+"""A terminal driver whose stop key works however busy the app is.
 
-And one that may go away: what is written to it then is lost, and nobody waits for it.
+The terminal may also go away: output is then lost, and nothing blocks on it.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ class Stoppable(Protocol):
 
 
 class StopDriver(LinuxDriver):
-    """Hands the stop key to the app past its queue; tells it when the terminal has gone."""
+    """Passes the stop key to the app past its queue, and reports the loss of the terminal."""
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
-        # Textual's writing thread dies of an error, and then everybody who writes waits for it.
+        # Textual's writing thread dies of an error, and all writers would then block.
         self._file: TextIO = Lossy(self._file, self._gone)  # type: ignore[assignment]
 
     def process_message(self, message: Message) -> None:
-        """Pass the message on; the stop key stops the robot instead."""
+        """Pass the message on; for the stop key, stop the robot instead."""
         if (
             isinstance(message, Key)
             and message.key == STOP_KEY
@@ -53,11 +53,11 @@ class StopDriver(LinuxDriver):
 
 
 class Lossy:
-    """A file that goes on taking text when it can no longer be written.
+    """A file that accepts text even when it can no longer be written.
 
     Args:
         file: The file.
-        gone: Is called when that has turned out, once.
+        gone: Is called once, when a write has failed.
     """
 
     def __init__(self, file: TextIO, gone: Callable[[], None]) -> None:

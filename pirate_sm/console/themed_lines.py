@@ -26,7 +26,7 @@ _THEMED: Mapping[str, str] = {
 
 
 def themed(text: Text) -> Content:
-    """Return the text as Textual shows it."""
+    """Return the text as Textual content."""
     spans = [
         Span(each.start, each.end, _THEMED[style])
         for each in text.spans

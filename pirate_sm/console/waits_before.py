@@ -1,7 +1,7 @@
-"""What a mission that is handed back at a later phase leaps over: the waits that it has not passed.
+"""The waits that a hand-back at a later phase would skip.
 
-The operator is shown them, because a wait is where a mission looks at the world, and a hand-back
-looks at the robot's states alone.
+The operator is shown them, because a mission checks the world in its waits, while a hand-back
+checks only the robot's states.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from pirate_sm.engine.mission.program import Program, Wait
 
 
 def not_passed(program: Program, phase: str, passed: Container[str]) -> str:
-    """Return the waits before the phase that have not been passed, in words; empty: there are none.
+    """Return the waits before the phase that have not been passed, in words; empty if none.
 
     Args:
         program: The mission.
         phase: One of its phases.
-        passed: Places of the waits that have been passed.
+        passed: Places of the passed waits.
     """
     left = [each.phase for each in waits_before(program, phase) if each.place not in passed]
     phases = list(dict.fromkeys(left))
@@ -28,7 +28,7 @@ def not_passed(program: Program, phase: str, passed: Container[str]) -> str:
 def waits_before(program: Program, phase: str) -> tuple[Wait, ...]:
     """Return the waits of which a trigger must fire on every way from the start to the phase.
 
-    Failures, faults and time limits are ways too: a phase to which they lead from anywhere has
+    Failures, faults and time limits are ways too: a phase that they can reach from anywhere has
     no waits before it.
     """
     goal = program.beginning(phase)
@@ -42,7 +42,7 @@ def waits_before(program: Program, phase: str) -> tuple[Wait, ...]:
 
 
 def _reached(program: Program, without: int | None = None) -> set[int]:
-    """The instructions that can come when no trigger of the wait at ``without`` fires."""
+    """Return the instructions that are reachable if no trigger of the wait ``without`` fires."""
     found = {program.start}
     left = [program.start]
     while left:
@@ -55,7 +55,7 @@ def _reached(program: Program, without: int | None = None) -> set[int]:
 
 
 def _ways(program: Program, at: int, *, fires: bool) -> Iterator[int]:
-    """Where an instruction leads; ``fires``: whether a trigger of a wait does."""
+    """Yield the successors of an instruction; ``fires``: whether a trigger of a wait fires."""
     yield from (each.go for each in program.handlers[at] if each.go is not None)
     match program.instructions[at]:
         case steps.Enter() | steps.Say() as it:

@@ -1,4 +1,4 @@
-"""The few kinds of widgets that the console is made of; each is given what it shows."""
+"""The kinds of widgets of the console; each is given its content."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _COLOURS = {
 
 
 class Lines(Static):
-    """Some lines of text; drawn again only when they are others than before."""
+    """Some lines of text, redrawn only when they change."""
 
     def __init__(self, *, id: str, title: str = "") -> None:
         super().__init__(id=id, markup=False)
@@ -45,7 +45,7 @@ class Lines(Static):
         self._shown: Text | None = None
 
     def show(self, lines: Sequence[Text]) -> None:
-        """These lines are shown."""
+        """Show these lines."""
         text = Text("\n").join(lines)
         if text != self._shown:
             self._shown = text
@@ -53,10 +53,10 @@ class Lines(Static):
 
 
 class Row(Static):
-    """One thing that can be asked for: its key and its name, with a sign where it cannot be."""
+    """A request: its key and name, with a sign if it is not available."""
 
     class Asked(Message):
-        """Somebody has clicked on it."""
+        """The row was clicked."""
 
         def __init__(self, name: str) -> None:
             super().__init__()
@@ -69,7 +69,7 @@ class Row(Static):
         self._shown: tuple[str, str, bool] | None = None
 
     def show(self, label: str, reason: str, *, under_way: bool = False) -> None:
-        """Show the label, greyed where there is a reason, or that it is being done."""
+        """Show the label, grey if there is a reason, or that it is under way."""
         if self._shown == (label, reason, under_way):
             return
         self._shown = label, reason, under_way
@@ -83,7 +83,7 @@ class Row(Static):
         self.update(themed(shown))
 
     def on_click(self, event: Click) -> None:
-        """Ask for what the row stands for."""
+        """Post the request of the row."""
         self.post_message(self.Asked(self.asks))
 
 
@@ -134,7 +134,7 @@ class Picture(Widget):
         ]
 
     def render_line(self, y: int) -> Strip:
-        """One row of the picture."""
+        """Return one row of the picture."""
         if y < len(self._strips):
             return self._strips[y].apply_style(self.rich_style)
         return Strip.blank(self.size.width, self.rich_style)
@@ -148,7 +148,7 @@ def _colour(variables: Mapping[str, str], name: str) -> str:
 
 
 class EventLog(Lines):
-    """What has happened, the newest last, or what had happened some lines before."""
+    """The log, the newest line last, or scrolled back."""
 
     def __init__(self, *, id: str, title: str) -> None:
         super().__init__(id=id, title=title)
@@ -156,10 +156,10 @@ class EventLog(Lines):
         self._back = 0
 
     def look_back(self, pages: int) -> None:
-        """Earlier lines are shown, or later ones with a negative number."""
+        """Scroll back by pages; forward if negative."""
         self._back = max(0, self._back + pages * max(self.content_size.height - 1, 1))
 
-    def tell(self, snapshot: Snapshot) -> None:
+    def show_snapshot(self, snapshot: Snapshot) -> None:
         """Show as many lines as there is room for."""
         rows, recent = self.content_size.height, snapshot.story.recent
         self._back = min(self._back, max(len(recent) - rows, 0))
@@ -170,7 +170,7 @@ class EventLog(Lines):
 
 
 def panel(name: str, title: str = "") -> Lines:
-    """Return a panel with a title of its own."""
+    """Return a panel with a title."""
     found = Lines(id=name, title=title)
     found.add_class("panel")
     return found
@@ -179,7 +179,7 @@ def panel(name: str, title: str = "") -> Lines:
 def is_whole(app: App[None], names: Set[str]) -> bool:
     """Return whether the console runs and has a widget of each of these names.
 
-    Widgets are added and removed one by one: a frame that is due in between must be left out.
+    Widgets are added and removed one by one, so a frame that is due in between must be skipped.
     """
     if not (app.is_running and app.screen_stack):
         return False

@@ -1,1 +1,1 @@
-"""Detectors say where the robot is: the simulator, odometry, a person, another program."""
+"""Detectors report where the robot is: the simulator, odometry, a person, another program."""

@@ -1,18 +1,18 @@
-"""Dead reckoning: where each wheel is along the pipe, from the joints and the odometer alone.
+"""Dead reckoning: the position of each wheel in the pipe, from the joints and the odometer alone.
 
-A part whose clamp is confirmed is an anchor: the mean place of its wheels moves by what the
-odometer counts and by nothing else. It lies in its leg with each wheel at the wall that it
-touches when clamped, and the measured angles of the bend joints give the rest of the chain, also
-round a mitre. Without a confirmed clamp all wheels are the anchor, on the centre line.
+A part whose clamp is confirmed is an anchor: the mean position of its wheels moves only by what the
+odometer counts. It lies in its leg, with each wheel at the wall that it touches when clamped. The
+measured angles of the bend joints give the rest of the chain, also round a mitre. Without a
+confirmed clamp all wheels are the anchor, on the centre line.
 
-The place of a wheel rests on the joints inside the anchor and on those between the anchor and
-the wheel. Where one of them is unknown, so is the place, unless another clamped part gives it. A
-part that clamps gets its place from the chain; where that is unknown at that moment the robot's
-place is lost, and no later measurement can give it back.
+The position of a wheel depends on the joints inside the anchor and on those between the anchor and
+the wheel. If one of them is unknown, so is the position, unless another clamped part gives it. A
+part that clamps gets its position from the chain. If that is unknown at this moment, the robot's
+position is lost, and no later measurement can recover it.
 
-Neglected: slip; that a part may shift while it clamps, relaxes or is pushed; roll, so that the
-robot's plane is taken for the pipe's; the odometer's own lag of one round of the boards; an
-anchor that stands in two legs at once is taken to lie in that of its middle.
+Neglected: slip; motion of a part while it clamps, relaxes or is pushed; roll, so that the robot's
+plane is assumed to be the pipe's; the odometer's lag of one round of the boards. An anchor that
+stands in two legs at once is assumed to lie in that of its middle.
 """
 
 from __future__ import annotations
@@ -30,21 +30,21 @@ _UNKNOWN: Place = (nan, nan)
 
 
 class Spot(NamedTuple):
-    """Where an anchor stands: the middle of its wheels along the pipe, m, and in which piece."""
+    """Position of an anchor: the middle of its wheels along the pipe, m, and the piece it is in."""
 
     middle_m: float
     piece: Piece
 
 
 class Reckoned(NamedTuple):
-    """Where the robot is taken to be; NaN is unknown.
+    """The estimated position of the robot; NaN is unknown.
 
     Attributes:
-        places_m: Place of each wheel along the pipe.
-        points: Where that is in the plane of the pipe.
-        odometer_m: What the odometer showed.
-        anchor: Index of the part that the places are reckoned from first, or ``WHOLE``.
-        spots: Where each anchor stands, by part; one that is lost is missing.
+        places_m: Position of each wheel along the pipe.
+        points: The same positions in the plane of the pipe.
+        odometer_m: Reading of the odometer.
+        anchor: Index of the part from which positions are reckoned first, or ``WHOLE``.
+        spots: Position of each anchor, by part; a lost one is missing.
     """
 
     places_m: tuple[float, ...]
@@ -55,17 +55,17 @@ class Reckoned(NamedTuple):
 
     @property
     def lost(self) -> bool:
-        """Whether no anchor's place is known any more."""
+        """Whether the position of every anchor is lost."""
         return not self.spots
 
 
 class Reckoner:
-    """Takes a reckoning from one look to the next; keeps nothing itself.
+    """Updates a reckoning from one look to the next; it has no state itself.
 
     Args:
         body: The robot's chain.
-        route: The pipe.
-        odometer: Index of the number that the odometer is.
+        route: The route through the pipe.
+        odometer: Index of the odometer among the signals.
     """
 
     def __init__(self, body: BodySpec, route: Route, odometer: int) -> None:
@@ -77,12 +77,12 @@ class Reckoner:
     def begin(
         self, first_wheel_m: float, numbers: Sequence[float], held: frozenset[int] = frozenset()
     ) -> Reckoned:
-        """Return where the robot is that began with its first wheel at a place.
+        """Return the position of a robot whose first wheel began at a known position.
 
         Args:
-            first_wheel_m: The place of the first wheel along the pipe when the odometer stood at
-                zero; the whole robot is in the same leg.
-            numbers: The engine's signals in SI, those of the joints known.
+            first_wheel_m: Position of the first wheel along the pipe when the odometer stood at
+                zero. The whole robot is in the same leg.
+            numbers: The engine's signals in SI; those of the joints must be known.
             held: Parts whose clamp is confirmed.
         """
         counted = self._counted(numbers, 0.0)
@@ -96,7 +96,7 @@ class Reckoner:
         return Reckoned(places, points, counted, anchor, found)
 
     def look(self, before: Reckoned, numbers: Sequence[float], held: frozenset[int]) -> Reckoned:
-        """Return where the wheels are now; arguments as of :meth:`begin`."""
+        """Return the present positions; arguments as of :meth:`begin`."""
         counted = self._counted(numbers, before.odometer_m)
         moved = counted - before.odometer_m
         spots = self._carried(before, held or frozenset({WHOLE}), moved)
@@ -108,7 +108,7 @@ class Reckoner:
         points = self._lay(angles, anchor, spots[anchor])
         places = self._places(points)
         for other in spots.keys() - {anchor}:
-            # What the first anchor says of another one holds; the odometer alone stands in.
+            # The first anchor's estimate of another one holds; only the odometer replaces it.
             spots[other] = self._stand(other, points, places) or spots[other]
         if not known(points, self._everything):
             for other in sorted(spots.keys() - {anchor}):
@@ -123,11 +123,11 @@ class Reckoner:
     def _carried(
         self, before: Reckoned, anchors: frozenset[int], moved_m: float
     ) -> dict[int, Spot]:
-        """Return where those of the anchors stand that have a place."""
+        """Return the positions of those anchors that are known, moved by the odometer."""
         spots: dict[int, Spot] = {}
         for anchor in anchors:
             spot = before.spots.get(anchor)
-            if spot is None:  # it was none before: the chain says where it stands
+            if spot is None:  # a new anchor: the chain gives its position
                 spot = self._stand(anchor, before.points, before.places_m)
             if spot is not None:
                 middle_m = spot.middle_m + moved_m
@@ -137,12 +137,12 @@ class Reckoner:
     def _stand(
         self, anchor: int, points: Sequence[Place], places_m: Sequence[float]
     ) -> Spot | None:
-        """Return where an anchor stands by the places of its wheels; None where one is unknown."""
+        """Return an anchor's position from those of its wheels; None if one is unknown."""
         wheels = self._body.wheels_of(anchor)
         if not known(points, wheels):
             return None
         piece = self._route.piece_at(_mean([places_m[wheel] for wheel in wheels]))
-        # Not the mean of the places: they leap where a wheel cuts the corner of a mitre.
+        # Not the mean of the positions: they jump where a wheel cuts the corner of a mitre.
         beyond = [piece.beyond_m((*points[wheel], 0.0)) for wheel in wheels]
         return Spot(piece.arc_m + _mean(beyond), piece)
 
@@ -153,13 +153,13 @@ class Reckoner:
     def _lay(
         self, angles: Sequence[float], anchor: int, spot: Spot, at: tuple[int, ...] | None = None
     ) -> tuple[Place, ...]:
-        """Return the chain laid into the pipe, the middle of the wheels ``at`` at the spot.
+        """Return the chain laid into the pipe, with the middle of the wheels ``at`` at the spot.
 
         Args:
-            angles: At each wheel.
+            angles: The angle at each wheel.
             anchor: The part that lies along the pipe.
-            spot: Where.
-            at: By default the anchor's wheels.
+            spot: Its position.
+            at: The wheels at the spot; by default the anchor's.
         """
         wheels = self._body.wheels_of(anchor)
         wall_m = spot.piece.diameter_m / 2 - self._body.wheel_radius_m

@@ -1,8 +1,8 @@
-"""How far the robot has come: the median of what the wheels of the part that holds it have rolled.
+"""Distance travelled: the median of what the wheels of the holding part have rolled.
 
-Where the robot squeezes round a bend single wheels slip and roll up to twice as far as it moves.
-The wheels of one clamped part all move alike, so the median leaves out one of three that slips, or
-that is dead. The median is taken over short pieces of the way, since another wheel may slip next.
+In a bend, single wheels slip and roll up to twice as far as the robot moves. The wheels of one
+clamped part all move alike, so the median ignores one of three that slips or is dead. The median is
+taken over short pieces of the way, since another wheel may slip next.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 
 _PIECE_S = 0.3
-"""Longer than a round of the boards, so that each wheel has been heard in it [decided]."""
+"""Longer than a round of the boards, so that each wheel has reported in it [decided]."""
 
 
 class Odometer:
-    """Counts from one look to the next, from zero.
+    """Counts the distance travelled, from zero.
 
     Args:
-        robot: Whose wheels are counted.
+        robot: The robot whose wheels are counted.
     """
 
     def __init__(self, robot: RobotSpec) -> None:
@@ -40,12 +40,12 @@ class Odometer:
         self._sharing: tuple[int, ...] = ()
 
     def look(self, state: EngineState, now_s: float, holding: Sequence[int]) -> float:
-        """Return how far the robot has come along the pipe, m; backward counts negative.
+        """Return how far the robot has travelled along the pipe, m; backward counts negative.
 
         Args:
-            state: The engine's.
-            now_s: Not before that of any earlier look.
-            holding: The wheels of the part that holds the robot, or all.
+            state: The engine's state.
+            now_s: Time, not earlier than in any earlier call.
+            holding: Wheels of the part that holds the robot, or all wheels.
         """
         unheard = self._rolling.look(state, now_s)
         self._measure(state)
@@ -60,13 +60,13 @@ class Odometer:
         return self._counted_m + piece_m
 
     def _piece(self, totals: Sequence[float]) -> float:
-        """Return how far the robot has come since the present piece of the way began, m."""
+        """Return how far the robot has travelled since the present piece began, m."""
         if not self._sharing:
             return 0.0
         return median(totals[place] - self._begun_m[place] for place in self._sharing)
 
     def _measure(self, state: EngineState) -> None:
-        """Take in what the wheels show; what rolls while no wheel is driven is no way."""
+        """Read the wheels' odometers; ignore rolling while no wheel is driven."""
         for wheel in self._robot.wheels:
             shown, before = state.sensing.angles[wheel.place], self._angles[wheel.place]
             if self._active and not isnan(shown) and not isnan(before):
@@ -74,7 +74,7 @@ class Odometer:
             self._angles[wheel.place] = shown
 
     def _notice_stop(self, state: EngineState, now_s: float) -> None:
-        """Count on until every wheel has been heard after the stop, or its board is silent."""
+        """Count on until every wheel has reported after the stop, or its board is silent."""
         in_force, newest = state.robot.values, state.robot.latest
         if any(in_force[wheel.slot] or newest[wheel.slot] for wheel in self._robot.wheels):
             self._active, self._stopped_s = True, inf
@@ -86,7 +86,7 @@ class Odometer:
             self._active = False
 
     def _sharers(self, state: EngineState, now_s: float, holding: Sequence[int]) -> tuple[int, ...]:
-        """Return the places of the wheels whose median counts now."""
+        """Return the indices of the wheels whose median counts now."""
         if not self._active:
             return ()
         in_force, newest = state.robot.values, state.robot.latest

@@ -1,4 +1,4 @@
-"""The odometry detector: says the profile's words where dead reckoning takes the wheels to be."""
+"""The odometry detector: reports the profile's words by dead reckoning."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from pirate_sm.model.profile import Profile
 from pirate_sm.model.true_position import Truth
 
 LOOK_EVERY_S = 0.05
-"""At 0.1 m/s a robot drives 5 mm in this time."""
+"""At 0.1 m/s a robot travels 5 mm in this time."""
 
 _PATIENCE_S = 1.0
-"""For this long a joint may be silent at the start, or while the hold changes."""
+"""How long a joint may be silent at the start, or while clamps change."""
 
 
 class Odometry:
-    """A companion that reckons from the engine's signals.
+    """A companion that reckons from the engine's signals and reports detector words.
 
     Args:
-        profile: The robot with its detector's words.
-        robot: The same, as the engine knows it.
-        pipe: Where it is.
-        first_wheel_m: Where its first wheel begins along the pipe; by default as the pipe says.
+        profile: The robot's profile, with its detector words.
+        robot: The robot as the engine knows it.
+        pipe: The pipe.
+        first_wheel_m: Position of the first wheel at the start; by default the pipe's.
 
     Attributes:
-        reckoned: Where the wheels are taken to be; None until every joint has spoken.
+        reckoned: The estimated position; None until every joint has reported.
 
     Raises:
-        UsageError: The robot counts no odometry, or the place is outside the pipe.
+        UsageError: The robot has no odometry, or the position is outside the pipe.
     """
 
     listening = False
@@ -77,10 +77,10 @@ class Odometry:
         self._odometer = Odometer(robot)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Do nothing: what counts is in the signals."""
+        """Do nothing."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """Follow the wheels to where they are now; return a warning when that is unknown."""
+        """Update the estimated position; return a warning if it is unknown."""
         numbers, robot = list(state.sensing.numbers), self._robot
         anchor = self.reckoned.anchor if self.reckoned else WHOLE
         wheels = robot.body.wheels_of(anchor)
@@ -102,8 +102,8 @@ class Odometry:
     ) -> Reckoned:
         """Return the reckoning after this look.
 
-        Where a joint is silent at the moment when the hold changes, the old hold stands in until
-        the joint speaks. What the old hold moves in that time is an error.
+        If a joint is silent when the clamps change, the old clamps are assumed until it reports.
+        Any motion in that time is an error.
         """
         after = self._reckoner.look(before, numbers, held)
         if after.lost and not before.lost:
@@ -116,7 +116,7 @@ class Odometry:
         return after
 
     def _warn(self, numbers: Sequence[float]) -> Sequence[Log]:
-        """Return, once, a warning that no place is known."""
+        """Return, once, a warning that the position is unknown."""
         if self._warned:
             return ()
         self._warned = True
@@ -130,7 +130,7 @@ class Odometry:
         return (Log("warning", f"{message}; it says no word"),)
 
     def truth(self) -> Truth | None:
-        """Return where the robot is taken to be; None while the place of a wheel is unknown."""
+        """Return the estimated position; None while the position of a wheel is unknown."""
         at = self.reckoned
         if at is None or any(isnan(place) for place in at.places_m):
             return None
@@ -138,13 +138,13 @@ class Odometry:
         return Truth(at.points, self._radius_m, self._walls, moved_m)
 
     def restart(self, robot: RobotSpec) -> None:
-        """Count from zero again; the robot stays where it is."""
+        """Count from zero again, with the robot where it is."""
         self._take(robot)
         if self.reckoned is not None:
             self.reckoned = self.reckoned._replace(odometer_m=0.0)
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Return the word that begins to hold here, or still holds and must be said again."""
+        """Return the word that becomes valid here, or is valid and must be repeated."""
         self.due_s = now_s + LOOK_EVERY_S
         word, self._word = self._word, None
         return () if word is None else (word,)

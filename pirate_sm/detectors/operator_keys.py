@@ -1,4 +1,4 @@
-"""Makes the operator a detector: one key says one word."""
+"""Makes the operator a detector: one key for each word."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from pirate_sm.model.effects import Effect, Ended
 from pirate_sm.model.events import DetectorWord, Event
 
 LETTERS = ascii_lowercase
-"""The keys, in order; the numbers answer questions."""
+"""The keys, in order; digits answer questions."""
 
 _LOOK_EVERY_S = 0.05
 
 
 def offer(words: Sequence[str]) -> str:
-    """Return the keys and their words, for people."""
+    """Return the keys and their words, as text for people."""
     return "  ".join(f"[{key}] {word}" for key, word in _keys_of(words).items())
 
 
@@ -26,19 +26,19 @@ def _keys_of(words: Sequence[str]) -> dict[str, str]:
 
 
 class Keys(Protocol):
-    """Gives the keys pressed since it was last asked."""
+    """Returns the keys pressed since the last call."""
 
     def pressed(self) -> str:
-        """Return the keys, oldest first; empty when there were none."""
+        """Return the keys, oldest first; empty if there were none."""
         ...
 
 
 class WordKeys:
-    """A companion: a letter for each word, valid as long as the profile says from each press.
+    """A companion with a key for each word; each press makes its word valid for a time.
 
     Attributes:
-        listening: A person is looking at the robot until the run ends.
-        offered: The keys and their words, for people.
+        listening: True until the run ends, because a person is watching the robot.
+        offered: The keys and their words, as text for people.
     """
 
     def __init__(self, keys: Keys, words: Sequence[str], valid_for_s: float) -> None:
@@ -55,7 +55,7 @@ class WordKeys:
             self.due_s, self.listening = inf, False
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Return the words whose keys have been pressed, oldest first."""
+        """Return the words of the pressed keys, oldest first."""
         self.due_s = now_s + _LOOK_EVERY_S
         said = (self._words.get(key.lower()) for key in self._keys.pressed())
         return tuple(DetectorWord(word, self._valid_for_s) for word in said if word)

@@ -1,4 +1,4 @@
-"""Filters places: a robust line through the last moments, read off now while wheels are driven."""
+"""Filters positions: a robust line through recent positions while wheels are driven."""
 
 from __future__ import annotations
 
@@ -7,24 +7,23 @@ from collections.abc import Sequence
 from math import isnan, nan
 
 WINDOW_S = 0.4
-"""How much of the past a place is taken from [decided]: 40 mm of way at 0.1 m/s."""
+"""Time over which a position is filtered [decided]: 40 mm of travel at 0.1 m/s."""
 
 
 class Tracker:
-    """Remembers where the wheels were seen in the last ``WINDOW_S``."""
+    """Remembers the positions of the wheels in the last ``WINDOW_S``."""
 
     def __init__(self) -> None:
         self._seen: deque[tuple[float, tuple[float, ...]]] = deque()
         self._driven = False
 
     def see(self, time_s: float, places_m: Sequence[float], *, driven: bool) -> None:
-        """Take in where the wheels have been seen.
+        """Take in the positions of the wheels.
 
         Args:
-            time_s: When; not before that of any earlier call.
-            places_m: The place of each wheel along the pipe; NaN where it is unknown.
-            driven: Whether wheels are driven. What was seen before they began or ceased to be
-                says nothing of what comes after.
+            time_s: Time, not earlier than in any earlier call.
+            places_m: Position of each wheel along the pipe; NaN if unknown.
+            driven: Whether wheels are driven. When this changes, earlier positions are forgotten.
         """
         if driven != self._driven:
             self._seen.clear()
@@ -34,11 +33,11 @@ class Tracker:
             self._seen.popleft()
 
     def place(self, wheel: int) -> float:
-        """Return where a wheel is now, m; NaN where it was not seen the last time.
+        """Return the filtered position of a wheel, m; NaN if its last position is unknown.
 
-        A driven wheel is on the line through the places where it was seen, whose slope is the
-        median of slopes (Theil and Sen, over pairs that lie half the window apart). One that is
-        not driven stands at the median of the places: it never moves by itself.
+        A driven wheel is on the line through its recent positions, whose slope is the median of
+        slopes (Theil and Sen, over pairs half the window apart). A wheel that is not driven stands
+        at the median of its positions, because it does not move by itself.
         """
         now_s, latest = self._seen[-1]
         if isnan(latest[wheel]):
@@ -53,7 +52,7 @@ class Tracker:
 
 
 def _median(values: list[float]) -> float:
-    """Return the median; 0 of no value."""
+    """Return the median; 0 for no values."""
     values.sort()
     count = len(values)
     if not count:

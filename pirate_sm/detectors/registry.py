@@ -1,7 +1,7 @@
-"""Which detector somebody wants, in their own words, and what that makes of a run.
+"""The registry of detectors, and the choice of the one that a user asks for.
 
-What a detector's factory receives (:class:`Asked`) and returns (:class:`Detecting`) stands here,
-and the registry of detectors with ours at its end.
+A detector's factory receives :class:`Asked` and returns :class:`Detecting`. The package's own
+detectors are at the end.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from pirate_sm.detectors.sim_detector import TruePlaces
 from pirate_sm.detectors.socket_detector import OutsideWords
 from pirate_sm.detectors.socket_listener import read_address
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import Hint, UsageError
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.true_position import Truth
@@ -25,11 +25,11 @@ from pirate_sm.registry import Plugin, Registry
 
 
 class Places(NamedTuple):
-    """What a backend knows of true places along the pipe, m.
+    """What a backend knows of true positions along the pipe, m.
 
     Attributes:
-        bends_m: Where the bends are.
-        wheels_m: Returns where each wheel is now.
+        bends_m: Positions of the bends.
+        wheels_m: Returns the present position of each wheel.
     """
 
     bends_m: Sequence[float]
@@ -41,14 +41,14 @@ class Asked:
     """What a detector is made for.
 
     Attributes:
-        profile: The robot.
-        robot: The same, as the engine knows it.
-        pipe: Where it is, where that is known.
-        first_wheel_m: Where its first wheel begins, in place of the pipe's own.
-        places: What the backend knows of true places; None where it knows nothing.
-        seed: Of the detector's errors.
-        by_name: Whether somebody has asked for this detector; else it is what is usual.
-        argument: What stands after a colon behind the name; None without a colon.
+        profile: The robot's profile.
+        robot: The robot as the engine knows it.
+        pipe: The pipe, if it is known.
+        first_wheel_m: Position of the first wheel at the start, in place of the pipe's.
+        places: The backend's true positions; None if it knows none.
+        seed: Seed of the detector's errors.
+        by_name: Whether the user chose this detector; otherwise it is the default.
+        argument: The text after the colon in the name; None without a colon.
     """
 
     profile: Profile
@@ -62,14 +62,14 @@ class Asked:
 
 
 class Detecting(NamedTuple):
-    """Who says the words of a run.
+    """The detector of a run.
 
     Attributes:
-        kind: The detector's name; ``none``: nobody says any. For ``operator`` whoever has the
+        kind: The detector's name; ``none``: there is no detector. For ``operator`` the owner of the
             keyboard makes the companion.
-        companions: Who stands beside the mission for it; what can be entered must be.
-        notices: What a person should know.
-        reckoned: Where the detector takes the robot to be, where it does.
+        companions: Its companions; a context manager among them must be entered.
+        notices: Notices for the user.
+        reckoned: Returns the estimated position, if the detector has one.
     """
 
     kind: str
@@ -79,34 +79,37 @@ class Detecting(NamedTuple):
 
 
 class MakeDetector(Protocol):
-    """What the entry point of a detector makes it with; see ``docs/extending.md``."""
+    """The factory in a detector's entry point; see ``docs/extending.md``."""
 
     def __call__(self, asked: Asked) -> Detecting:
-        """Return the detector; nothing has been opened.
+        """Return the detector without opening anything.
 
         Raises:
-            UsageError: It cannot do what is asked.
+            UsageError: The detector cannot be made for this run.
         """
         ...
 
 
 def detecting(text: str | None, usual: str, asked: Asked) -> Detecting:
-    """Return who says the words of a run; nothing has been opened.
+    """Return the detector of a run, without opening anything.
 
     Args:
-        text: What was wished, a name or ``NAME:ARGUMENT``; None for what is usual.
-        usual: The backend's own detector.
+        text: The user's choice, a name or ``NAME:ARGUMENT``; None for the default.
+        usual: The default, which is the backend's own detector.
         asked: What it is made for.
 
     Raises:
-        UsageError: The wish cannot be met.
+        UsageError: The detector does not exist or cannot be made.
     """
     name, colon, rest = (usual if text is None else text).partition(":")
     make = DETECTORS.find(name)
     if asked.first_wheel_m is not None and name != "odometry":
         raise UsageError(
             "only the detector odometry takes a place where it begins to count",
-            option_hint=": --start-at goes with --detector odometry",
+            hint=Hint(
+                ": --start-at goes with --detector odometry",
+                ": start_at_m goes with detector='odometry'",
+            ),
         )
     argument = rest if colon else None
     return make(replace(asked, by_name=text is not None, argument=argument))
@@ -131,8 +134,8 @@ def _odometry(asked: Asked) -> Detecting:
     if asked.pipe is None and not asked.by_name:
         return Detecting("none", (), ("detector: none, the mission names no pipe",))
     if asked.pipe is None:
-        message = "the detector odometry needs to know the pipe"
-        raise UsageError(message, option_hint=": give it with --pipe")
+        hint = Hint(": give it with --pipe", ": give it with pipe='NAME'")
+        raise UsageError("the detector odometry needs to know the pipe", hint=hint)
     odometry = Odometry(asked.profile, asked.robot, asked.pipe, asked.first_wheel_m)
     place = f"{odometry.first_wheel_m * 1000:.4g} mm"
     notice = f"detector: odometry, counted from the first wheel at {place} of the pipe"
@@ -162,4 +165,5 @@ DETECTORS: Registry[MakeDetector] = Registry(
     "detector",
     "pirate_sm.detectors",
     {name: f"{__name__}:{name.upper()}" for name in ("sim", "odometry", "operator", "socket")},
+    returns=Detecting,
 )

@@ -1,4 +1,4 @@
-"""The simulator's own detector: says the profile's words where the wheels really are."""
+"""The simulator's own detector: reports the profile's words by the true positions."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from pirate_sm.model.profile import Profile
 
 
 class TruePlaces:
-    """A companion that knows the true places; its words are off by the profile's noise.
+    """A companion that knows the true positions; its words have the profile's errors.
 
     Args:
-        profile: The robot with its detector's words.
-        robot: The same, as the engine knows it.
-        crossings_m: Where the bends of the pipe are, along the pipe.
-        places_m: Returns where each wheel is along the pipe.
-        seed: Of the words' errors.
+        profile: The robot's profile, with its detector words.
+        robot: The robot as the engine knows it.
+        crossings_m: Positions of the bends along the pipe.
+        places_m: Returns the position of each wheel along the pipe.
+        seed: Seed of the words' errors.
     """
 
     listening = False
@@ -44,10 +44,10 @@ class TruePlaces:
         self._word: DetectorWord | None = None
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Do nothing: what counts is where the robot is."""
+        """Do nothing."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """Look where the wheels are and which way they are driven."""
+        """Read the positions of the wheels and the direction in which they are driven."""
         travel = self._robot.travel(state.robot.values)
         self._word = self._detector.look(now_s, self._places_m(), travel)
         return ()
@@ -57,7 +57,7 @@ class TruePlaces:
         self._robot = robot
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Return the word that begins to hold here, or still holds and must be said again."""
+        """Return the word that becomes valid here, or is valid and must be repeated."""
         self.due_s = now_s + LOOK_EVERY_S
         word, self._word = self._word, None
         return () if word is None else (word,)

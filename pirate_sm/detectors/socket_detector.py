@@ -1,4 +1,4 @@
-"""Makes programs outside a detector: they say its words on a socket."""
+"""Makes other programs a detector: they send its words on a socket."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _LOOK_EVERY_S = 0.05
 
 
 class OutsideWords:
-    """A companion that hears programs on a socket while it is entered.
+    """A companion that receives words on a socket while it is entered.
 
     Attributes:
-        listening: The program outside lives in the wall's time, until the run ends.
+        listening: True until the run ends, because other programs run in real time.
     """
 
     def __init__(self, address: Address, words: Sequence[str], valid_for_s: float) -> None:
@@ -29,16 +29,16 @@ class OutsideWords:
         self._listener = Listener(address)
         self._words = tuple(words)
         self._valid_for_s = valid_for_s
-        self._said: list[DetectorWord] = []
+        self._received: list[DetectorWord] = []
         self._refused: list[str] = []
 
     @property
     def address(self) -> Address:
-        """Where programs connect."""
+        """The address that programs connect to."""
         return self._listener.address
 
     def __enter__(self) -> Self:
-        """Let programs connect."""
+        """Open the socket."""
         self._listener.open()
         return self
 
@@ -52,7 +52,7 @@ class OutsideWords:
             self.due_s, self.listening = inf, False
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """Read what has come; return one warning where lines say nothing."""
+        """Read received lines; return one warning if some are not valid."""
         self._refused.clear()
         self._listener.poll(self._take)
         if not self._refused:
@@ -61,14 +61,14 @@ class OutsideWords:
         return (Log("warning", f"from the detector's socket: {self._refused[0]}{more}"),)
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Return the words that have been said, oldest first."""
+        """Return the received words, oldest first."""
         self.due_s = now_s + _LOOK_EVERY_S
-        said, self._said = tuple(self._said), []
-        return said
+        words, self._received = tuple(self._received), []
+        return words
 
     def _take(self, line: bytes) -> bytes:
         try:
-            self._said.append(read_line(line, self._words, self._valid_for_s))
+            self._received.append(read_line(line, self._words, self._valid_for_s))
         except LineError as error:
             self._refused.append(str(error))
             return json.dumps({"error": str(error)}).encode() + b"\n"

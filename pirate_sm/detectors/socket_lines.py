@@ -1,4 +1,4 @@
-"""Lines of JSON in which an outside program says a detector's words."""
+"""Lines of JSON in which another program sends detector words."""
 
 from __future__ import annotations
 
@@ -6,31 +6,31 @@ import json
 from collections.abc import Sequence
 
 from pirate_sm.model.events import DetectorWord
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant, one_of
 
 LONGEST_LINE = 4096
-"""Bytes; every line that says something is far shorter."""
+"""Bytes; valid lines are far shorter."""
 
 LONGEST_VALIDITY_S = 60.0
-"""A program that has died must not be believed for long."""
+"""The longest validity, because a program may have died after its word."""
 
 _SHOWN = 60
 
 
 class LineError(ValueError):
-    """Is raised for a line that says nothing; its text is for whoever wrote it."""
+    """Is raised for a line that is not valid; its text is for the sender."""
 
 
 def read_line(line: bytes, words: Sequence[str], valid_for_s: float) -> DetectorWord:
-    """Return the word that a line says.
+    """Return the word in a line.
 
     Args:
         line: ``{"word": "...", "valid_for_s": 1.0}`` in UTF-8; the second field may be left out.
-        words: Those that the robot's profile knows.
-        valid_for_s: For a line that does not say.
+        words: The words in the robot's profile.
+        valid_for_s: Validity for a line that has none.
 
     Raises:
-        LineError: It says nothing, or something unknown.
+        LineError: The line is not valid or has an unknown word.
     """
     if len(line) > LONGEST_LINE:
         raise LineError(f"a line has at most {LONGEST_LINE} bytes")
@@ -51,9 +51,8 @@ def _word(said: dict[str, object], words: Sequence[str]) -> str:
     if not isinstance(word, str):
         raise LineError(f"'word' is a text, {one_of(words)}")
     if word not in words:
-        close = nearest(word, words)
-        hint = f"did you mean '{close}'?" if close else f"expected {one_of(words)}"
-        raise LineError(f"unknown word '{_short(word.encode(errors='replace'))}': {hint}")
+        shown = _short(word.encode(errors="replace"))
+        raise LineError(f"unknown word '{shown}': {meant(word, words)}")
     return word
 
 

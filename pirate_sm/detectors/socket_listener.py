@@ -1,4 +1,4 @@
-"""A socket on this machine on which several programs write lines; it never waits for any."""
+"""A local socket on which several programs write lines; reading never blocks."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pirate_sm.errors import UsageError
 
 _MOST_CLIENTS = 16
 _AT_ONCE = 16 * LONGEST_LINE
-"""Bytes read from one client in one turn; what is left waits for the next."""
+"""Bytes read from one client in one turn; the rest waits for the next turn."""
 
 _FORM = "expected socket:HOST:PORT on this machine's loopback, or socket:/PATH"
 _HIGHEST_PORT = 65535
@@ -23,7 +23,7 @@ _HIGHEST_PORT = 65535
 
 @dataclass(frozen=True)
 class Address:
-    """Where programs connect: a Unix socket's ``path``, else ``host`` and ``port``."""
+    """Where programs connect: a Unix socket's ``path``, or ``host`` and ``port``."""
 
     host: str = ""
     port: int = 0
@@ -34,10 +34,10 @@ class Address:
 
 
 def read_address(text: str) -> Address:
-    """Return the address that is written as ``HOST:PORT`` or ``/PATH``.
+    """Return the address in ``HOST:PORT`` or ``/PATH``.
 
     Raises:
-        UsageError: It is neither, or could be reached from another machine.
+        UsageError: It is neither, or other machines could reach it.
     """
     if text.startswith("/"):
         return Address(path=text)
@@ -64,14 +64,14 @@ class _Client:
 
 
 Answer = Callable[[bytes], bytes]
-"""Takes a line, returns what is to be answered to it; empty for nothing."""
+"""Takes a line and returns the answer to it; empty for none."""
 
 
 class Listener:
     """Listens between ``open`` and ``close``.
 
     Attributes:
-        address: Where; with the port that was given when 0 was asked for, once it is open.
+        address: The address; once open, with the assigned port in place of 0.
     """
 
     def __init__(self, address: Address) -> None:
@@ -80,10 +80,10 @@ class Listener:
         self._clients: list[_Client] = []
 
     def open(self) -> None:
-        """Let programs connect.
+        """Open the socket.
 
         Raises:
-            UsageError: The address cannot be had.
+            UsageError: The address cannot be used.
         """
         there = self.address
         try:
@@ -96,7 +96,7 @@ class Listener:
             raise UsageError(f"socket:{there}: {error.strerror or error}") from None
 
     def close(self) -> None:
-        """Disconnect everybody and remove the socket's file; may be called twice."""
+        """Disconnect all programs and remove the socket's file; may be called twice."""
         for client in self._clients:
             client.link.close()
         self._clients.clear()
@@ -109,7 +109,7 @@ class Listener:
                 Path(self.address.path).unlink()
 
     def poll(self, answer: Answer) -> None:
-        """Answer every whole line that has come; return at once when there is none."""
+        """Answer every complete line received; return at once if there is none."""
         self._let_in()
         self._clients = [client for client in self._clients if self._serve(client, answer)]
 
@@ -117,7 +117,7 @@ class Listener:
         while self._door is not None:
             try:
                 link, _ = self._door.accept()
-            except OSError:  # nobody, or somebody who has gone again
+            except OSError:  # no client, or one that has gone again
                 return
             link.setblocking(False)
             if len(self._clients) < _MOST_CLIENTS:
@@ -126,7 +126,7 @@ class Listener:
                 link.close()
 
     def _serve(self, client: _Client, answer: Answer) -> bool:
-        """Return whether the client stays."""
+        """Return whether the client stays connected."""
         try:
             came = client.link.recv(_AT_ONCE)
         except BlockingIOError:
@@ -136,7 +136,7 @@ class Listener:
         *lines, rest = (client.begun + came).split(b"\n")
         stays = bool(came)
         if rest and (not stays or len(rest) > LONGEST_LINE):
-            # The last line before the end needs no newline; one without end is not waited for.
+            # The last line before the end needs no newline. An endless line is refused.
             lines.append(rest)
             stays, rest = False, bytearray()
         client.begun = rest
@@ -146,18 +146,18 @@ class Listener:
         return stays
 
     def _hear(self, client: _Client, lines: list[bytearray], answer: Answer) -> bool:
-        """Return whether the client is still listened to."""
+        """Handle these lines; return whether the client stays connected."""
         for line in lines:
             if line.strip() and not self._answer(client, answer(bytes(line))):
                 return False
-            # A web page can make a browser send a request here, with lines of its own in it.
+            # A web page can make a browser send a request to this port, with lines in it.
             if b" HTTP/" in line:
                 return False
         return True
 
     @staticmethod
     def _answer(client: _Client, text: bytes) -> bool:
-        """Return whether the client took the answer; one that does not read is not waited for."""
+        """Send the answer; return whether the client took it; one that does not read is dropped."""
         try:
             return not text or client.link.send(text) == len(text)
         except OSError:
@@ -179,13 +179,13 @@ def _tcp_door(there: Address) -> socket.socket:
 
 
 def _unix_door(path: Path) -> socket.socket:
-    """Return a socket whose file only this user can write to; an unused file is replaced."""
+    """Return a socket whose file only this user can write to; replace an unused file."""
     door = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         if path.exists() and stat.S_ISSOCK(path.stat().st_mode) and not _answers(path):
             path.unlink()
         door.bind(str(path))
-        path.chmod(0o600)  # before it listens nobody can connect
+        path.chmod(0o600)  # nobody can connect before it listens
         door.listen()
         door.setblocking(False)
     except OSError:

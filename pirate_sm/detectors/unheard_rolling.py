@@ -1,10 +1,9 @@
-"""Estimates what the wheels have rolled since their boards last reported.
+"""Estimates how far the wheels have rolled since their boards last reported.
 
-A wheel that drives and was last heard 0.3 s ago is 3 cm farther. What it rolls meanwhile is added
-up from its last known speed, but no more than is sure: not once its board counts as silent; not
-after it was told to stop; and no faster than the wheel that was heard last, which shows when the
-robot as a whole has become slower or stands. What has been added stays until the wheel is heard:
-else places would leap back.
+A driven wheel that last reported 0.3 s ago is 3 cm farther. This distance is added up from its last
+known speed, but conservatively: not once its board counts as silent; not after the command to stop;
+and no faster than the wheel that reported last, which shows when the whole robot has slowed down or
+stands. What has been added stays until the wheel reports, so that positions do not jump back.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ class Rolling:
     """Follows the wheels from one look to the next.
 
     Args:
-        robot: Whose wheels they are.
+        robot: The robot with the wheels.
     """
 
     def __init__(self, robot: RobotSpec) -> None:
@@ -30,12 +29,12 @@ class Rolling:
         self._rolled_m = [0.0] * count
 
     def look(self, state: EngineState, now_s: float) -> tuple[float, ...]:
-        """Return how far each wheel has rolled unheard, m; negative when driving backward.
+        """Return how far each wheel has rolled since its last report, m; backward is negative.
 
         Args:
-            state: The engine's; a wheel is driven when the setpoints in force and the newest ones
-                both say so.
-            now_s: Not before that of any earlier look.
+            state: The engine's state; a wheel is driven if the setpoints in force and the newest
+                ones both drive it.
+            now_s: Time, not earlier than in any earlier call.
         """
         robot, sensing = self._robot, state.sensing
         in_force, newest = state.robot.values, state.robot.latest
@@ -53,7 +52,7 @@ class Rolling:
         return tuple(self._rolled_m)
 
     def _freshest(self, state: EngineState) -> float:
-        """Speed of the driven wheel that was heard last, m/s; 0 where none is known."""
+        """Return the speed of the driven wheel that reported last, m/s; 0 if none is known."""
         robot, sensing = self._robot, state.sensing
         heard_s, freshest = -inf, 0.0
         for wheel, position in zip(robot.wheels, robot.wheel_boards, strict=True):
@@ -65,7 +64,7 @@ class Rolling:
 
 
 def _slower(own: float, robots: float) -> float:
-    """Return the slower of two speeds; 0 where signs differ, the other where one is unknown."""
+    """Return the slower of two speeds; 0 if signs differ, the other if one is unknown."""
     if isnan(own):
         return robots
     return min(own, robots, key=abs) if own * robots > 0.0 else 0.0

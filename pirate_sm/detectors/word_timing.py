@@ -1,4 +1,4 @@
-"""When a word begins and ceases to hold, with the wheels at known places along the pipe."""
+"""Decides when a detector word begins and ends, from the positions of the wheels."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from pirate_sm.detectors.place_filter import Tracker
 from pirate_sm.model.events import DetectorWord
 from pirate_sm.model.profile import Profile
 
-# A word that has been said holds until its wheel is this far before the point: noise does not
-# make it come and go.
+# A word stays valid until its wheel is this far before the point, so that noise does not switch it
+# on and off.
 _SLACK_M = 0.01
-# The last word of a bend is no longer said this far beyond its point.
+# The last word of a bend ends this far beyond its point.
 _FORGOTTEN_M = 0.25
-# Near the end of its validity a word that still holds is said again.
+# Near the end of its validity a word that still holds is repeated.
 _REPEAT_SHARE = 0.5
 
 
 @dataclass(frozen=True)
 class Point:
-    """Where a word begins to hold: a wheel, and how far it is beyond the crossing, m."""
+    """Where a word begins: a wheel, and its distance beyond the crossing, m."""
 
     wheel: int
     passed_m: float
@@ -37,7 +37,7 @@ class Word:
 
 
 def words_of(profile: Profile) -> tuple[Word, ...]:
-    """Return the detector's words with wheels as indexes."""
+    """Return the profile's detector words, with wheels as indices."""
     wheels = {wheel.name: index for index, wheel in enumerate(profile.body.wheels)}
     return tuple(
         Word(
@@ -50,17 +50,17 @@ def words_of(profile: Profile) -> tuple[Word, ...]:
 
 
 class Detector:
-    """Says a word when it begins to hold, and again while it holds.
+    """Reports a word when it begins, and repeats it while it holds.
 
-    Places are filtered (:class:`~pirate_sm.detectors.place_filter.Tracker`). The direction of
-    travel is that in which the setpoints in force drive the wheels, or last drove them: places are
-    too uncertain to tell. Where the place of a word's wheel is unknown, neither the word nor one
-    before it is said, since the robot may be farther.
+    Positions are filtered (:class:`~pirate_sm.detectors.place_filter.Tracker`). The direction of
+    travel is that of the setpoints in force, or of the last ones that drove the wheels, because
+    positions are too uncertain to show it. While the position of a word's wheel is unknown, neither
+    this word nor an earlier one is reported, since the robot may be farther.
 
     Args:
-        words: In the order in which a robot meets them at a bend.
+        words: The words, in the order in which a robot reaches them at a bend.
         errors_m: Error of each word's points, fixed for a run.
-        crossings_m: Arc lengths of the bends.
+        crossings_m: Positions of the bends along the pipe.
         valid_for_s: How long a word is valid.
     """
 
@@ -76,29 +76,29 @@ class Detector:
         self._valid_for_s = valid_for_s
         self._tracker = Tracker()
         self._direction = 0
-        self._said = ""
-        self._said_at = -math.inf
+        self._word = ""
+        self._word_at = -math.inf
 
     def look(self, time_s: float, places_m: Sequence[float], travel: int) -> DetectorWord | None:
-        """Return the word to say now; None for silence.
+        """Return the word to report now; None if there is none.
 
         Args:
-            time_s: Now.
-            places_m: Where each wheel is along the pipe; NaN where that is unknown.
-            travel: Which way the setpoints in force drive the wheels: 1 forward, -1 backward,
-                0 not at all.
+            time_s: Time.
+            places_m: Position of each wheel along the pipe; NaN if unknown.
+            travel: Direction in which the setpoints in force drive the wheels: 1 forward, -1
+                backward, 0 not at all.
         """
         self._tracker.see(time_s, places_m, driven=travel != 0)
         if travel and travel != self._direction:
-            self._direction, self._said = travel, ""
+            self._direction, self._word = travel, ""
         word = self._holding()
         if not word:
-            self._said = ""
+            self._word = ""
             return None
-        due = time_s - self._said_at >= _REPEAT_SHARE * self._valid_for_s
-        if word == self._said and not due:
+        due = time_s - self._word_at >= _REPEAT_SHARE * self._valid_for_s
+        if word == self._word and not due:
             return None
-        self._said, self._said_at = word, time_s
+        self._word, self._word_at = word, time_s
         return DetectorWord(word, self._valid_for_s)
 
     def _holding(self) -> str:
@@ -111,7 +111,7 @@ class Detector:
                 passed += error - point.passed_m
                 if math.isnan(passed):
                     return ""
-                if passed >= (-_SLACK_M if word.name == self._said else 0.0):
+                if passed >= (-_SLACK_M if word.name == self._word else 0.0):
                     if passed < _FORGOTTEN_M:
                         return word.name
                     break

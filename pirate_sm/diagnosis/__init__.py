@@ -1,5 +1,5 @@
 """Examine a connected robot: what it reports, what is missing, whether it may be used.
 
-Written against the driver's parts and any port, so that an emulated robot in virtual time can
-stand in for a real one. Prints nothing.
+It uses the driver's parts on any port, so an emulated robot in virtual time can replace a real one.
+It prints nothing.
 """

@@ -39,7 +39,7 @@ class Subject(NamedTuple):
     plan: LinkPlan
 
 
-class Finding(NamedTuple):
+class DoctorFinding(NamedTuple):
     """Something that a person should know, in one sentence.
 
     Attributes:
@@ -200,7 +200,7 @@ class Facts:
     words: tuple[tuple[int, str], ...]
     refused: tuple[str, ...]
     move: MoveFact | None = None
-    findings: tuple[Finding, ...] = field(default=())
+    findings: tuple[DoctorFinding, ...] = field(default=())
 
     @property
     def go(self) -> bool:

@@ -8,8 +8,8 @@ from statistics import median
 
 from pirate_sm.backends.serial.link.connection_errors import NO_SENSORS, mute
 from pirate_sm.diagnosis.facts import (
+    DoctorFinding,
     Facts,
-    Finding,
     MoveFact,
     Subject,
     TopicFact,
@@ -57,15 +57,15 @@ def _with(advice: str) -> str:
 # --- topics -------------------------------------------------------------------------------------
 
 
-def _about_topics(facts: Facts) -> Iterator[Finding]:
+def _about_topics(facts: Facts) -> Iterator[DoctorFinding]:
     for refusal in facts.refused:
-        yield Finding("no-go", refusal)
-    told = " ".join(facts.refused)
+        yield DoctorFinding("no-go", refusal)
+    reasons = " ".join(facts.refused)
     for topic in facts.topics:
         if topic.id is None:
-            yield Finding("no-go", _missing(topic, facts))
-        elif not topic.agrees and topic.type not in told:
-            yield Finding(
+            yield DoctorFinding("no-go", _missing(topic, facts))
+        elif not topic.agrees and topic.type not in reasons:
+            yield DoctorFinding(
                 "no-go",
                 f"topic '{topic.name}' carries {topic.type} with md5 {topic.md5}, the profile "
                 f"says {topic.our_type} with {topic.our_md5}",
@@ -84,14 +84,16 @@ def _missing(topic: TopicFact, facts: Facts) -> str:
 # --- boards -------------------------------------------------------------------------------------
 
 
-def _about_boards(facts: Facts, subject: Subject) -> Iterator[Finding]:
+def _about_boards(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
     silent = [board.id for board in facts.boards if not board.frames]
     if silent and len(silent) == len(facts.boards):
         advice = _advice(subject).no_sensors
         if all(topic.agrees and topic.id is not None for topic in facts.topics):
-            yield Finding("no-go", f"no board reports{_with(advice)}" if advice else NO_SENSORS)
+            yield DoctorFinding(
+                "no-go", f"no board reports{_with(advice)}" if advice else NO_SENSORS
+            )
     elif silent:
-        yield Finding(
+        yield DoctorFinding(
             "no-go",
             f"{mute(subject.plan.modules, silent)}: is it powered, is its cable in? A board that "
             "is meant to be absent is 'fitted: false' in the profile",
@@ -100,18 +102,20 @@ def _about_boards(facts: Facts, subject: Subject) -> Iterator[Finding]:
         yield from _about_rates(facts, subject)
     if facts.strangers:
         boards = ", ".join(map(str, facts.strangers))
-        yield Finding("suspicious", f"board {boards} reports, which the profile does not listen to")
+        yield DoctorFinding(
+            "suspicious", f"board {boards} reports, which the profile does not listen to"
+        )
 
 
-def _about_rates(facts: Facts, subject: Subject) -> Iterator[Finding]:
+def _about_rates(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
     most_s = min(subject.profile.link.silent_after, facts.listened_s / 2)
     if facts.boards and all(board.longest_gap_s > most_s for board in facts.boards):
         least_s = min(board.longest_gap_s for board in facts.boards)
-        yield Finding("no-go", f"no board reported for {least_s:.1f} s in between")
+        yield DoctorFinding("no-go", f"no board reported for {least_s:.1f} s in between")
         return
     share = sum(b.per_s for b in facts.boards) / sum(b.expected_per_s for b in facts.boards)
     if share < COMPLETE_SHARE:
-        yield Finding(
+        yield DoctorFinding(
             "suspicious",
             f"only {share:.0%} of the messages come that the bus has time for: messages are lost, "
             "or its cycle is longer than the profile says",
@@ -120,9 +124,9 @@ def _about_rates(facts: Facts, subject: Subject) -> Iterator[Finding]:
         what = f"board {board.id} ({board.module})"
         if board.longest_gap_s > most_s:
             message = f"{what} said nothing for {board.longest_gap_s:.1f} s"
-            yield Finding("no-go", message)
+            yield DoctorFinding("no-go", message)
         elif board.per_s < LATE_SHARE * board.expected_per_s:
-            yield Finding(
+            yield DoctorFinding(
                 "suspicious",
                 f"{what} reports {board.per_s:.1f} times a second instead of "
                 f"{board.expected_per_s:.1f}",
@@ -132,73 +136,77 @@ def _about_rates(facts: Facts, subject: Subject) -> Iterator[Finding]:
 # --- sensors ------------------------------------------------------------------------------------
 
 
-def _about_channels(facts: Facts) -> Iterator[Finding]:
+def _about_channels(facts: Facts) -> Iterator[DoctorFinding]:
     for board in facts.boards:
         for channel in board.channels:
             name = channel.signal or f"{channel.name} of board {board.id}"
             for trouble in channel.trouble:
                 wrong = trouble.startswith(name)
-                yield Finding("suspicious", trouble if wrong else f"{name} {trouble}")
+                yield DoctorFinding("suspicious", trouble if wrong else f"{name} {trouble}")
 
 
 # --- link ---------------------------------------------------------------------------------------
 
 
-def _about_link(facts: Facts) -> Iterator[Finding]:
+def _about_link(facts: Facts) -> Iterator[DoctorFinding]:
     link = facts.link
     if link.resets:
-        yield Finding("no-go", "the device fell silent and had to be asked anew: it was reset")
+        yield DoctorFinding(
+            "no-go", "the device fell silent and had to be asked anew: it was reset"
+        )
     if link.dropped > DAMAGED_SHARE * max(link.bytes, 1):
-        yield Finding(
+        yield DoctorFinding(
             "suspicious",
             f"{link.dropped} of {link.bytes} bytes belonged to no whole frame: a bad cable, a "
             "disturbed line, or another program that uses the port",
         )
     if link.unreadable:
         message = f"{link.unreadable} messages were not what their type says"
-        yield Finding("suspicious", message)
+        yield DoctorFinding("suspicious", message)
     if link.asked_ms and median(link.asked_ms) > SLOW_MS:
         message = f"the device takes {median(link.asked_ms):.0f} ms to answer"
-        yield Finding("suspicious", message)
+        yield DoctorFinding("suspicious", message)
     for level, text in facts.words:
         if level >= _ERROR:
-            yield Finding("suspicious", f"the firmware says: {text}")
+            yield DoctorFinding("suspicious", f"the firmware says: {text}")
 
 
 # --- moving -------------------------------------------------------------------------------------
 
 
-def _about_moving(facts: Facts, advice: Advice) -> Iterator[Finding]:
+def _about_moving(facts: Facts, advice: Advice) -> Iterator[DoctorFinding]:
     move = facts.move
     if move is None:
         message = "nothing was sent, so nobody knows whether the motors obey (see --move)"
         if advice.no_motion:
             message += f"; if they do not, {advice.no_motion}"
-        yield Finding("note", message)
+        yield DoctorFinding("note", message)
     elif not move.accepted:
-        yield Finding("no-go", f"none of {move.sent} arrays of setpoints was echoed")
+        yield DoctorFinding("no-go", f"none of {move.sent} arrays of setpoints was echoed")
     elif move.accepted < move.sent:
         lost = move.sent - move.accepted
         message = f"{lost} of {move.sent} arrays of setpoints were never echoed"
-        yield Finding("no-go", message)
+        yield DoctorFinding("no-go", message)
     elif move.wheels:
         yield from _about_wheels(move, advice)
 
 
-def _about_wheels(move: MoveFact, advice: Advice) -> Iterator[Finding]:
+def _about_wheels(move: MoveFact, advice: Advice) -> Iterator[DoctorFinding]:
     if all(wheel.turned_rad is None for wheel in move.wheels):
         message = "setpoints are echoed, but no wheel's sensor tells whether it turned"
-        yield Finding("suspicious", message)
+        yield DoctorFinding("suspicious", message)
         return
     idle = [wheel for wheel in move.wheels if not wheel.turned]
     if len(idle) == len(move.wheels):
         message = f"setpoints are echoed but no wheel turns{_with(advice.no_motion)}"
-        yield Finding("no-go", message)
+        yield DoctorFinding("no-go", message)
         return
     for wheel in idle:
         unseen = wheel.turned_rad is None
         why = "its sensor says nothing" if unseen else "its sensor does not see it turn"
         message = f"{wheel.slot} was driven and {why}: it is dead, blocked, or not seen"
-        yield Finding("suspicious", message + _with(advice.motor_error).replace(": ", "; ", 1))
+        yield DoctorFinding(
+            "suspicious", message + _with(advice.motor_error).replace(": ", "; ", 1)
+        )
     if not idle:
-        yield Finding("note", f"all {len(move.wheels)} wheels obey")
+        yield DoctorFinding("note", f"all {len(move.wheels)} wheels obey")

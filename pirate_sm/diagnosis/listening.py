@@ -1,4 +1,4 @@
-"""Open a port, ask its device for its topics, and take in everything that it says."""
+"""Opens a port, asks its device for its topics, and listens to everything that it sends."""
 
 from __future__ import annotations
 
@@ -36,20 +36,20 @@ Watch = Callable[["Listening"], None]
 
 
 class Listening:
-    """A connection to a robot that only listens until it is told to send; a context manager.
+    """A connection to a robot that sends nothing of its own accord; a context manager.
 
-    Nothing moves by it, but opening the port resets most controllers, and motors that they were
-    driving stop with that.
+    It moves nothing. But opening the port resets most controllers, which stops the motors that they
+    were driving.
 
     Args:
-        subject: The robot that is expected.
-        port: Where.
-        baud: Of the line.
-        check: Is called many times a second; what it raises ends the listening.
+        subject: The expected robot.
+        port: The port.
+        baud: Baud rate of the line.
+        check: Is called many times a second; an exception from it ends the listening.
 
     Attributes:
-        records: What the boards said since it began to count.
-        results: What became of arrays, by their ids.
+        records: The boards' reports since counting began.
+        results: The results of arrays, by id.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class Listening:
         """Open the port, and wait until the device has introduced its topics.
 
         Raises:
-            BackendError: There is no port, or nobody who speaks rosserial behind it.
+            BackendError: There is no port, or no device on it that speaks rosserial.
         """
         self.port.open()
         try:
@@ -91,7 +91,7 @@ class Listening:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Tell the device to be quiet, and free the port."""
+        """Ask the device to stop publishing, and close the port."""
         stopped = self.exchange.stopped.confirmed
         with suppress(BackendError):
             if stopped:
@@ -117,10 +117,10 @@ class Listening:
     # --- listening --------------------------------------------------------------------------
 
     def listen(self, seconds: float, watch: Watch = lambda listening: None) -> None:
-        """Count anew, and listen for so long.
+        """Reset the counts and listen.
 
         Args:
-            seconds: How long.
+            seconds: How long to listen.
             watch: Is called ten times a second.
 
         Raises:
@@ -155,7 +155,7 @@ class Listening:
 
     @property
     def _may_write(self) -> bool:
-        """Whether the conversation may ask; one that is not understood stops asking."""
+        """Whether the conversation may ask; it stops asking an unintelligible device."""
         conversation = self.exchange.conversation
         return not self._connected or conversation.known or conversation.due_s == -inf
 
@@ -163,7 +163,7 @@ class Listening:
         return self.exchange.write(now) if self._may_write else b""
 
     def _ask(self, now: float) -> None:
-        """Ask for the topics once more, to see how long the answer takes."""
+        """Ask for the topics again, to measure the time to the answer."""
         self._asked_s = now
         self.port.write(encode(REQUEST_TOPICS))
 
@@ -189,7 +189,7 @@ class Listening:
                 self._resets += event.code == BuiltInFault.FIRMWARE_RESET.code
 
     def _meet(self, topic: int, payload: bytes) -> None:
-        """Count the messages of boards that the profile does not listen to."""
+        """Count the messages of boards that are not in the profile."""
         state = self._plan.wanted[STATE]
         offer = self.exchange.conversation.offered.get((state.direction, state.name.lstrip("/")))
         if offer is None or offer.number != topic or offer.md5 != state.md5:
@@ -212,7 +212,7 @@ class Listening:
     # --- what came of it --------------------------------------------------------------------
 
     def facts(self) -> Facts:
-        """Return everything that has been found out so far, not judged."""
+        """Return all facts so far, without judging them."""
         now = self.port.now()
         conversation, counts = self.exchange.conversation, self.exchange.counts
         dropped, before = self._base
@@ -241,7 +241,7 @@ class Listening:
                 max(now - self._began_s, 1e-3),
             ),
             boards=self.records.facts(now),
-            # Damage that its sum does not show makes up a board now and then, not often.
+            # Damage that the checksum misses makes up a board now and then, not often.
             strangers=tuple(sorted(b for b, count in self._strangers.items() if count > 2)),
             link=link,
             words=tuple((line.level, line.text) for line in conversation.words),

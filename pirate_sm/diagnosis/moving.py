@@ -1,4 +1,4 @@
-"""Setpoints are sent to a robot whose wheels turn freely, to see whether it obeys."""
+"""Sends setpoints to a robot whose wheels can turn freely, to test whether it obeys."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ECHOES = 10
 DUTY = 0.3
 TURN_FOR_S = 0.6
 TURNED_RAD = 0.1
-"""A wheel at this duty turns further by far, unless nothing drives it."""
+"""A driven wheel turns much farther than this at this duty."""
 
 _ANSWER_WITHIN_S = 2.0
 _LOOK_UP_S = 0.1
@@ -23,39 +23,39 @@ _COAST_S = 0.2
 
 
 class Moving:
-    """The test with setpoints; when it is over every wheel is at rest.
+    """The test with setpoints; at its end every wheel is at rest.
 
     Args:
-        listening: To the robot, long enough that its sensors have spoken.
-        tell: Takes what happens next.
+        listening: The connection to the robot, whose sensors must have reported.
+        announce: Takes a message before each step.
     """
 
-    def __init__(self, listening: Listening, tell: Callable[[str], None]) -> None:
+    def __init__(self, listening: Listening, announce: Callable[[str], None]) -> None:
         self._listening = listening
         self._profile = listening.subject.profile
-        self._tell = tell
+        self._announce = announce
         self._next_id = 1
         self._accepted = 0
         self._rest = self._at_rest()
         rates = [board.expected_per_s for board in listening.facts().boards]
-        # Where a message is one value, a board's turn comes late.
+        # If a message holds one value, a board's turn comes late.
         self._settle_s = max([_COAST_S, *(1.5 / rate for rate in rates if rate)])
 
     def run(self) -> MoveFact:
-        """Every wheel has been asked to turn for a moment, and has been stopped again.
+        """Turn every wheel for a moment, stop it, and return the results.
 
         Raises:
             PortLostError: The port has gone.
         """
         wheels: list[TurnFact] = []
         try:
-            self._tell("sending arrays in which nothing moves")
+            self._announce("sending arrays in which nothing moves")
             for _ in range(ECHOES):
                 self._send(self._rest)
             if self._accepted:
                 for at, slot in enumerate(self._profile.slots):
                     if slot.wheel is not None:
-                        self._tell(f"turning {slot.name}")
+                        self._announce(f"turning {slot.name}")
                         wheels.append(self._turn(at, slot.name))
         finally:
             self._stop()
@@ -73,7 +73,7 @@ class Moving:
         return TurnFact(name, None if isnan(turned) else turned, abs(turned) >= TURNED_RAD)
 
     def _send(self, values: tuple[float, ...]) -> None:
-        """The array has been accepted, or it is unknown what became of it."""
+        """Send the array and wait until it is accepted or its result is unknown."""
         number, listening = self._next_id, self._listening
         self._next_id += 1
         listening.exchange.submit(number, values, listening.port.now())
@@ -84,10 +84,10 @@ class Moving:
         self._accepted += result is not None and result.status == "accepted"
 
     def _stop(self) -> None:
-        """Bring every wheel to rest, as far as the link carries that.
+        """Bring every wheel to rest, as far as the link allows.
 
-        Copies that are still on their way are waited for: with the port they would be lost, and
-        the count of what was written would not be that of what the robot has seen.
+        This waits for copies under way. They would be lost with the port, and the count of writings
+        would differ from what the robot has received.
         """
         listening = self._listening
         with suppress(PortLostError):
@@ -103,7 +103,7 @@ class Moving:
         self._listening.turn(until_s)
 
     def _at_rest(self) -> tuple[float, ...]:
-        """No duty anywhere, and every board with a controller of its own told to stay."""
+        """Return zero duties, and the present angle of every board with a controller of its own."""
         values = []
         for slot in self._profile.slots:
             value = 0.0
@@ -115,7 +115,7 @@ class Moving:
         return tuple(values)
 
     def _angle(self, slot: str) -> float:
-        """What the sensor of the slot's own angle shows, rad; NaN where it says nothing."""
+        """Return the angle that the slot's own sensor shows, rad; NaN if it shows none."""
         subject = self._listening.subject
         for number, board in subject.robot.boards.items():
             channels = next(b.channels for b in self._profile.boards if b.id == number)

@@ -1,4 +1,4 @@
-"""What boards say is counted and held against what their sensors can show."""
+"""Counts the boards' reports and compares them with the plausible values of their sensors."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from pirate_sm.units import DIMENSIONLESS, Dimension
 
 
 class ChannelRecord:
-    """What came from one channel.
+    """The values of one channel.
 
     Args:
-        robot: Whose channel it is.
-        place: Its place in the frame of its board.
-        watch: What its sensor can show; None where it has no limits.
+        robot: The robot with the channel.
+        place: Index of the channel in the frame of its board.
+        watch: The sensor's limits; None if it has none.
     """
 
     def __init__(self, robot: RobotSpec, place: int, watch: WatchSpec | None) -> None:
@@ -49,7 +49,7 @@ class ChannelRecord:
         self._sum += value
 
     def judge(self, numbers: list[float], reading: Reading) -> None:
-        """Compare the number made of the value with what its sensor can show."""
+        """Compare the converted value with the sensor's limits."""
         self._record, reports = sift(
             self._robot.plausibility, self._watched, self._record, numbers, reading
         )
@@ -59,17 +59,17 @@ class ChannelRecord:
 
     @property
     def mean(self) -> float:
-        """Of its values; NaN where none came."""
+        """Mean of the values; NaN if none came."""
         return self._sum / self.count if self.count else nan
 
     @property
     def spikes(self) -> int:
-        """How many spikes the engine would have hidden."""
+        """Number of spikes that the engine would have hidden."""
         return sum(channel.hidden for channel in self._record.channels)
 
 
 class BoardRecord:
-    """What came from one board since ``began_s``."""
+    """The reports of one board since ``began_s``."""
 
     def __init__(self, subject: Subject, board: Board, began_s: float) -> None:
         robot = subject.robot
@@ -88,7 +88,7 @@ class BoardRecord:
         self._gap_s = 0.0
 
     def take(self, frame: SensorFrame, now: float) -> None:
-        """The frame has been counted."""
+        """Count the frame."""
         self.frames += 1
         elapsed_s, self._heard_s = now - self._heard_s, now
         self._gap_s = max(self._gap_s, elapsed_s)
@@ -103,16 +103,16 @@ class BoardRecord:
         self._numbers = numbers
 
     def gap_s(self, now: float) -> float:
-        """The longest time without a word, until now."""
+        """Return the longest time without a frame, until now."""
         return max(self._gap_s, now - self._heard_s)
 
 
 class Records:
-    """What came from all boards that are listened to.
+    """The reports of all boards in the profile.
 
     Args:
         subject: The robot.
-        now: The time at which counting begins.
+        now: Time at which counting begins.
     """
 
     def __init__(self, subject: Subject, now: float) -> None:
@@ -125,16 +125,16 @@ class Records:
         }
 
     def take(self, frame: SensorFrame, now: float) -> None:
-        """The frame has been counted."""
+        """Count the frame."""
         if frame.board in self.boards:
             self.boards[frame.board].take(frame, now)
 
     def last(self, board: int, place: int) -> float:
-        """Return the last count of a channel; NaN where none came."""
+        """Return the last count of a channel; NaN if none came."""
         return self.boards[board].channels[place].last if board in self.boards else nan
 
     def facts(self, now: float) -> tuple[BoardFact, ...]:
-        """Return what has been counted until now."""
+        """Return the facts counted until now."""
         profile = self._subject.profile
         turns = len(self.boards)
         if profile.serial is not None and profile.serial.state.layout == "value":
@@ -165,11 +165,11 @@ class Records:
 
 
 Meaning = tuple[float, float, Dimension]
-"""SI per count, the zero that is subtracted, and what it is."""
+"""SI per count, the zero that is subtracted, and the dimension."""
 
 
 def meanings(subject: Subject, board: int) -> dict[int, Meaning]:
-    """By place in the board's frame, what the counts of its channels mean."""
+    """Return the meaning of the board's channels, by index in its frame."""
     spec = subject.robot.boards.get(board)
     if spec is None:
         return {}

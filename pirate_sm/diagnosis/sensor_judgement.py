@@ -1,4 +1,4 @@
-"""Find what is wrong with the sensors of one board."""
+"""Finds what is wrong with the sensors of one board."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.model.profile import Board, Channel
 
 SAME = 20
-"""So many equal values in a row are no chance: an angle flickers by a count."""
+"""More equal values in a row than chance allows: an angle flickers by a count."""
 
 
 AT_END_RAD = radians(3)
 
 
 GRAVITY_WITHIN = 2.5
-"""m/s²; a robot that stands still feels gravity alone."""
+"""m/s²; a robot at rest measures gravity alone."""
 
 
 def judge_board(fact: BoardFact, subject: Subject) -> BoardFact:
-    """Return the fact with what is wrong with each of the board's sensors."""
+    """Return the fact with the problems of each of the board's sensors."""
     board = next(each for each in subject.profile.boards if each.id == fact.id)
     channels = [
         replace(channel, trouble=(*channel.trouble, *_trouble(channel, known, fact, subject)))
@@ -60,7 +60,7 @@ def _trouble(
 
 
 def _judge_gravity(channels: list[ChannelFact], board: Board) -> None:
-    """An accelerometer that does not feel gravity is reported at its first axis."""
+    """Report an accelerometer that does not measure gravity, at its first axis."""
     axes = [
         at for at, known in enumerate(board.channels) if (known.senses or "").startswith("acc_")
     ]

@@ -1,4 +1,4 @@
-"""Whether a robot that is said to be straight is, as far as its joint sensors show."""
+"""Checks by the joint sensors whether a robot is straight, as it is declared."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from pirate_sm.diagnosis.facts import Subject
 from pirate_sm.diagnosis.records import Records, meanings
 
 STILL_RAD = radians(1)
-"""A joint at rest flickers by less than this: a count is a tenth of it."""
+"""A joint at rest flickers by less than this; a count is a tenth of it."""
 
 LEAST_READINGS = 10
 
 
 class JointReading(NamedTuple):
-    """What one joint's sensor showed while it was listened to, without any zero subtracted.
+    """One joint's readings, without a zero subtracted.
 
     Attributes:
-        mean: rad; likewise ``spread``, the difference of its extremes, and ``last``.
-        taken: How many readings.
+        mean: Mean, rad; likewise ``spread``, the difference of the extremes, and ``last``.
+        taken: Number of readings.
     """
 
     name: str
@@ -31,7 +31,7 @@ class JointReading(NamedTuple):
 
 
 def read_joints(subject: Subject, records: Records, joints: Sequence[str]) -> list[JointReading]:
-    """What these joints showed since counting began."""
+    """Return the readings of these joints since counting began."""
     found: list[JointReading] = []
     for number, record in records.boards.items():
         scales = {place: scale for place, (scale, _, _) in meanings(subject, number).items()}
@@ -46,7 +46,7 @@ def read_joints(subject: Subject, records: Records, joints: Sequence[str]) -> li
 
 
 def objections(readings: Iterable[JointReading], limit_rad: float) -> list[str]:
-    """Why these readings must not become zeros, one sentence each; none when they may."""
+    """Return why these readings must not become zeros, one sentence each; empty if they may."""
     found: list[str] = []
     for name, mean, spread, taken, _ in readings:
         if taken < LEAST_READINGS:

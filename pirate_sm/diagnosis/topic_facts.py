@@ -1,4 +1,4 @@
-"""Compare the topics that a device has introduced with those that its robot's profile names."""
+"""Compares the topics that a device has introduced with those in its robot's profile."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ def topic_facts(
     counts: Mapping[int, int],
     elapsed_s: float,
 ) -> tuple[TopicFact, ...]:
-    """Return what is known of each topic: the wanted ones, then those that only the device has.
+    """Return the facts of each topic: the wanted ones, then those that only the device has.
 
     Args:
-        wanted: What the profile names.
-        offered: What the device has introduced, by direction and name.
-        counts: How many frames came on each topic, by its number.
-        elapsed_s: In what time.
+        wanted: The profile's topics.
+        offered: The device's topics, by direction and name.
+        counts: Number of frames of each topic, by its number.
+        elapsed_s: Time over which they were counted, s.
     """
     found: list[TopicFact] = []
     others = dict(offered)

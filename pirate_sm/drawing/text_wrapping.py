@@ -1,4 +1,4 @@
-"""How wide text is, and where it is broken, when every character has the same width."""
+"""Width and wrapping of text in a fixed-width font."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ INDENT = 2
 
 
 def cells(text: str) -> int:
-    """Return the columns the text takes: East Asian wide characters two, marks on letters none."""
+    """Return the columns of the text: East Asian wide characters two, combining marks none."""
     return len(text) if text.isascii() else sum(_cells_of(character) for character in text)
 
 
@@ -20,7 +20,7 @@ def _cells_of(character: str) -> int:
 
 
 def printable(text: str) -> str:
-    """Return the text with a replacement for each character that cannot be printed."""
+    """Return the text with a replacement for each unprintable character."""
     return text if text.isprintable() else "".join(map(_printable, text))
 
 
@@ -30,9 +30,9 @@ def _printable(character: str) -> str:
 
 
 def wrapped(text: str, width: int, hang: int = 0) -> tuple[str, ...]:
-    """Return the text in lines of at most ``width`` columns, broken at blanks where there are some.
+    """Return the text in lines of at most ``width`` columns, broken at blanks if possible.
 
-    Later lines keep the first one's indentation and have ``hang`` blanks more.
+    Later lines have the first one's indentation and ``hang`` blanks more.
     """
     indent = " " * (len(text) - len(text.lstrip(" ")))
     lines: list[str] = []
@@ -48,9 +48,9 @@ def wrapped(text: str, width: int, hang: int = 0) -> tuple[str, ...]:
 
 
 def balanced(text: str, width: int) -> tuple[str, ...]:
-    """Return the text in few lines, all about as long; the first is the shortest.
+    """Return the text in few lines of similar length; the first is the shortest.
 
-    A word that is longer than ``width`` widens it, up to half as much again.
+    A word longer than ``width`` widens the lines, by up to a half.
     """
     longest = max(map(cells, text.split()), default=0)
     width = max(width, min(longest, width * 3 // 2))
@@ -67,7 +67,7 @@ def balanced(text: str, width: int) -> tuple[str, ...]:
 
 
 def _short_words(words: list[str], width: int) -> Iterator[str]:
-    """Yield the words; a longer one in pieces."""
+    """Yield the words; longer ones in pieces."""
     for word in words:
         rest = word
         while cells(rest) > width:

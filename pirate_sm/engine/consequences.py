@@ -1,4 +1,4 @@
-"""What follows from an event: what is due, done, broken or next, and when to look again."""
+"""Derive what follows from an event: deadlines, completed commands, broken rules, next steps."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
     """Return the state after everything that follows from an event at this moment.
 
     Args:
-        moment: When it is, and what happens.
+        moment: The time, the robot and program, and the effects so far.
         before: The state before the event.
         state: The state with the event in it.
     """
@@ -44,7 +44,7 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
             state = start_check.go_on(moment, state, state.look)
         if state.robot.motion is not None and not state.mission.suspended:
             state = _watch(moment, state)
-        # Whether the next command would break a rule is asked of where the rules are now.
+        # The next command is judged by the progress of the rules, so bring that up to date first.
         if state.robot is not before.robot:
             state = judged = watch(moment, before, state)
         if not (state.mission.ending or state.mission.ended):
@@ -66,7 +66,7 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
 
 
 def _go_on(moment: Moment, state: EngineState) -> EngineState:
-    if state.look is None:  # nothing is commanded before it is over
+    if state.look is None:  # no commands during the start check
         if state.mission.diverting is not None:
             state = divert(moment, state)
         if state.mission.pause_wanted:
@@ -78,7 +78,7 @@ def _go_on(moment: Moment, state: EngineState) -> EngineState:
         state = end(moment, state, "failed", message)
     if state.mission.pause_wanted:
         state = pausing.begin_if_wanted(moment, state)
-    if state.robot.loops and not moment.nominal:  # what is commanded now comes first
+    if state.robot.loops and not moment.nominal:  # a command of this step comes first
         robot = sending.stream(moment, state.robot, state.sensing)
         if robot is not state.robot:
             state = state._replace(robot=robot)
@@ -95,7 +95,7 @@ def _watch(moment: Moment, state: EngineState) -> EngineState:
 
 
 def _housekeep(moment: Moment, state: EngineState) -> EngineState:
-    """Forget what has become too old, send again what is due, and report silent boards."""
+    """Forget signals that are too old, resend arrays that are due, and report silent boards."""
     if has_come(moment.now_s, state.word_until_s):
         words = (*state.words[:-2], None, state.words[-1])
         state = state._replace(words=words, word_until_s=inf)
@@ -118,7 +118,7 @@ def _housekeep(moment: Moment, state: EngineState) -> EngineState:
 
 
 def _set_wake(moment: Moment, state: EngineState) -> EngineState:
-    """Tell when time alone will change something, if that has changed."""
+    """Emit the next time at which something changes without an event, if it is another one."""
     if state.mission.ended:
         return state
     body = state.robot
@@ -137,5 +137,5 @@ def _set_wake(moment: Moment, state: EngineState) -> EngineState:
         wake = min(wake, state.sensing.checked_s + moment.robot.link.listen_every_s)
     if wake == state.wake_at_s or isnan(wake):
         return state
-    moment.tell(WakeAt(wake))
+    moment.emit(WakeAt(wake))
     return state._replace(wake_at_s=wake)

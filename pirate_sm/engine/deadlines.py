@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 ROUNDING_S = 1e-9
-"""Sums of times differ by rounding; a deadline that is so near has come. Without it a deadline
-could be due for who sets the alarm and not yet for who is woken by it."""
+"""Tolerance of time comparisons. Sums of times differ by rounding: without a tolerance, a deadline
+could be due for the clock that wakes the engine, and not yet for the engine."""
 
 
 def has_come(now: float, at_s: float) -> bool:
-    """Whether ``at_s`` is now or past."""
+    """Return whether the time ``at_s`` has been reached, within rounding."""
     return now >= at_s - ROUNDING_S

@@ -29,13 +29,13 @@ Effects = tuple[Effect, ...]
 
 
 class Engine:
-    """Runs one mission on one robot. Holds nothing that changes: all of that is in the state.
+    """Runs one mission on one robot. The engine is immutable: everything that changes is state.
 
     Args:
-        robot: What runs.
-        program: What it shall do.
-        nominal: Take commands as done after their nominal duration, for a backend in which
-            nothing moves and no sensor speaks.
+        robot: The robot.
+        program: The mission to run.
+        nominal: Whether commands count as done after their nominal duration, for a backend
+            without motion and sensors.
     """
 
     def __init__(self, robot: RobotSpec, program: Program, *, nominal: bool) -> None:
@@ -51,15 +51,15 @@ class Engine:
         body: RobotState | None = None,
         paused: bool = False,
     ) -> tuple[EngineState, Effects]:
-        """Begin the mission; return its first state and effects.
+        """Start the mission and return its first state and effects.
 
         Args:
-            now_s: When.
-            seen: What the boards have reported before, or a script has told; an angle that the
-                first array keeps must be reported by then, or it is taken to be 0.
-            body: What the robot has been commanded to by an earlier mission; None: it is said to
-                be at rest in the configuration that the program begins in.
-            paused: Whether the operator has the robot first.
+            now_s: Start time, in seconds.
+            seen: Reports of the boards, or of a script, from before the start. An angle that the
+                first array keeps must be among them, otherwise 0 is assumed.
+            body: The robot's state after an earlier mission. None declares it at rest in the
+                configuration in which the program begins.
+            paused: Whether the mission starts paused, with the operator in control.
         """
         robot = body or self._declared()
         sensing = nothing_known(self.robot, blind=self.nominal)
@@ -78,14 +78,14 @@ class Engine:
         state = EngineState(robot, sensing, mission, faults, words)
         state = state._replace(rules=following, surveyed=surveyed, look=look)
         moment = Moment(self.robot, self.program, self.nominal, now_s)
-        moment.tell(robot_state.state_change(self.robot, robot))
+        moment.emit(robot_state.state_change(self.robot, robot))
         for report in seen:
             if isinstance(report, events.SignalReport):
                 state = scripted_signals.show(moment, state, report)
         return settle(moment, state, state), tuple(moment.effects)
 
     def _declared(self) -> RobotState:
-        """Return the robot as declared; where there are sensors they must confirm it."""
+        """Return the robot as declared; with sensors it is unconfirmed until they agree."""
         declared = robot_state.at_rest_in if self.nominal else confirmation.declared_in
         return declared(self.robot, self.program.start_configuration)
 
@@ -95,34 +95,34 @@ class Engine:
         """Return the state and the effects after the event and everything that follows from it.
 
         Args:
-            state: What was; unchanged.
-            event: What has happened.
-            now_s: When, in seconds since the run began; must not go back.
+            state: The state before the event; it is not modified.
+            event: The event.
+            now_s: Time of the event in seconds since the run began; must not decrease.
 
         Returns:
-            The new state and the effects in order. After an ``Ended`` there are none any more.
+            The new state and the effects in order. Nothing follows an ``Ended``.
         """
         if state.mission.ended:
             return state, ()
         moment = Moment(self.robot, self.program, self.nominal, now_s)
-        if type(event) is events.SensorFrame:  # nearly all of them
+        if type(event) is events.SensorFrame:  # the most frequent event
             after = inputs.frame(moment, state, event)
         else:
             after = _take(moment, state, event)
-        if type(event) is not events.SignalReport:  # that counts from the next event on
+        if type(event) is not events.SignalReport:  # a script counts from the next event
             after = settle(moment, state, after)
         return after, tuple(moment.effects)
 
     def signals(self, state: EngineState) -> dict[str, float]:
-        """Return every signal in SI by its name; NaN where it is unknown."""
+        """Return all signals by name, in SI units; NaN is unknown."""
         return dict(zip(self.robot.vocabulary.numbers, state.sensing.shown, strict=True))
 
     def safe_values(self, state: EngineState) -> tuple[float, ...]:
-        """Return the safe array, for when no step can be made any more."""
+        """Return the safe array, for use when the engine can make no further step."""
         return robot_state.safe_values(self.robot, state.robot, state.sensing.numbers)
 
     def seeking(self, state: EngineState) -> frozenset[int]:
-        """Return the slots of the newest array that a loop drives and that go to zero with it."""
+        """Return the slots of the newest array whose loop leaves zero behind when it stops."""
         flight = state.robot.flight
         return state.robot.seeking if flight is None else flight.seeking
 

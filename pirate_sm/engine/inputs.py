@@ -1,4 +1,4 @@
-"""What backends and detectors report becomes the engine's state."""
+"""Apply the reports of backends and detectors to the engine's state."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pirate_sm.engine.control import sending
 from pirate_sm.engine.mission.diverting import meet
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands
-from pirate_sm.engine.safety.faults import ANEW, Found, begin_anew, look, unsettle
+from pirate_sm.engine.safety.faults import ANEW, FoundFault, begin_anew, look, unsettle
 from pirate_sm.engine.sensing.conversion import observe
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Detected
@@ -15,7 +15,7 @@ from pirate_sm.model.fault_codes import BuiltInFault
 
 
 def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState:
-    """Take a board's values in, and meet the faults that they show."""
+    """Apply a frame of a board to the state and handle the faults that it shows."""
     robot, body, now_s = moment.robot, state.robot, moment.now_s
     board = robot.boards.get(event.board)
     if board is None:
@@ -27,7 +27,7 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
         body = sending.hear(board, body, sensing)
     words = state.obeyed_words(robot)
     faults, found = look(robot, state.faults, board, sensing, words, now_s)
-    # Quicker than to replace two fields by name, and this is done for every frame.
+    # Faster than replacing two fields by name; this runs for every frame.
     state = EngineState(body, sensing, state.mission, faults, *state[4:])
     for report in reports:
         state = meet(moment, state, _found(moment, report))
@@ -36,37 +36,37 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
     return state
 
 
-def _found(moment: Moment, report: FaultReport) -> Found:
+def _found(moment: Moment, report: FaultReport) -> FoundFault:
     code, message = report
     denies = moment.robot.denied_by_report(code, message)
-    return Found(code, message, moment.robot.fault_codes.get(code, True), denies)
+    return FoundFault(code, message, moment.robot.fault_codes.get(code, True), denies)
 
 
 def word(moment: Moment, state: EngineState, event: DetectorWord) -> EngineState:
-    """Take a detector's word in, which is valid for a time."""
+    """Apply a detector's word, which stays valid for a limited time."""
     if event.word not in moment.robot.detector_words:
         moment.warn(f"the detector said '{event.word}', an unknown word")
         return state
     state = state._replace(word_until_s=moment.now_s + event.valid_for_s)
     if state.words[-2] == event.word:
         return state
-    moment.tell(Detected(event.word))
+    moment.emit(Detected(event.word))
     return state._replace(words=(*state.words[:-2], event.word, state.words[-1]))
 
 
 def submitted(moment: Moment, state: EngineState, event: SubmitResult) -> EngineState:
-    """Take in what has become of an array; a stop or loop that was not sent is a fault."""
+    """Apply the result of an array; a rejected stop or loop array is a fault."""
     flight = state.robot.flight
     unconfirmed = sending.why_unconfirmed(moment.robot.link, state.robot, event, moment.now_s)
     robot, finished = commands.resolve(moment, state.robot, event)
     state = state.moved(moment.robot, robot)
     state = state.finished(finished)
     if unconfirmed:
-        state = meet(moment, state, Found.built_in(BuiltInFault.LINK_NO_ECHO, unconfirmed))
+        state = meet(moment, state, FoundFault.built_in(BuiltInFault.LINK_NO_ECHO, unconfirmed))
     if flight is None or event.setpoint_id != flight.setpoint_id:
         return state
     if event.status in {"rejected", "superseded"} and flight.purpose != "gate":
-        # Only a command can be refused; without the array the robot is not what it seems.
+        # Only a command may be refused. Without any other array the state would be wrong.
         message = f"the backend has {event.status} setpoints: {event.reason or 'no reason'}"
         state = _refused(moment, state, message)
     return state
@@ -75,14 +75,14 @@ def submitted(moment: Moment, state: EngineState, event: SubmitResult) -> Engine
 def _refused(moment: Moment, state: EngineState, message: str) -> EngineState:
     ending = state.mission.ending
     if ending is None:
-        found = Found.built_in(BuiltInFault.BACKEND_FAILED, message)
+        found = FoundFault.built_in(BuiltInFault.BACKEND_FAILED, message)
         return meet(moment, state, found)
     ending = ending._replace(message=f"{ending.message} ({message})")
     return state._replace(mission=state.mission._replace(ending=ending))
 
 
 def fault_report(moment: Moment, state: EngineState, event: FaultReport) -> EngineState:
-    """Meet a fault that a backend has found; after some of them sensing begins anew."""
+    """Handle a fault that a backend reports; after some faults all signals start as unknown."""
     if event.code in ANEW:
         state = state._replace(sensing=begin_anew(moment.robot, state.sensing, moment.now_s))
         words = state.obeyed_words(moment.robot)

@@ -1,4 +1,4 @@
-"""What the engine works with while it answers one event."""
+"""The working context of one engine step: robot, program, time and the effects so far."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from pirate_sm.model.effects import Effect, Log
 
 
 class Moment:
-    """One moment of a run, and what has happened in it so far.
+    """The context of one step of the engine.
 
-    Functions take a state and return the next one; what the outside must do or know of it they add
-    to ``effects`` in order.
+    Functions take a state and return the next one. They add what the runtime must do or report to
+    ``effects``, in order.
 
     Args:
-        robot: What runs.
+        robot: The robot.
         program: The mission.
-        nominal: Whether commands are taken as done after their nominal duration.
+        nominal: Whether commands count as done after their nominal duration.
         now_s: Seconds since the run began.
 
     Attributes:
-        effects: What has happened, in order.
-        tell: Adds what has happened.
+        effects: The effects so far, in order.
+        emit: Appends one effect.
     """
 
-    __slots__ = ("effects", "nominal", "now_s", "program", "robot", "tell")
+    __slots__ = ("effects", "emit", "nominal", "now_s", "program", "robot")
 
     def __init__(self, robot: RobotSpec, program: Program, nominal: bool, now_s: float) -> None:
         self.robot = robot
@@ -32,12 +32,12 @@ class Moment:
         self.now_s = now_s
         self.nominal = nominal
         self.effects: list[Effect] = []
-        self.tell = self.effects.append
+        self.emit = self.effects.append
 
     def trial(self) -> Moment:
-        """Return the same moment, to try something in it: what happens there is not told here."""
+        """Return a copy without effects, to try a step whose effects are discarded."""
         return Moment(self.robot, self.program, self.nominal, self.now_s)
 
     def warn(self, message: str) -> None:
-        """Add a warning for the operator."""
+        """Append a warning for the operator to the effects."""
         self.effects.append(Log("warning", message))

@@ -1,4 +1,4 @@
-"""Speed up named tuples of which changed copies are made often."""
+"""Speed up ``_replace`` of named tuples that are replaced often."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ T = TypeVar("T", bound=tuple[Any, ...])
 
 
 def often_replaced(kind: type[T]) -> type[T]:
-    """Give a named tuple a ``_replace`` that takes half the time; nothing else changes.
+    """Return the named tuple with a ``_replace`` that takes half the time.
 
     The engine replaces a dozen records in each step.
     """

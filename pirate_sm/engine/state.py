@@ -1,4 +1,4 @@
-"""What the engine remembers between two events; all of it immutable."""
+"""The immutable state of the engine between two events."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Ending(NamedTuple):
     """The run is ending: the safe array has been sent.
 
     Attributes:
-        give_up_s: When it ends even though the array's fate is not known.
+        give_up_s: When the run ends even without a result of the array.
     """
 
     outcome: Outcome
@@ -39,12 +39,12 @@ class Ending(NamedTuple):
 
 
 class BeforePause(NamedTuple):
-    """What was in force when a pause began, to be asserted again.
+    """The actuation in force when a pause began, to be restored afterwards.
 
     Attributes:
-        values: Setpoints; NaN where nothing is to be asserted.
-        suspended: Whether a command was under way and goes on after the pause.
-        doubts: What is unconfirmed only because the pause has stopped the wheels.
+        values: Setpoints; NaN where nothing is restored.
+        suspended: Whether a command was under way, which continues after the pause.
+        doubts: Marks that exist only because the pause has stopped the wheels.
     """
 
     values: tuple[float, ...]
@@ -56,25 +56,25 @@ class BeforePause(NamedTuple):
 
 @often_replaced
 class MissionState(NamedTuple):
-    """Where the mission is.
+    """The progress of the mission.
 
     Attributes:
         pc: Index of the current instruction.
-        begun: Whether it has begun: its command is given, its wait armed, its question asked.
-        tries: How often its command has been tried again.
+        begun: Whether it has begun: its command is given, its wait armed or its question asked.
+        tries: How often its command has been repeated.
         armed_s: Mission time at which it began.
-        since: Per trigger the mission time since which its condition has been true, else NaN.
-        origin: Signals at that time, where a wait compares later ones with them; else empty.
+        since: Per trigger the mission time at which its condition became true, NaN while it is not.
+        origin: Signals at ``armed_s``, for a wait that uses their changes; else empty.
         result: How its command ended, once it has.
-        answer: What the operator has just answered; ``skipped`` what he has just passed over.
-        cause: Why the last failure or fault happened.
-        handling: Phase that handles a fault; empty when none does.
-        diverting: Where a fault leads once the wheels are stopped; ``stopped`` when they are.
-        offset_s: How long the mission has been paused in all.
+        answer: The operator's answer in this step; ``skipped``: the trigger to skip to.
+        cause: Reason of the last failure or fault.
+        handling: Phase that handles a fault; empty without one.
+        diverting: Handler that starts once the wheels are stopped; ``stopped``: they are.
+        offset_s: Total duration of the pauses so far.
         paused_s: When the present pause began, NaN while running.
-        pause_wanted: Whether it shall pause as soon as no array is awaited.
-        one_step: Whether it shall pause again after this instruction.
-        second_s: Mission time from which on ``entered`` counts phases, for one second.
+        pause_wanted: Whether the mission pauses as soon as no array is awaited.
+        one_step: Whether the mission pauses again after this instruction.
+        second_s: Mission time at which the second began in which ``entered`` counts phases.
     """
 
     pc: int
@@ -102,36 +102,36 @@ class MissionState(NamedTuple):
 
     @property
     def paused(self) -> bool:
-        """Whether the mission stands still by the operator's wish."""
+        """Return whether the operator has paused the mission."""
         return not isnan(self.paused_s)
 
     def clock(self, now: float) -> float:
-        """Return the mission time, which stands still during a pause."""
+        """Return the mission time, which does not advance during a pause."""
         return (self.paused_s if self.paused else now) - self.offset_s
 
     @property
     def suspended(self) -> bool:
-        """Whether a command is under way that the pause has suspended."""
+        """Return whether a pause has suspended a command."""
         return self.before_pause is not None and self.before_pause.suspended
 
     def motion_clock(self, now: float) -> float:
-        """Return the time as the command under way counts it: it stands still while suspended."""
+        """Return the time of the command under way; it does not advance while suspended."""
         return self.paused_s if self.suspended else now
 
     def at(self, pc: int) -> MissionState:
-        """Return the mission before its instruction at ``pc``."""
+        """Return the mission at the start of the instruction at ``pc``."""
         return self._replace(
             pc=pc, begun=False, tries=0, since=(), origin=(), result=None, answer=None, skipped=None
         )
 
 
 class FaultState(NamedTuple):
-    """Which fault rules hold, since when, and which have been raised.
+    """The state of the fault rules: since when each holds, and which have been raised.
 
     Attributes:
-        since: Per rule, NaN while its condition does not hold.
-        raised: Rules raised and not yet untrue again.
-        silent: Boards reported as silent; ``blind``: numbers reported as having no value.
+        since: Per rule when its condition became true, NaN while it is not.
+        raised: Rules that were raised and still hold.
+        silent: Boards reported as silent; ``blind``: numbers reported as without value.
     """
 
     since: tuple[float, ...]
@@ -146,10 +146,10 @@ class EngineState(NamedTuple):
 
     Attributes:
         words: State of each region, then the detector's word and the segment; None is unknown.
-        word_until_s: Until when the detector's word is valid.
-        wake_at_s: When time alone will change something.
-        look: While the sensors are compared with what is declared; nothing is commanded then.
-        rules: Where each safety rule of the program is, see :mod:`pirate_sm.engine.safety.rules`.
+        word_until_s: End of the validity of the detector's word.
+        wake_at_s: The next time at which something changes without an event.
+        look: The running start check, None after it; no command begins during it.
+        rules: Progress of each safety rule, see :mod:`pirate_sm.engine.safety.rules`.
         surveyed: The pipe around the robot.
     """
 
@@ -165,24 +165,24 @@ class EngineState(NamedTuple):
     look: Look | None = None
 
     def moved(self, robot: RobotSpec, body: RobotState) -> EngineState:
-        """Return the state with the robot as it is now; the words say its configuration."""
+        """Return the state with this robot state, and with the words of its configuration."""
         if body.configuration == self.robot.configuration:
             return self._replace(robot=body)
         return self._replace(robot=body, words=(*states_of(robot, body), *self.words[-2:]))
 
     def finished(self, command: Finished | None) -> EngineState:
-        """Return the state in which the mission knows how its command ended.
+        """Return the state with the result of the mission's command.
 
-        During a pause commands are the operator's.
+        Results during a pause belong to commands of the operator and are ignored.
         """
         if command is None or self.mission.paused:
             return self
         return self._replace(mission=self.mission._replace(result=command))
 
     def obeyed_words(self, robot: RobotSpec) -> Words:
-        """Return what rules for faults see: wheels stopped by a pause or a fault are not stuck."""
+        """Return the words for fault rules; None for regions that a pause or fault has stopped."""
         if self.mission.before_pause is None:
-            marks = self.robot.marks  # mostly none: do not begin to look
+            marks = self.robot.marks  # usually empty: return early
             if not marks or all(mark.command != STOPPED for mark in marks):
                 return self.words
         return (*obeyed(robot, self.robot), *self.words[-2:])

@@ -5,22 +5,21 @@
 
 The language has comparisons (also chained), `and or not`, `+ - * /`, parentheses, `abs min max`,
 `in (a, b)`, `known(x)`, `change(signal)` in waits, numbers with units, words, `true` and `false`,
-`$parameters`; nothing else can be said in it. Its
-logic is three-valued (Kleene): what follows from an unknown signal is unknown, unless the rest
-decides alone.
+and `$parameters`, and nothing else. Its logic is three-valued (Kleene): an expression with an
+unknown signal is unknown, unless the other signals decide it.
 """
 
 from __future__ import annotations
 
 from pirate_sm.expressions.compiler import Expression, compile_condition, compile_expression
-from pirate_sm.expressions.faults import ExpressionError, Fault
+from pirate_sm.expressions.faults import ExpressionError, ExpressionFault
 from pirate_sm.expressions.vocabulary import (
     BOOLEAN,
     BooleanType,
     Constant,
     EnumType,
     NumberType,
-    Slot,
+    SignalSlot,
     Vocabulary,
 )
 
@@ -31,9 +30,9 @@ __all__ = [
     "EnumType",
     "Expression",
     "ExpressionError",
-    "Fault",
+    "ExpressionFault",
     "NumberType",
-    "Slot",
+    "SignalSlot",
     "Vocabulary",
     "compile_condition",
     "compile_expression",

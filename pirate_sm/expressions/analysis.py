@@ -1,4 +1,4 @@
-"""Give syntax its meaning: names, words, types and dimensions; every fault is found at once."""
+"""Resolve names, words, types and dimensions in the syntax; report all faults at once."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Final, NamedTuple, cast
 
 from pirate_sm.expressions import tree
-from pirate_sm.expressions.faults import ExpressionError, Fault
+from pirate_sm.expressions.faults import ExpressionError, ExpressionFault
 from pirate_sm.expressions.syntax import (
     AnyPart,
     ArithmeticPart,
@@ -34,11 +34,11 @@ from pirate_sm.expressions.vocabulary import (
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import DIMENSIONLESS, Dimension, example
 
-DEEPEST_TREE: Final = 48  # keeps the generated code inside what Python's parser takes
+DEEPEST_TREE: Final = 48  # keeps the generated code within the limits of Python's parser
 
 
 class Typed(NamedTuple):
-    """Is a node of the tree with its type."""
+    """A node of the tree with its type."""
 
     node: tree.Node
     type: Type
@@ -58,23 +58,23 @@ def analyse(part: AnyPart, vocabulary: Vocabulary, parameters: Mapping[str, Cons
 
 
 class _Analysis:
-    """Walks the syntax; None as a result means that a fault below has been noted already."""
+    """Walks the syntax; a result of None means that a fault is already recorded."""
 
     def __init__(self, vocabulary: Vocabulary, parameters: Mapping[str, Constant]) -> None:
-        self.faults: list[Fault] = []
+        self.faults: list[ExpressionFault] = []
         self._vocabulary = vocabulary
         self._parameters = parameters
         self._depth = 0
 
     def _fault(self, part: AnyPart, message: str, suggestion: str = "") -> None:
-        self.faults.append(Fault(message, part.offset, suggestion, part.length))
+        self.faults.append(ExpressionFault(message, part.offset, suggestion, part.length))
 
     def value(self, part: AnyPart) -> Typed | None:
-        """Return what a part says, of whatever type it is."""
+        """Return the typed node of a part of any type."""
         self._depth += 1
         if self._depth > DEEPEST_TREE:
             message = f"the expression is nested deeper than {DEEPEST_TREE} levels"
-            raise ExpressionError([Fault(message, part.offset)])
+            raise ExpressionError([ExpressionFault(message, part.offset)])
         typed = self._value(part)
         self._depth -= 1
         return typed
@@ -84,7 +84,7 @@ class _Analysis:
             case NumberPart(quantity=quantity):
                 return Typed(tree.Number(quantity.value), NumberType(quantity.dimension))
             case TruthPart():
-                return Typed(tree.Truth(part.value), BOOLEAN)
+                return Typed(tree.TruthValue(part.value), BOOLEAN)
             case NamePart():
                 return self._signal(part)
             case ParameterPart():
@@ -130,7 +130,7 @@ class _Analysis:
         if constant is None:
             return None
         if isinstance(constant, bool):
-            return Typed(tree.Truth(constant), BOOLEAN)
+            return Typed(tree.TruthValue(constant), BOOLEAN)
         if isinstance(constant, str):
             message = f"'${part.name}' is a word: it can only be compared with == or in"
             self._fault(part, message)
@@ -146,7 +146,7 @@ class _Analysis:
         return self._parameters[part.name]
 
     def _condition(self, part: AnyPart, user: str) -> tree.Node | None:
-        """Return a part that must be a condition."""
+        """Return the node of a part that must be a condition."""
         typed = self.value(part)
         if typed is None:
             return None
@@ -157,7 +157,7 @@ class _Analysis:
         return typed.node
 
     def _number(self, part: AnyPart, user: str) -> Typed | None:
-        """Return a part that must be a number."""
+        """Return the typed node of a part that must be a number."""
         typed = self.value(part)
         if typed is None:
             return None
@@ -196,7 +196,7 @@ class _Analysis:
     def _same_dimension(
         self, at: AnyPart, left: tuple[AnyPart, Typed], right: tuple[AnyPart, Typed], verb: str
     ) -> bool:
-        """Return whether two numbers have one dimension, and note a fault when they have not."""
+        """Return whether two numbers have the same dimension; otherwise record a fault."""
         if left[1].type == right[1].type:
             return True
         for (part, typed), (_, other) in ((left, right), (right, left)):
@@ -232,7 +232,7 @@ class _Analysis:
         user = f"'{operator}'"
         for part, other in ((left, right), (right, left)):
             if self._is_word(part) and self._number(other, user) is None:
-                return None  # the word was meant for the signal in there
+                return None  # the fault is the unknown signal
         first, second = self._number(left, user), self._number(right, user)
         if first is None or second is None:
             return None
@@ -241,7 +241,7 @@ class _Analysis:
         return tree.Compare(cast("tree.CompareOperator", operator), first.node, second.node)
 
     def _unknown_signal(self, left: AnyPart, right: AnyPart) -> bool:
-        """Return whether both sides are unknown names, and note the one that is no word."""
+        """Return whether both sides are unknown names; record a fault for one of them."""
         types = self._vocabulary.types
         names = [
             part for part in (left, right) if isinstance(part, NamePart) and part.name not in types
@@ -252,7 +252,7 @@ class _Analysis:
         return True
 
     def _is_word(self, part: AnyPart) -> bool:
-        """Return whether a part is a word of some signal, and no signal's name."""
+        """Return whether a part is a word of some signal and not the name of a signal."""
         known = self._vocabulary
         return isinstance(part, NamePart) and part.name in known.said - known.types.keys()
 
@@ -263,7 +263,7 @@ class _Analysis:
     def _word_pair(
         self, at: ComparisonPart, operator: str, left: tuple[AnyPart, EnumType], other: AnyPart
     ) -> tree.Node | None:
-        """Return the comparison of a signal with a word, or with another signal's word."""
+        """Return the comparison of a signal with a word or with another word signal."""
         part, kind = left
         if operator not in ("==", "!="):
             self._fault(at, f"words have no order: '{operator}' cannot compare them", "==")
@@ -301,7 +301,7 @@ class _Analysis:
         )
 
     def _word(self, signal: tree.Signal, kind: EnumType, part: AnyPart) -> str | None:
-        """Return the word that a part stands for; it must be one of the signal's."""
+        """Return the word that a part denotes, which must be one of the signal's words."""
         if isinstance(part, ParameterPart):
             constant = self._constant(part)
             if constant is None:
@@ -366,7 +366,7 @@ class _Analysis:
         return Typed(tree.Call(name, tuple(number.node for number in known)), known[0].type)
 
     def _change(self, part: CallPart) -> Typed | None:
-        """Return how much a signal has changed since a wait began."""
+        """Return the node for the change of a signal since a wait began."""
         if not any(name.startswith("change(") for name in self._vocabulary.types):
             message = "'change' counts from the beginning of a wait: use it in the `when` of a wait"
             self._fault(part, message)
@@ -389,7 +389,7 @@ def _dimension(typed: Typed) -> Dimension:
 
 
 def _bare_number(part: AnyPart) -> str:
-    """Return a number as it is written, with its sign; empty for anything else."""
+    """Return a number as written, with its sign; empty for any other part."""
     if isinstance(part, UnaryPart) and part.operator == "-":
         number = _bare_number(part.operand)
         return f"-{number}" if number else ""

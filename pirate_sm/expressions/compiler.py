@@ -1,9 +1,9 @@
 """Compile the tree of an expression to a Python function.
 
-The source of the function is generated from the checked tree alone: from floats, slot indexes and
-words that the vocabulary knows, never from the text of the expression; it is evaluated with no
-builtins. Each node becomes an expression that yields NaN (numbers) or None (words, conditions)
-for unknown. That costs a fraction of a microsecond per evaluation where a tree walk costs tens.
+The source of the function is generated from the checked tree only: from floats, slot indexes and
+words of the vocabulary, never from the text of the expression. It is evaluated without builtins.
+Each node becomes an expression whose value is NaN (numbers) or None (words, conditions) for
+unknown. An evaluation takes a fraction of a microsecond; a tree walk would take tens.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any, Final, TypeAlias
 
 from pirate_sm.expressions import tree
 from pirate_sm.expressions.analysis import analyse
-from pirate_sm.expressions.faults import ExpressionError, Fault
+from pirate_sm.expressions.faults import ExpressionError, ExpressionFault
 from pirate_sm.expressions.parser import parse
 from pirate_sm.expressions.vocabulary import BooleanType, Constant, NumberType, Vocabulary
 
@@ -27,15 +27,15 @@ _NO_PARAMETERS: Final[Mapping[str, Constant]] = MappingProxyType({})
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """Is a compiled expression.
+    """A compiled expression.
 
     Attributes:
-        text: What it was compiled from.
-        type: Boolean for a condition, else a number with its dimension.
-        tree: What it means; hashable, and equal for equal meaning.
+        text: The source text.
+        type: Boolean for a condition, otherwise a number with its dimension.
+        tree: The checked tree; hashable, and equal for equal meaning.
         names: The signals it depends on.
-        evaluate: Takes the values of the vocabulary's numbers (SI, NaN for unknown) and words
-            (None for unknown), in its order, and returns the value, None for unknown.
+        evaluate: Returns the value, None for unknown. Its arguments are the values of the
+            vocabulary's numbers (SI, NaN for unknown) and words (None for unknown), in its order.
     """
 
     text: str
@@ -50,7 +50,7 @@ class Expression:
         object.__setattr__(self, "evaluate", _compiled(self.tree, self.type))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Return what rebuilds it: functions made at run time cannot be pickled."""
+        """Return the arguments for rebuilding it: generated functions cannot be pickled."""
         return Expression, (self.text, self.type, self.tree)
 
 
@@ -62,16 +62,16 @@ def compile_expression(
     Args:
         text: The expression.
         vocabulary: The names it may use.
-        parameters: What each `$name` stands for.
+        parameters: The value of each `$name`.
 
     Raises:
-        ExpressionError: It is not in the language, or names, types or dimensions do not fit.
+        ExpressionError: The syntax is invalid, or names, types or dimensions do not fit.
     """
     typed = analyse(parse(text), vocabulary, parameters)
     if not isinstance(typed.type, NumberType | BooleanType):
         name = typed.node.name if isinstance(typed.node, tree.Signal) else text
         message = f"'{name}' is a word: compare it, as in '{name} == {typed.type.values[0]}'"
-        raise ExpressionError([Fault(message, 0, length=len(text))])
+        raise ExpressionError([ExpressionFault(message, 0, length=len(text))])
     return Expression(text, typed.type, typed.node)
 
 
@@ -86,12 +86,12 @@ def compile_condition(
     expression = compile_expression(text, vocabulary, parameters)
     if not isinstance(expression.type, BooleanType):
         message = f"a condition is expected, this is {expression.type}: compare it with something"
-        raise ExpressionError([Fault(message, 0, length=len(text))])
+        raise ExpressionError([ExpressionFault(message, 0, length=len(text))])
     return expression
 
 
 def _least(*values: float) -> float:
-    """Return the least value, NaN when any is unknown: the builtin would go by the order."""
+    """Return the smallest value, NaN if any is NaN; `min` would depend on the order."""
     return math.nan if any(map(math.isnan, values)) else min(values)
 
 
@@ -116,7 +116,7 @@ def _compiled(node: tree.Node, kind: NumberType | BooleanType) -> Evaluator:
 
 
 class _Source:
-    """Writes Python source; temporaries are local to the function that it becomes."""
+    """Writes Python source with temporaries local to the generated function."""
 
     def __init__(self) -> None:
         self._temporaries = 0
@@ -129,7 +129,7 @@ class _Source:
         match node:
             case tree.Number(value):
                 return f"({value!r})" if value < 0.0 else repr(value)
-            case tree.Truth(value):
+            case tree.TruthValue(value):
                 return repr(value)
             case tree.Signal(_, kind, index):
                 return f"{'n' if kind == 'number' else 'w'}[{index}]"
@@ -171,7 +171,7 @@ class _Source:
                 raise AssertionError(f"{node} is not a condition")
 
     def _each(self, parts: tuple[tree.Node, ...], test: str) -> tuple[list[str], list[str]]:
-        """Return a temporary for each part, and a test on each that also sets it."""
+        """Return a temporary for each part, and for each a test that also assigns it."""
         values = [self.fresh() for _ in parts]
         tests = [
             f"({value} := {self.of(part)}) {test}"

@@ -9,14 +9,14 @@ from pirate_sm.errors import UsageError
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
-    """Is one thing wrong with an expression.
+class ExpressionFault:
+    """One fault in an expression.
 
     Attributes:
-        message: What is wrong, for a person.
-        offset: Where it stands, in characters from the start of the expression.
-        suggestion: What was probably meant instead of what stands there; empty when unknown.
-        length: How many characters it covers.
+        message: What is wrong, for users.
+        offset: Its position in characters from the start of the expression.
+        suggestion: The text that was probably meant; empty if unknown.
+        length: Number of characters that it covers.
     """
 
     message: str
@@ -26,9 +26,9 @@ class Fault:
 
 
 class ExpressionError(UsageError):
-    """Is raised for an expression that cannot be used; holds every fault that could be found."""
+    """Raised for an invalid expression; holds all its faults."""
 
-    def __init__(self, faults: Iterable[Fault]) -> None:
+    def __init__(self, faults: Iterable[ExpressionFault]) -> None:
         self.faults = tuple(sorted(faults, key=lambda fault: fault.offset))
         first = self.faults[0]
         self.message = first.message
@@ -37,6 +37,6 @@ class ExpressionError(UsageError):
         super().__init__("; ".join(_line(fault) for fault in self.faults))
 
 
-def _line(fault: Fault) -> str:
+def _line(fault: ExpressionFault) -> str:
     hint = f", did you mean '{fault.suggestion}'?" if fault.suggestion else ""
     return f"column {fault.offset + 1}: {fault.message}{hint}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final, Literal, NamedTuple, NoReturn, TypeAlias
 
-from pirate_sm.expressions.faults import ExpressionError, Fault
+from pirate_sm.expressions.faults import ExpressionError, ExpressionFault
 from pirate_sm.expressions.vocabulary import KEYWORDS
 from pirate_sm.units import UNITS, Quantity, QuantityError, nearest_unit, parse_quantity
 
@@ -15,7 +15,7 @@ TokenKind: TypeAlias = Literal["number", "name", "parameter", "operator", "end"]
 
 
 class Token(NamedTuple):
-    """Is one token with its place; `quantity` is the value of a number."""
+    """One token with its place; `quantity` is the value of a number."""
 
     kind: TokenKind
     text: str
@@ -43,11 +43,11 @@ def tokenize(text: str) -> list[Token]:
     """Return the tokens of an expression, ended by one of kind `end`.
 
     Raises:
-        ExpressionError: There is a character, number or unit that no expression has.
+        ExpressionError: The text contains an invalid character, number or unit.
     """
     if len(text) > LONGEST_TEXT:
         message = f"the expression is longer than {LONGEST_TEXT} characters"
-        raise ExpressionError([Fault(message, LONGEST_TEXT)])
+        raise ExpressionError([ExpressionFault(message, LONGEST_TEXT)])
     tokens: list[Token] = []
     position = _skip_blanks(text, 0)
     while position < len(text):
@@ -80,11 +80,13 @@ def _next_token(text: str, position: int) -> Token:
 def _refuse(found: str, position: int) -> NoReturn:
     suggestion = _MEANT.get(found, "")
     if found in "'\"":
-        raise ExpressionError([Fault("words stand without quotes here", position)])
+        raise ExpressionError([ExpressionFault("words stand without quotes here", position)])
     if found == "$":
-        raise ExpressionError([Fault("a '$' needs the name of a parameter after it", position)])
+        raise ExpressionError(
+            [ExpressionFault("a '$' needs the name of a parameter after it", position)]
+        )
     message = f"{found!r} is not part of the language of conditions"
-    raise ExpressionError([Fault(message, position, suggestion, len(found))])
+    raise ExpressionError([ExpressionFault(message, position, suggestion, len(found))])
 
 
 def _number(text: str, position: int) -> Token:
@@ -97,7 +99,9 @@ def _number(text: str, position: int) -> Token:
         if unit[1] not in UNITS:
             suggestion = nearest_unit(unit[1])
             message = f"unknown unit '{unit[1]}' after {number[0]}"
-            raise ExpressionError([Fault(message, unit.start(1), suggestion, len(unit[1]))])
+            raise ExpressionError(
+                [ExpressionFault(message, unit.start(1), suggestion, len(unit[1]))]
+            )
         end = unit.end()
         while (factor := _UNIT_FACTOR.match(text, end)) and factor[1] in UNITS:
             end = factor.end()
@@ -105,5 +109,5 @@ def _number(text: str, position: int) -> Token:
     try:
         return Token("number", written, position, parse_quantity(written))
     except QuantityError as error:
-        fault = Fault(error.message, position, error.suggestion, len(written))
+        fault = ExpressionFault(error.message, position, error.suggestion, len(written))
         raise ExpressionError([fault]) from None

@@ -11,14 +11,14 @@
     operand    = number | "true" | "false" | name | "$" name | "(" condition ")"
                | name "(" condition { "," condition } ")"
 
-`in` where an operand is wanted is a word, not the operator: `detector == in`.
+In the place of an operand, `in` is a word and not the operator: `detector == in`.
 """
 
 from __future__ import annotations
 
 from typing import Final, NoReturn
 
-from pirate_sm.expressions.faults import ExpressionError, Fault
+from pirate_sm.expressions.faults import ExpressionError, ExpressionFault
 from pirate_sm.expressions.lexer import Token, tokenize
 from pirate_sm.expressions.syntax import (
     AnyPart,
@@ -81,17 +81,17 @@ class _Parser:
         token = self.token
         if token.kind == "end":
             message = f"the end comes where {expected} is expected"
-            raise ExpressionError([Fault(message, token.offset)])
+            raise ExpressionError([ExpressionFault(message, token.offset)])
         meant = token.text.lower()
         suggestion = meant if meant != token.text and meant in ("and", "or", "not", "in") else ""
         message = f"'{token.text}' stands where {expected} is expected"
-        raise ExpressionError([Fault(message, token.offset, suggestion, len(token.text))])
+        raise ExpressionError([ExpressionFault(message, token.offset, suggestion, len(token.text))])
 
     def _deeper(self) -> None:
         self._depth += 1
         if self._depth > DEEPEST_NESTING:
             message = f"the expression is nested deeper than {DEEPEST_NESTING} levels"
-            raise ExpressionError([Fault(message, self.token.offset)])
+            raise ExpressionError([ExpressionFault(message, self.token.offset)])
 
     def condition(self) -> AnyPart:
         self._deeper()
@@ -141,7 +141,7 @@ class _Parser:
         return MembershipPart(start.offset, len(start.text), operand, items, negated)
 
     def _list(self) -> tuple[AnyPart, ...]:
-        """Return what stands up to the closing parenthesis, separated by commas."""
+        """Return the parts up to the closing parenthesis, which commas separate."""
         items = [self.condition()]
         while self._is(","):
             self._advance()
@@ -198,7 +198,9 @@ class _Parser:
         if token.text not in FUNCTIONS:
             message = f"there is no function '{token.text}', only {one_of(sorted(FUNCTIONS))}"
             suggestion = nearest(token.text, FUNCTIONS) or ""
-            raise ExpressionError([Fault(message, token.offset, suggestion, len(token.text))])
+            raise ExpressionError(
+                [ExpressionFault(message, token.offset, suggestion, len(token.text))]
+            )
         self._advance()
         return CallPart(token.offset, len(token.text), token.text, self._list())
 

@@ -10,7 +10,7 @@ from pirate_sm.units import Quantity
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """Is any part of an expression, with the place of its first or its governing token."""
+    """Any part of an expression, with the place of its first or its governing token."""
 
     offset: int
     length: int
@@ -18,7 +18,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class NumberPart(Part):
-    """Is a number with or without a unit, as written and in SI."""
+    """A number with or without a unit, as written and in SI."""
 
     text: str
     quantity: Quantity
@@ -26,28 +26,28 @@ class NumberPart(Part):
 
 @dataclass(frozen=True, slots=True)
 class TruthPart(Part):
-    """Is `true` or `false`."""
+    """The constant `true` or `false`."""
 
     value: bool
 
 
 @dataclass(frozen=True, slots=True)
 class NamePart(Part):
-    """Is a signal, a state machine or a word; which of them, the analysis finds out."""
+    """A signal, a state machine or a word; the analysis decides which."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
 class ParameterPart(Part):
-    """Is `$name`."""
+    """A parameter, `$name`."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
 class UnaryPart(Part):
-    """Is `-x` or `not x`."""
+    """A negation, `-x` or `not x`."""
 
     operator: str
     operand: AnyPart
@@ -55,7 +55,7 @@ class UnaryPart(Part):
 
 @dataclass(frozen=True, slots=True)
 class ArithmeticPart(Part):
-    """Is a sum, difference, product or quotient."""
+    """A sum, difference, product or quotient."""
 
     operator: str
     left: AnyPart
@@ -64,7 +64,7 @@ class ArithmeticPart(Part):
 
 @dataclass(frozen=True, slots=True)
 class ComparisonPart(Part):
-    """Is `first op second op third …`, which holds when every neighbouring pair does."""
+    """A chain `first op second op third …`, which is true if every neighbouring pair is."""
 
     first: AnyPart
     rest: tuple[tuple[str, int, AnyPart], ...]  # operator, its offset, what follows
@@ -72,7 +72,7 @@ class ComparisonPart(Part):
 
 @dataclass(frozen=True, slots=True)
 class MembershipPart(Part):
-    """Is `x in (a, b)` or `x not in (a, b)`."""
+    """A membership test, `x in (a, b)` or `x not in (a, b)`."""
 
     operand: AnyPart
     items: tuple[AnyPart, ...]
@@ -81,7 +81,7 @@ class MembershipPart(Part):
 
 @dataclass(frozen=True, slots=True)
 class LogicPart(Part):
-    """Is `a and b and …` or `a or b or …`."""
+    """A conjunction or disjunction, `a and b and …` or `a or b or …`."""
 
     operator: str
     parts: tuple[AnyPart, ...]
@@ -89,7 +89,7 @@ class LogicPart(Part):
 
 @dataclass(frozen=True, slots=True)
 class CallPart(Part):
-    """Is a function with its arguments."""
+    """A function with its arguments."""
 
     function: str
     arguments: tuple[AnyPart, ...]

@@ -1,7 +1,7 @@
 """The tree of a checked expression: typed, in SI units, every signal with its slot.
 
-The nodes are frozen and hashable, so that a checker can compare and collect them. Sugar is gone:
-`a < b < c` is an And, `x != word` a Not of a Matches, a parameter its value.
+The nodes are frozen and hashable, so that a checker can compare and collect them. Syntactic sugar
+is resolved: `a < b < c` is an And, `x != word` is a Not of a Matches, a parameter is its value.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ FunctionName: TypeAlias = Literal["abs", "min", "max"]
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """Is a constant in SI units."""
+    """A constant in SI units."""
 
     value: float
 
 
 @dataclass(frozen=True, slots=True)
-class Truth:
-    """Is the constant `true` or `false`."""
+class TruthValue:
+    """The constant `true` or `false`."""
 
     value: bool
 
 
 @dataclass(frozen=True, slots=True)
 class Signal:
-    """Is the value of a signal, found at `index` of the numbers or of the words."""
+    """The value of a signal, found at `index` of the numbers or of the words."""
 
     name: str
     kind: SlotKind
@@ -42,14 +42,14 @@ class Signal:
 
 @dataclass(frozen=True, slots=True)
 class Negate:
-    """Is the number with its sign turned."""
+    """A number with the opposite sign."""
 
     operand: Node
 
 
 @dataclass(frozen=True, slots=True)
 class Arithmetic:
-    """Is a sum, difference, product or quotient; a division by zero is unknown."""
+    """A sum, difference, product or quotient; a division by zero is unknown."""
 
     operator: ArithmeticOperator
     left: Node
@@ -58,7 +58,7 @@ class Arithmetic:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """Is a function of numbers; unknown when any of them is."""
+    """A function of numbers; unknown when any of them is."""
 
     function: FunctionName
     arguments: tuple[Node, ...]
@@ -66,7 +66,7 @@ class Call:
 
 @dataclass(frozen=True, slots=True)
 class Compare:
-    """Is a comparison of two numbers; unknown when either is."""
+    """A comparison of two numbers; unknown when either is."""
 
     operator: CompareOperator
     left: Node
@@ -75,7 +75,7 @@ class Compare:
 
 @dataclass(frozen=True, slots=True)
 class Matches:
-    """Says whether a signal is one of some words; unknown when the signal is."""
+    """A test whether a signal is one of some words; unknown when the signal is."""
 
     signal: Signal
     words: tuple[str, ...]
@@ -83,35 +83,35 @@ class Matches:
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """Says whether a value is known; never unknown itself."""
+    """A test whether a value is known; never unknown itself."""
 
     operand: Node
 
 
 @dataclass(frozen=True, slots=True)
 class Not:
-    """Is true for false, false for true, unknown for unknown."""
+    """A negation: true for false, false for true, unknown for unknown."""
 
     operand: Node
 
 
 @dataclass(frozen=True, slots=True)
 class And:
-    """Is false when any part is, else unknown when any part is, else true."""
+    """A conjunction: false when any part is, else unknown when any part is, else true."""
 
     parts: tuple[Node, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Or:
-    """Is true when any part is, else unknown when any part is, else false."""
+    """A disjunction: true when any part is, else unknown when any part is, else false."""
 
     parts: tuple[Node, ...]
 
 
 Node: TypeAlias = (
     Number
-    | Truth
+    | TruthValue
     | Signal
     | Negate
     | Arithmetic

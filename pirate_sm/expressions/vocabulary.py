@@ -1,4 +1,4 @@
-"""The names that an expression may use, with their types and where their values are found."""
+"""The names that an expression may use, with their types and the positions of their values."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _IDENTIFIER: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 @dataclass(frozen=True, slots=True)
 class NumberType:
-    """Is the type of a number in SI units of a dimension; NaN stands for unknown."""
+    """The type of a number in SI units of a dimension; NaN stands for unknown."""
 
     dimension: Dimension
 
@@ -29,7 +29,7 @@ class NumberType:
 
 @dataclass(frozen=True, slots=True)
 class EnumType:
-    """Is the type of one word out of a closed set; None stands for unknown."""
+    """The type of one word out of a closed set; None stands for unknown."""
 
     values: tuple[str, ...]
 
@@ -39,7 +39,7 @@ class EnumType:
 
 @dataclass(frozen=True, slots=True)
 class BooleanType:
-    """Is the type of a condition; None stands for unknown."""
+    """The type of a condition; None stands for unknown."""
 
     def __str__(self) -> str:
         return "a condition"
@@ -49,22 +49,22 @@ BOOLEAN: Final = BooleanType()
 
 Type: TypeAlias = NumberType | EnumType | BooleanType
 
-# What a parameter of a mission can stand for: a quantity, a truth, or a word of some signal.
+# The value of a mission's parameter: a quantity, a boolean, or a word of some signal.
 Constant: TypeAlias = Quantity | bool | str
 
 SlotKind: TypeAlias = Literal["number", "word"]
 
 
 @dataclass(frozen=True, slots=True)
-class Slot:
-    """Says in which of the two value sequences a signal is found, and where."""
+class SignalSlot:
+    """The position of a signal's value: which of the two sequences, and the index."""
 
     kind: SlotKind
     index: int
 
 
 class Vocabulary:
-    """Is a closed set of typed names; names keep their order, numbers and words counted apart.
+    """A closed set of typed names in order, with numbers and words indexed separately.
 
     Attributes:
         types: The type of each name.
@@ -81,18 +81,20 @@ class Vocabulary:
         numeric = {name for name, kind in types.items() if isinstance(kind, NumberType)}
         self.numbers = tuple(name for name in types if name in numeric)
         self.words = tuple(name for name in types if name not in numeric)
-        self._slots = {name: Slot("number", index) for index, name in enumerate(self.numbers)}
-        self._slots.update({name: Slot("word", index) for index, name in enumerate(self.words)})
+        self._slots = {name: SignalSlot("number", index) for index, name in enumerate(self.numbers)}
+        self._slots.update(
+            {name: SignalSlot("word", index) for index, name in enumerate(self.words)}
+        )
 
     @cached_property
     def said(self) -> frozenset[str]:
-        """Return every word that one of the signals can be."""
+        """Return all words that the signals can have."""
         kinds = [kind for kind in self.types.values() if isinstance(kind, EnumType)]
         return frozenset(word for kind in kinds for word in kind.values)
 
     @cached_property
     def with_changes(self) -> Vocabulary:
-        """Return the vocabulary of a wait: also how much each number has changed since it began.
+        """Return the vocabulary of a wait, which adds the change of each number since it began.
 
         The changes follow the numbers, in the same order.
         """
@@ -101,21 +103,21 @@ class Vocabulary:
         extended.types = MappingProxyType({**self.types, **changes})
         extended.numbers = (*self.numbers, *changes)
         first = len(self.numbers)
-        extended._slots |= {name: Slot("number", first + i) for i, name in enumerate(changes)}
+        extended._slots |= {name: SignalSlot("number", first + i) for i, name in enumerate(changes)}
         return extended
 
-    def slot(self, name: str) -> Slot:
-        """Return where the value of a name is found; KeyError for a name that is not in here."""
+    def slot(self, name: str) -> SignalSlot:
+        """Return the position of a name's value; KeyError for an unknown name."""
         return self._slots[name]
 
 
 def change_of(name: str) -> str:
-    """Return the name of a signal's change since a wait began, as it is written."""
+    """Return the name of a signal's change since a wait began, as written in expressions."""
     return f"change({name})"
 
 
 def _check_name(name: str) -> None:
-    """Return when an expression can use the name; a unit after a number would swallow it."""
+    """Raise ValueError if an expression cannot use the name, for instance because it is a unit."""
     if not _IDENTIFIER.fullmatch(name):
         raise ValueError(f"'{name}' cannot be used in expressions: letters, digits and _ only")
     for kind, reserved in (("keyword", KEYWORDS), ("function", FUNCTIONS), ("unit", UNITS)):
@@ -124,6 +126,6 @@ def _check_name(name: str) -> None:
 
 
 def _check_word(name: str, word: str) -> None:
-    """Return when an expression can use the word; after `==` even `in` can be one."""
+    """Raise ValueError if an expression cannot use the word; `in` is allowed after `==`."""
     if not _IDENTIFIER.fullmatch(word) or word in KEYWORDS - {"in"}:
         raise ValueError(f"'{word}', a word of '{name}', cannot be used in expressions")

@@ -1,4 +1,4 @@
-"""Pipes as networks in space, routes through them, the chain of a robot and the forces of a clamp.
+"""Pipes as networks in space, routes through them, robot kinematics and clamp statics.
 
-Everything here is plain arithmetic on SI values: no file, no clock, no model of a file.
+All functions are pure arithmetic on SI values, without files, clocks or file models.
 """

@@ -1,9 +1,9 @@
-"""Clamp statics: how a V stands between the walls, and how hard it presses them.
+"""Clamp statics: the geometry of a V between the walls, and its contact forces.
 
 The clamp force of a part is tau / sqrt(l^2 - h^2) * (1, 2, 1) on the three wheels of its V
 (thesis eq. 3-3) with h = diameter - 2 r (eq. 3-2). Friction must bear m g sin(alpha) (eq. 3-14).
-Equations 3-24 and 3-25, which join the two, are not used: as printed they change their sign where
-tan(alpha) is half the friction.
+Equations 3-24 and 3-25, which combine the two, are not used: as printed they change sign where
+tan(alpha) is half the friction coefficient.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import inf, sin, sqrt
 
 WHEELS_SHARE = 4.0
-"""Sum of the shares (1, 2, 1) that a part's wheels have of its clamp force (eq. 3-3)."""
+"""Sum of the wheels' shares (1, 2, 1) in a part's clamp force (eq. 3-3)."""
 
 
 def height_m(leg_m: float, apex_rad: float) -> float:
@@ -20,7 +20,7 @@ def height_m(leg_m: float, apex_rad: float) -> float:
 
 
 def span_m(leg_m: float, height_m: float) -> float:
-    """Return how far along the pipe a link reaches from wall to wall; 0 where it is too short."""
+    """Return the length along the pipe of a link from wall to wall, m; 0 if it is too short."""
     return sqrt(max(leg_m * leg_m - height_m * height_m, 0.0))
 
 

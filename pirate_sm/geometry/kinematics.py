@@ -1,8 +1,8 @@
 """Forward kinematics of a chain of wheels and links in its plane, from the joint angles.
 
-The angle of a joint is the heading of the link behind it less that of the link ahead of it, both
-counted towards side A: a negative one turns the body ahead towards side A (thesis section 3-2). An
-unknown angle is NaN; so is then every place and heading that rests on it.
+The angle of a joint is the heading of the link behind it minus that of the link ahead, both
+positive towards side A: a negative angle turns the body ahead towards side A (thesis section 3-2).
+An unknown angle is NaN, and so is every position and heading that depends on it.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from pirate_sm.geometry.space import Place
 
 
 class Pose(NamedTuple):
-    """Place and heading of a link in the plane, m and rad.
+    """Position and heading of a link in the plane, m and rad.
 
-    A link's frame sits at its front wheel with x ahead along the link.
+    The origin of a link's frame is its front wheel; x points ahead along the link.
     """
 
     x_m: float
@@ -36,7 +36,7 @@ class Chain:
 
     Attributes:
         lengths_m: Length of each link; the first one lies between wheels 0 and 1.
-        sides: Per wheel the side that it touches when its part is clamped: 1 is A, -1 is B.
+        sides: Per wheel the side that it touches while its part is clamped: 1 is A, -1 is B.
     """
 
     lengths_m: tuple[float, ...]
@@ -48,9 +48,9 @@ class Chain:
         """Return the heading of each link, rad.
 
         Args:
-            angles: At each wheel, rad; those of the two ends do not count.
-            first: A wheel; the last one stands for the link ahead of it.
-            heading_rad: Of the link behind that wheel.
+            angles: Joint angle at each wheel, rad; those of the two end wheels are ignored.
+            first: Index of the reference wheel; the last wheel refers to the link ahead of it.
+            heading_rad: Heading of the link behind the reference wheel.
         """
         first = min(first, len(self.lengths_m) - 1)
         headings = [heading_rad] * len(self.lengths_m)
@@ -61,12 +61,12 @@ class Chain:
         return headings
 
     def places(self, angles: Sequence[float], first: int = 0, pose: Pose = ORIGIN) -> list[Place]:
-        """Return the place of each wheel, m, where the link behind wheel ``first`` has a pose.
+        """Return the position of each wheel, m, given the pose of the link behind wheel ``first``.
 
         Args:
             angles: See :meth:`headings`.
             first: See :meth:`headings`.
-            pose: Of the link behind that wheel.
+            pose: Pose of the link behind the reference wheel.
         """
         first = min(first, len(self.lengths_m) - 1)
         steps = [
@@ -85,12 +85,12 @@ class Chain:
         return places
 
     def lean(self, places: Sequence[Place], wheels: Sequence[int], aside_m: float) -> float:
-        """Return by how much the chain must be turned so that a part lies along the pipe, rad.
+        """Return the rotation of the chain that aligns a part with the pipe, rad.
 
         Args:
-            places: Of all wheels.
-            wheels: Those of the part, each of which touches its side of the pipe.
-            aside_m: How far from the pipe's axis a wheel that touches a side is.
+            places: Positions of all wheels, m.
+            wheels: Wheels of the part; each touches its side of the pipe.
+            aside_m: Distance from the pipe's axis of a wheel that touches a side.
         """
         front, rear = wheels[0], wheels[-1]
         along, across = places[front][0] - places[rear][0], places[front][1] - places[rear][1]
@@ -101,5 +101,5 @@ class Chain:
 
 
 def link_poses(places: Sequence[Place]) -> tuple[Pose, ...]:
-    """Return the pose of each link from the places of the wheels."""
+    """Return the pose of each link from the positions of the wheels."""
     return tuple(Pose(ax, ay, atan2(ay - by, ax - bx)) for (ax, ay), (bx, by) in pairwise(places))

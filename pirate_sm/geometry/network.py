@@ -1,7 +1,7 @@
 """Pipes as networks: runs of segments between junctions and ends.
 
-A segment is a straight or a fitting. Fittings of other kinds (elbow, reducer, tee) are further
-members of ``Segment``; a route is laid through any of them.
+A segment is a straight or a fitting. Other fittings (elbow, reducer, tee) can be added as members
+of ``Segment``.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class Straight:
     """A piece of straight pipe.
 
     Attributes:
-        length_m: Its length along the axis, up to where the axes cross.
+        length_m: Its length along the axis, up to the intersection with the next axis.
     """
 
     length_m: float
@@ -30,16 +30,16 @@ class Mitre:
     """A sharp bend of two pipes that are cut at half the angle.
 
     Attributes:
-        angle_rad: How far the axis turns; positive towards side A of a robot with roll 0.
-        roll_rad: How far the plane of the bend is rolled about the direction of travel, from side
-            A to the normal, against the frame that is carried along without twist.
+        angle_rad: Angle of the bend; positive towards side A of a robot with roll 0.
+        roll_rad: Roll of the bend's plane about the direction of travel, from side A to the
+            normal, relative to the frame that is transported without twist.
     """
 
     angle_rad: float
     roll_rad: float = 0.0
 
     def taken_m(self, diameter_m: float) -> float:
-        """Return what the cut takes of the inner wall of each straight beside it."""
+        """Return by how much the cut shortens the inner wall of each adjacent straight, m."""
         return diameter_m / 2 * tan(abs(self.angle_rad) / 2)
 
 
@@ -52,9 +52,9 @@ class Run:
 
     Attributes:
         diameter_m: Inner diameter.
-        segments: In order.
-        begins: Name of the junction or end at which it begins.
-        ends: Name of the junction or end to which it leads.
+        segments: The segments in order.
+        begins: Name of the junction or end where it begins.
+        ends: Name of the junction or end where it ends.
     """
 
     diameter_m: float
@@ -64,7 +64,7 @@ class Run:
 
     @property
     def taken_m(self) -> tuple[float, ...]:
-        """What each segment takes of the inner wall of the straights beside it."""
+        """Return by how much each segment shortens the inner wall of adjacent straights, m."""
         return tuple(
             each.taken_m(self.diameter_m) if isinstance(each, Mitre) else 0.0
             for each in self.segments
@@ -76,9 +76,9 @@ class Network:
     """Runs, and the routes through them.
 
     Attributes:
-        runs: By name.
-        routes: Names of the runs of each route, in order; each begins where the one before ends.
-        up: The unit vector against gravity, in the frame of the first run of a route.
+        runs: The runs by name.
+        routes: By name the runs of each route in order; each begins where its predecessor ends.
+        up: The unit vector opposite to gravity, in the frame of a route's first run.
     """
 
     runs: Mapping[str, Run]
@@ -96,11 +96,10 @@ def planar(
 
     Args:
         diameter_m: Inner diameter.
-        segments: Of the run.
+        segments: The segments of the run.
         tilt_rad: Angle between the plane and the horizontal: gravity in the plane is g sin(tilt).
-        uphill_rad: Direction in the plane that goes up when tilted, from the first straight
-            towards side A: 0 = the first straight goes up, 90 deg = the far leg of a mitre of
-            90 deg goes up.
+        uphill_rad: Uphill direction in the tilted plane, from the first straight towards side A.
+            0: the first straight goes up. 90 deg: the leg behind a mitre of 90 deg goes up.
     """
     slope = sin(tilt_rad)
     up = (slope * cos(uphill_rad), slope * sin(uphill_rad), -cos(tilt_rad))

@@ -1,6 +1,6 @@
-"""The plane of a pipe or a robot, as a projection of space: places, walls, what is nearest.
+"""Planar geometry as a projection of space: points, walls, intersections, nearest points.
 
-x and y are those of the drawing, see :mod:`pirate_sm.geometry.space`.
+x and y are the axes of the drawing, see :mod:`pirate_sm.geometry.space`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def flat(point: Vector) -> Place:
 
 
 def turned(place: Place, angle_rad: float) -> Place:
-    """Return a place turned about the origin, from x to y."""
+    """Return a point rotated about the origin, from x to y."""
     (x, y), c, s = place, cos(angle_rad), sin(angle_rad)
     return x * c - y * s, x * s + y * c
 
@@ -38,7 +38,7 @@ def _wall(route: Route, side: float) -> tuple[Place, ...]:
     for before, after in pairwise(route.pieces):
         (ax, ay), (bx, by) = flat(before.frame.ahead), flat(after.frame.ahead)
         x, y = flat(after.frame.origin)
-        # Where the two lines meet that lie beside the centre line.
+        # The intersection of the two lines parallel to the centre line.
         share = side * before.diameter_m / 2 / (1.0 + ax * bx + ay * by)
         corners.append((x - share * (ay + by), y + share * (ax + bx)))
     corners.append(flat(last.frame.point(last.length_m, side * last.diameter_m / 2)))
@@ -46,9 +46,9 @@ def _wall(route: Route, side: float) -> tuple[Place, ...]:
 
 
 def crossing(route: Route) -> tuple[Piece, Piece] | None:
-    """Return the first two pieces of a planar route that lie in each other's place.
+    """Return the first two pieces of a planar route that overlap, None if there are none.
 
-    Neighbours meet at their fitting and do not count.
+    Adjacent pieces meet at their fitting and are not compared.
     """
     side_a, side_b = walls(route)
     for (i, one), (k, other) in combinations(enumerate(route.pieces), 2):
@@ -59,7 +59,7 @@ def crossing(route: Route) -> tuple[Piece, Piece] | None:
 
 
 def _overlap(one: Sequence[Place], other: Sequence[Place]) -> bool:
-    """Return whether two convex shapes share a place: no edge of either separates them."""
+    """Return whether two convex polygons overlap, by the separating axis theorem."""
     for shape in (one, other):
         for (ax, ay), (bx, by) in zip(shape, (*shape[1:], shape[0]), strict=True):
             first = [(by - ay) * x - (bx - ax) * y for x, y in one]
@@ -70,7 +70,7 @@ def _overlap(one: Sequence[Place], other: Sequence[Place]) -> bool:
 
 
 def nearest_on(line: Sequence[Place], place: Place) -> tuple[float, Place]:
-    """Return how far a place is from a line of corners, and the point of it that is nearest."""
+    """Return the distance of a point from a polyline, and the nearest point on it."""
     return min(_nearest(one, other, place) for one, other in pairwise(line))
 
 

@@ -14,11 +14,11 @@ class Piece(NamedTuple):
     """A straight piece of the centre line, from one fitting to the next.
 
     Attributes:
-        frame: At its beginning.
-        length_m: Its length, from where the axes cross to where they cross again.
-        arc_m: How far along the route it begins.
+        frame: The frame at its beginning.
+        length_m: Its length between the intersections of the axes at its ends.
+        arc_m: Arc length of the route at its beginning.
         diameter_m: Inner diameter.
-        taken_m: What the fittings at its two ends take of the inner wall.
+        taken_m: By how much the fittings at its two ends shorten the inner wall.
         bend: The mitre at its end; None at the end of a run.
         run: Name of its run.
         segment: Index of its first segment in the run.
@@ -35,43 +35,43 @@ class Piece(NamedTuple):
 
     @property
     def ends_m(self) -> float:
-        """How far along the route it ends."""
+        """Return the arc length of the route at its end, m."""
         return self.arc_m + self.length_m
 
     @property
     def clear_m(self) -> tuple[float, float]:
-        """From where to where along the route it has walls all round."""
+        """Return the range of arc length in which it has walls all round, m."""
         return self.arc_m + self.taken_m[0], self.ends_m - self.taken_m[1]
 
     def frame_at(self, arc_m: float) -> Frame:
-        """Return the frame of the centre line at a place along the route."""
+        """Return the frame of the centre line at an arc length of the route."""
         return self.frame.moved(arc_m - self.arc_m)
 
     def point(self, arc_m: float, aside_m: float = 0.0) -> Vector:
-        """Return the point at a place along the route, so far to side A of the centre line."""
+        """Return the point at an arc length, ``aside_m`` from the centre line towards side A."""
         return self.frame.point(arc_m - self.arc_m, aside_m)
 
     def beyond_m(self, point: Vector) -> float:
-        """Return how far a point is beyond the beginning, along the piece."""
+        """Return the distance of a point from the beginning, along the piece, m."""
         (px, py, pz), (x, y, z), (ax, ay, az) = point, self.frame.origin, self.frame.ahead
         return (px - x) * ax + (py - y) * ay + (pz - z) * az
 
 
 class Route:
-    """The pieces of a way through a network, in order.
+    """The pieces of a route through a network, in order.
 
     Args:
         network: The pipes.
-        name: Name of the route; by default the only one.
+        name: Name of the route; may be omitted if there is only one.
 
     Attributes:
-        pieces: From the beginning to the end.
-        crossings_m: The places along the route where axes cross in a fitting.
-        length_m: Length of the whole.
-        up: The unit vector against gravity.
+        pieces: The pieces in order.
+        crossings_m: Arc lengths at which axes intersect in a fitting.
+        length_m: Length of the route.
+        up: The unit vector opposite to gravity.
 
     Raises:
-        ValueError: A run of the route does not begin where the one before it ends.
+        ValueError: A run does not begin where its predecessor ends.
     """
 
     def __init__(self, network: Network, name: str = "") -> None:
@@ -82,15 +82,15 @@ class Route:
         self.up = network.up
 
     def piece_at(self, arc_m: float) -> Piece:
-        """Return the piece that a place lies on; the first and the last go on for ever."""
+        """Return the piece at an arc length; the first and the last extend without limit."""
         return next((piece for piece in self.pieces if arc_m <= piece.ends_m), self.pieces[-1])
 
     def frame_at(self, arc_m: float) -> Frame:
-        """Return the frame of the centre line at a place."""
+        """Return the frame of the centre line at an arc length."""
         return self.piece_at(arc_m).frame_at(arc_m)
 
     def arc_of(self, point: Vector) -> float:
-        """Return how far along the route the nearest point of the centre line is."""
+        """Return the arc length of the nearest point of the centre line, m."""
         nearest, found, last = inf, 0.0, len(self.pieces) - 1
         for number, piece in enumerate(self.pieces):
             along = piece.beyond_m(point)
@@ -105,10 +105,10 @@ class Route:
 
 
 class _Heading(NamedTuple):
-    """The direction of travel: a plane, and how far the bends in it have turned together.
+    """The direction of travel: a plane, and the sum of the angles of the bends in it.
 
-    Their angles are added up before anything is turned, so that rounding does not grow from bend
-    to bend.
+    The angles are summed before rotating, so that rounding errors do not accumulate from bend to
+    bend.
     """
 
     plane: Frame = DRAWING
@@ -126,7 +126,7 @@ class _Heading(NamedTuple):
 
 
 def _pieces(runs: Sequence[tuple[str, Run]]) -> Iterator[Piece]:
-    """Yield the pieces of runs that follow each other."""
+    """Yield the pieces of consecutive runs."""
     heading, origin, arc, before = _Heading(), DRAWING.origin, 0.0, ""
     for name, run in runs:
         if before and run.begins != before:

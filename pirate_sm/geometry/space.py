@@ -1,7 +1,7 @@
 """Points, directions and frames in space.
 
 A pipe is drawn in the frame of its first run: x along it, y towards side A of a robot with roll 0,
-z square to both. In a pipe that lies flat side A is the right-hand side, so that z points down.
+z perpendicular to both. In a horizontal pipe side A is on the right, so z points down.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ GRAVITY_M_S2 = 9.81
 
 
 class Frame(NamedTuple):
-    """A point with three unit vectors, each square to the others.
+    """A point with three orthogonal unit vectors.
 
     Attributes:
         origin: The point, m.
         ahead: The direction of travel.
-        side: Towards side A.
+        side: The direction towards side A.
         normal: ``ahead`` × ``side``.
     """
 
@@ -32,7 +32,7 @@ class Frame(NamedTuple):
     normal: Vector
 
     def point(self, along_m: float, aside_m: float = 0.0) -> Vector:
-        """Return the point so far ahead of the origin and so far to side A of it."""
+        """Return the point at these distances ahead of the origin and to its side A."""
         (x, y, z), (ax, ay, az), (sx, sy, sz) = self.origin, self.ahead, self.side
         return (
             x + along_m * ax + aside_m * sx,
@@ -41,7 +41,7 @@ class Frame(NamedTuple):
         )
 
     def moved(self, along_m: float) -> Frame:
-        """Return the frame so far ahead."""
+        """Return the frame moved ahead by this distance."""
         return self._replace(origin=self.point(along_m))
 
     def turned(self, angle_rad: float) -> Frame:
@@ -65,7 +65,7 @@ def dot(one: Vector, other: Vector) -> float:
 
 
 def _turned(first: Vector, second: Vector, angle_rad: float) -> tuple[Vector, Vector]:
-    """Return two unit vectors turned in their plane, from the first one to the second."""
+    """Return two unit vectors rotated in their plane, from the first towards the second."""
     c, s = cos(angle_rad), sin(angle_rad)
     (ax, ay, az), (bx, by, bz) = first, second
     return (

@@ -1,1 +1,1 @@
-"""Read YAML files into models: every fault of a file at once, each with line and column."""
+"""Read YAML files into models; report all faults of a file at once, with line and column."""

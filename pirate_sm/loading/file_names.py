@@ -1,4 +1,4 @@
-"""Names of files: in the folder of a robot, and in messages."""
+"""File names: those in a robot's folder, and paths in messages."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ PROFILE_FILE = "profile.yaml"
 
 
 def shown(path: Path) -> str:
-    """Return the path for messages: relative where it lies inside the current folder.
+    """Return the path for messages, relative if it is inside the current folder.
 
-    Of a link it is what the link leads to, so that a file has one name; a link that leads nowhere
-    has its own.
+    A symbolic link is resolved, so that a file has only one name; a broken link keeps its own.
     """
     try:
         here = Path.cwd()

@@ -1,16 +1,17 @@
-"""Find robots, missions and pipes by the name of their file, or by a path.
+"""Find robots, missions and pipes by name or by path.
 
-What is shipped stands inside the installed package, or at the root of a source tree.
+The shipped ones are inside the installed package, or at the root of a source tree.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from pathlib import Path
 
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 SUFFIXES = (".yaml", ".yml")
@@ -18,7 +19,7 @@ _LONGEST_NAME = 100
 
 
 def shipped() -> Path:
-    """Return the folder that holds what is shipped: ``sequences`` and ``hardware_profiles``."""
+    """Return the folder with the shipped ``sequences`` and ``hardware_profiles``."""
     packaged = _PACKAGE / "_data"
     return packaged if packaged.is_dir() else _PACKAGE.parent
 
@@ -44,31 +45,31 @@ def find_robot(name: str, beside: Path | None = None) -> Path:
 
     Args:
         name: A shipped robot's name, or the path of a folder or of the profile in it.
-        beside: A folder from which relative paths are tried first.
+        beside: A folder to which relative paths refer first.
 
     Raises:
-        UsageError: There is none.
+        UsageError: No such robot exists.
     """
     for path in _candidates(name, beside):
         if _is_file(path / PROFILE_FILE):
             return path.resolve()
         if path.name == PROFILE_FILE and _is_file(path):
             return path.parent.resolve()
-    if _is_path(name):
+    if is_path(name):
         where = f"there is no robot at '{_cut(name)}'"
         raise UsageError(f"{where}: expected a folder with {PROFILE_FILE}")
     return _by_name("robot", name, {path.name: path for path in robots()})
 
 
 def shadowing(name: str, found: Path) -> str:
-    """Return a notice if a shipped robot's name has led elsewhere; else an empty text.
+    """Return a notice if a local folder hides the shipped robot of this name; empty otherwise.
 
     Args:
-        name: As a file gives it.
-        found: The folder that it has led to.
+        name: The robot's name in a file.
+        found: The folder found under this name.
     """
     known = {path.name: path for path in robots()}
-    if _is_path(name) or name not in known or known[name].resolve() == found.resolve():
+    if is_path(name) or name not in known or known[name].resolve() == found.resolve():
         return ""
     return f"the robot '{name}' is the one in {shown(found)}, not the shipped one of that name"
 
@@ -76,10 +77,12 @@ def shadowing(name: str, found: Path) -> str:
 def find_mission(name: str, beside: Path | None = None) -> Path:
     """Return the file of the mission of this name or path.
 
-    A path need not exist, unless a file names it: then ``beside`` is that file's folder.
+    Args:
+        name: A shipped mission's name, or a path.
+        beside: The folder of the file that gives the name; what is in there comes first.
 
     Raises:
-        UsageError: There is no mission of this name.
+        UsageError: There is none.
     """
     return _find_file("mission", name, beside, missions())
 
@@ -88,7 +91,7 @@ def find_pipe(name: str, beside: Path | None = None) -> Path:
     """Return the file of the pipe of this name or path; as for missions.
 
     Raises:
-        UsageError: There is no pipe of this name.
+        UsageError: There is none.
     """
     folders = [] if beside is None else [beside, beside / "pipes"]
     return _find_file("pipe", name, folders, pipes())
@@ -98,11 +101,11 @@ def _find_file(
     kind: str, name: str, beside: Path | Iterable[Path] | None, known: Iterable[Path]
 ) -> Path:
     folders = [beside] if isinstance(beside, Path) else list(beside or ())
-    if _is_path(name):
+    if is_path(name):
         for folder in folders:
             if _is_file(folder / name):
                 return folder / name
-        if folders and not _is_file(Path(name)):
+        if not _is_file(Path(name)) if folders else _leads_nowhere(name):
             raise UsageError(f"there is no {kind} at '{_cut(name)}'")
         return Path(name)
     for folder in folders:
@@ -113,29 +116,40 @@ def _find_file(
 
 
 def _candidates(name: str, beside: Path | None) -> list[Path]:
-    if not _is_path(name):
+    if not is_path(name):
         return [] if beside is None else [beside / name]
     return [Path(name)] if beside is None else [beside / name, Path(name)]
 
 
-def _is_path(name: str) -> bool:
+def is_path(name: str) -> bool:
+    """Return whether the name is meant as a path, not as the name of something shipped."""
     return "/" in name or name.endswith(SUFFIXES) or name in {".", ".."}
 
 
 def _by_name(kind: str, name: str, known: dict[str, Path]) -> Path:
     if name in known:
         return known[name]
-    close = nearest(name, known)
-    hint = f"; did you mean '{close}'?" if close else f"; expected {one_of(sorted(known))}"
-    raise UsageError(f"there is no {kind} '{_cut(name)}'{hint}")
+    hint = meant(name, sorted(known), limit=len(known))
+    raise UsageError(f"there is no {kind} '{_cut(name)}'; {hint}")
 
 
 def _is_file(path: Path) -> bool:
-    """Return whether it is one; a name that no file can have is none."""
+    """Return whether a file exists at this path; False for an invalid name."""
     try:
         return path.is_file()
     except (OSError, ValueError):
         return False
+
+
+def _leads_nowhere(name: str) -> bool:
+    """Return whether nothing is there; what cannot be looked at is refused where it is read."""
+    try:
+        os.lstat(name)
+    except (FileNotFoundError, NotADirectoryError):
+        return True
+    except (OSError, ValueError):
+        pass
+    return False
 
 
 def _cut(name: str) -> str:

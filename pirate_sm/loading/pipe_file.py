@@ -1,4 +1,4 @@
-"""Read pipe files and check that a pipe can be built and that a robot can clamp in it."""
+"""Read pipe files, and check that a pipe can be built and that a robot can clamp in it."""
 
 from __future__ import annotations
 
@@ -18,29 +18,29 @@ from pirate_sm.model.profile import Profile
 from pirate_sm.units import LENGTH, format_quantity
 
 FOLDING_ROOM_RAD = radians(10.0)
-"""How far the joint at a V's apex must be from its end stop in a pipe that fits.
+"""Smallest distance of a V's apex joint from its end stop in a pipe that fits.
 
-A V that is pushed folds further than the pipe's walls alone would have it: by up to 12 deg in a
-stuck robot. One that has come to its end stop bears no wall any more. Of 60 simulated bends, 60
-passed with 8 deg left, 46 with 6 deg and none with 5 deg (docs/measurements.md).
+A V under load folds further than the pipe's walls require, by up to 12 deg in a stuck robot. At its
+end stop a V exerts no force on the wall. Of 60 simulated bends, 60 succeeded with 8 deg left, 46
+with 6 deg and none with 5 deg (docs/measurements.md).
 """
 
 
 def load_pipe(path: Path) -> tuple[Pipe, Document]:
-    """Return the pipe that a file describes, and the file.
+    """Return the pipe in a file, and the file's document.
 
     Raises:
-        LoadError: Everything that is wrong with it.
+        LoadError: The file has faults; holds all of them.
     """
     document = read_document(path, shown(path))
     return validate(document, Pipe), document
 
 
 def reach(profile: Profile) -> tuple[float, float]:
-    """Return the least and the largest inner diameter in m that every part can clamp.
+    """Return the smallest and the largest inner diameter that every part can clamp, m.
 
     The largest is l sin(g/2) + 2r with the apex ``FOLDING_ROOM_RAD`` before its end stop, or fully
-    folded where that is nearer (thesis eq. 3-2); the least is where the wheels alone fill the pipe.
+    folded if that is nearer (thesis eq. 3-2). At the smallest the wheels alone fill the pipe.
     """
     body = profile.body
     least = 2 * body.wheel_radius
@@ -57,7 +57,7 @@ def check_pipe(pipe: Pipe, document: Document, problems: Problems) -> None:
     at, about = _part_of(document), problems.about(document)
     before = len(problems.errors)
     _check_shape(pipe, at, about)
-    if len(problems.errors) == before:  # else it is not known where its pieces lie
+    if len(problems.errors) == before:  # otherwise the pieces have no positions
         _check_crossing(pipe, at, about)
     _check_places(pipe, at, about)
 
@@ -78,7 +78,7 @@ def check_fit(pipe: Pipe, profile: Profile, document: Document, problems: Proble
 
 
 def _part_of(document: Document) -> At:
-    """Return the path of the pipe in its file, which may be a mission's."""
+    """Return the path of the pipe in its document, which may be a mission."""
     return ("pipe",) if "pipe" in document.data and "phases" in document.data else ()
 
 
@@ -107,7 +107,7 @@ def _check_shape(pipe: Pipe, at: At, problems: Problems) -> None:
 
 
 def _check_crossing(pipe: Pipe, at: At, problems: Problems) -> None:
-    """Report a piece of the pipe that lies in the place of another one."""
+    """Report pieces of the pipe that overlap."""
     found = crossing(pipe.route())
     if found is not None:
         one, two = found

@@ -1,4 +1,4 @@
-"""Problems with a file: what is wrong, where, what was expected, what was probably meant."""
+"""Problems of a file: message, place, expected input and suggestion."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MOST_SHOWN = 50
 
 @dataclass(frozen=True, slots=True, order=True)
 class Place:
-    """Is a place in a file, counted from 1; line 0 is the file as a whole."""
+    """A place in a file, counted from 1; line 0 is the file as a whole."""
 
     file: str
     line: int = 0
@@ -31,7 +31,7 @@ class Place:
 
 
 class Severity(StrEnum):
-    """Says whether a problem keeps a file from being used."""
+    """Whether a problem prevents the use of a file."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -39,16 +39,16 @@ class Severity(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Is one fault of a file.
+    """One fault of a file.
 
     Attributes:
-        code: A stable word for programs, such as `unknown-key`.
-        place: Where the fault stands.
-        message: What is wrong, for a person.
-        expected: What would have been right; empty when the message says it.
-        suggestion: What was probably meant, and nothing else; empty when nothing is near.
-        excerpt: The line of the file that the place is on.
-        severity: Whether the file can be used all the same.
+        code: A stable identifier for programs, such as `unknown-key`.
+        place: The place of the fault.
+        message: What is wrong, for users.
+        expected: The expected input; empty if the message contains it.
+        suggestion: The text that was probably meant; empty if there is none.
+        excerpt: The line of the file at the place.
+        severity: Whether the file can be used nevertheless.
     """
 
     code: str
@@ -76,12 +76,12 @@ class Problem:
 
 
 def _cut(text: str) -> str:
-    """Return text that a message can hold: names in a hostile file can be a megabyte long."""
+    """Return the text, shortened for a message: a name in a hostile file can be very long."""
     return text if len(text) <= _LONGEST_MESSAGE else f"{text[: _LONGEST_MESSAGE - 1]}…"
 
 
 def _marked(line: str, column: int) -> list[str]:
-    """Return the line and a caret under `column`, cut to a width that a terminal shows."""
+    """Return the line, with a caret under `column`, cut to the width of a terminal."""
     flat = "".join(char if char.isprintable() else " " for char in line.rstrip())
     caret = max(column - 1, 0)
     start = 0
@@ -94,7 +94,7 @@ def _marked(line: str, column: int) -> list[str]:
 
 
 class LoadError(PirateError):
-    """Is raised when files cannot be used; holds everything that is wrong with them, by place."""
+    """Raised for files that cannot be used; holds all their problems, ordered by place."""
 
     exit_code: ClassVar[int] = 2
 
@@ -123,7 +123,7 @@ class Problems:
 
     def __init__(self, document: Locator | None = None) -> None:
         self._document = document
-        self._found: dict[Problem, None] = {}  # in the order of their discovery, each once
+        self._found: dict[Problem, None] = {}  # in order of discovery, without duplicates
 
     def about(self, document: Locator) -> Problems:
         """Return a collector for another document that adds to the same problems."""
@@ -132,7 +132,7 @@ class Problems:
         return view
 
     def put(self, problem: Problem) -> None:
-        """Add a problem that knows its place, unless the same stands there already."""
+        """Add a problem with its place, unless it is known already."""
         self._found[problem] = None
 
     def add(
@@ -150,14 +150,14 @@ class Problems:
         """Add a problem with the value at `path` of the document.
 
         Args:
-            code: A stable word for programs.
-            path: Keys and list indexes from the root of the document; followed as far as it leads.
+            code: A stable identifier for programs.
+            path: Keys and list indexes from the root of the document, as far as they exist.
             message: What is wrong.
-            expected: What would have been right.
-            suggestion: What was probably meant.
+            expected: The expected input.
+            suggestion: The text that was probably meant.
             key: Point at the key instead of at its value.
             offset: Point this many characters into the text of the value.
-            severity: Whether the file can be used all the same.
+            severity: Whether the file can be used nevertheless.
         """
         if self._document is None:
             raise ValueError("these problems are not about a document: use about()")
@@ -177,16 +177,16 @@ class Problems:
         none: str = "",
         key: bool = False,
     ) -> None:
-        """Add that there is nothing of this kind and name, and which name was probably meant.
+        """Add a problem with an unknown name, and suggest the name that was probably meant.
 
         Args:
-            code: A stable word for programs.
-            path: Where the name stands.
+            code: A stable identifier for programs.
+            path: Path of the name.
             kind: What is named, such as `joint`.
             name: The unknown name.
-            known: The names that are valid there.
+            known: The valid names.
             message: What is wrong, in place of `there is no KIND 'NAME'`.
-            none: What is expected when no name at all is valid.
+            none: What is expected if no name is valid.
             key: Point at the key instead of at its value.
         """
         names = list(known)
@@ -200,7 +200,7 @@ class Problems:
         )
 
     def add_expression(self, path: Path, error: ExpressionError) -> None:
-        """Add each fault of the expression that is the text at `path`, at its own column."""
+        """Add each fault of the expression at `path`, at its own column."""
         for fault in error.faults:
             self.add(
                 "expression",
@@ -212,19 +212,19 @@ class Problems:
 
     @property
     def all(self) -> tuple[Problem, ...]:
-        """Return errors and warnings, by place."""
+        """Return errors and warnings, ordered by place."""
         return tuple(sorted(self._found, key=lambda problem: problem.place))
 
     @property
     def errors(self) -> tuple[Problem, ...]:
-        """Return what keeps the files from being used, by place."""
+        """Return the errors, ordered by place."""
         return tuple(problem for problem in self.all if problem.severity is Severity.ERROR)
 
     def raise_errors(self, but: Collection[str] = ()) -> None:
-        """Return only when there is no error, except of the codes that the caller can live with.
+        """Raise an error if there are errors of codes that the caller does not tolerate.
 
         Raises:
-            LoadError: There is one; it holds the warnings too.
+            LoadError: There are such errors; holds all errors and warnings.
         """
         if any(problem.code not in but for problem in self.errors):
             raise LoadError(self._found)

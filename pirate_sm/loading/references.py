@@ -1,7 +1,8 @@
-"""Follow references from one file to another, inside the project where that is wanted.
+"""Follow references from one file to another, optionally only inside the project.
 
-A mission may come from a stranger, and messages quote what they are about: into the log of a build
-server, say. So files are quoted only if they are ours, and who checks can keep references inside.
+A mission may come from an untrusted source, and messages quote the files that they concern, for
+instance in the log of a build server. Therefore only files in our formats are quoted, and a check
+can restrict references to the project.
 """
 
 from __future__ import annotations
@@ -19,29 +20,29 @@ from pirate_sm.loading.yaml.document import LARGEST_FILE
 
 MISSION = ("mission", "robot", "start", "phases", "ends")
 PIPE = ("pipe", "diameter", "segments")
-"""Keys of which a file of ours has some, however broken it is."""
+"""Keys of our formats; even a broken file has some of them."""
 
 LEAST_KEYS = 2
-"""How many there are; one may stand anywhere."""
+"""Number of these keys for recognition, because a single one may occur in any file."""
 
 ROOT_MARKS = (".git", "sequences", "hardware_profiles")
-"""What the root of a project has."""
+"""Names that mark the root of a project."""
 
 _kept_inside: ContextVar[bool] = ContextVar("kept_inside", default=False)
 
 
 class OutsideError(UsageError):
-    """Is raised for a reference that leaves the project, where that is not wanted."""
+    """Raised for a reference that leaves the project while that is not allowed."""
 
 
 def code_of(error: PirateError, usual: str) -> str:
-    """Return the code for a reference that fails: ``usual``, unless it leaves the project."""
+    """Return the fault code of a failed reference: ``usual``, unless it leaves the project."""
     return "reference.outside" if isinstance(error, OutsideError) else usual
 
 
 @contextmanager
 def kept_inside(*, wanted: bool) -> Iterator[None]:
-    """Refuse references that leave the project, inside the context and if that is wanted."""
+    """Return a context that refuses references out of the project if ``wanted``."""
     before = _kept_inside.set(wanted)
     try:
         yield
@@ -50,14 +51,14 @@ def kept_inside(*, wanted: bool) -> Iterator[None]:
 
 
 def followed(file: FilePath, folder: FilePath) -> FilePath:
-    """Return the file that a reference leads to.
+    """Return the file of a reference, checked against the project's folder.
 
     Args:
-        file: Where it leads.
-        folder: Of the file in which it stands.
+        file: The path in the reference.
+        folder: The folder of the file with the reference.
 
     Raises:
-        OutsideError: It leaves the project, and that is not wanted.
+        OutsideError: It leaves the project, and that is not allowed.
     """
     if _kept_inside.get() and not any(file.resolve().is_relative_to(r) for r in _roots(folder)):
         raise OutsideError("this leads out of the project's folder")
@@ -65,7 +66,7 @@ def followed(file: FilePath, folder: FilePath) -> FilePath:
 
 
 def _roots(folder: FilePath) -> Iterator[FilePath]:
-    """Yield the folders in which a reference from this folder may lead."""
+    """Yield the folders that a reference from this folder may enter."""
     here = folder.resolve()
     yield here
     yield from (library.shipped() / name for name in ("sequences", "hardware_profiles"))
@@ -80,14 +81,14 @@ def _roots(folder: FilePath) -> Iterator[FilePath]:
 def tell(
     error: LoadError, file: FilePath, keys: tuple[str, ...], at: Path, problems: Problems
 ) -> None:
-    """Report what is wrong with a file; of one of another kind only that it is the wrong file.
+    """Report the faults of a referenced file, or only that it is of another kind.
 
     Args:
-        error: What reading the file has raised.
+        error: The error raised by reading the file.
         file: The file.
-        keys: Some of these it has, if it is of the kind that is meant.
-        at: Where it is named, in the file that the problems are about.
-        problems: Are added to.
+        keys: Keys of which a file of the right kind has some.
+        at: Path of the reference in the file that is being checked.
+        problems: Collects the faults.
     """
     if _has(file, keys):
         for problem in error.problems:
@@ -98,7 +99,7 @@ def tell(
 
 
 def _has(file: FilePath, keys: tuple[str, ...]) -> bool:
-    """Return whether some keys begin a line or stand in braces, or the file is unreadable."""
+    """Return whether the file has some of the keys, or cannot be read."""
     with suppress(OSError, ValueError):
         with file.open("rb") as stream:
             text = stream.read(LARGEST_FILE).decode("utf-8-sig", errors="replace")

@@ -1,4 +1,4 @@
-"""Read trace scripts: a list of triggers to take, or a course of events."""
+"""Read trace scripts: a list of triggers to fire, or a course of events."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pirate_sm.loading.yaml.document import Document
 from pirate_sm.loading.yaml.validation import try_validate, validate
 from pirate_sm.model.events import SignalReport
 from pirate_sm.model.trace_script import UNKNOWN, Course, Happening, ScriptEntry
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant, one_of
 from pirate_sm.units import QuantityError, read_quantity
 
 
@@ -22,7 +22,7 @@ class Script(NamedTuple):
     """A trace script; one of the two is empty.
 
     Attributes:
-        entries: The triggers to take.
+        entries: The triggers to fire.
         course: The course of events.
     """
 
@@ -31,17 +31,17 @@ class Script(NamedTuple):
 
 
 class ResolvedHappening(NamedTuple):
-    """A happening and its signals as the engine takes them; ``report`` is None without signals."""
+    """A happening with its signals as an event; ``report`` is None without signals."""
 
     happening: Happening
     report: SignalReport | None
 
 
 def read_script(document: Document) -> Script:
-    """Return the script that a file holds.
+    """Return the script in a file.
 
     Raises:
-        LoadError: Everything that is wrong with it.
+        LoadError: The file has faults; holds all of them.
     """
     if isinstance(document.data, dict) and "course" in document.data:
         return Script(course=validate(document, Course).course)
@@ -62,7 +62,7 @@ def resolve_course(course: Sequence[Happening], robot: RobotSpec) -> tuple[Resol
     """Return the course with its signals resolved for this robot.
 
     Raises:
-        UsageError: It has a signal that the robot does not have, or a value that does not fit.
+        UsageError: A signal is unknown to the robot, or its value does not fit.
     """
     return tuple(ResolvedHappening(each, _report(each, robot)) for each in course)
 
@@ -97,5 +97,4 @@ def _word(name: str, value: str, kind: EnumType) -> str | None:
 
 def _meant(name: str, robot: RobotSpec) -> str:
     known = [each for each in robot.vocabulary.with_changes.types if each not in robot.regions]
-    close = nearest(name, known)
-    return f"did you mean '{close}'?" if close else "the robot has no such signal"
+    return meant(name, known, "the robot has no such signal")

@@ -1,4 +1,4 @@
-"""What a state or a posture writes to the slots: duty cycles, angles, speeds, or nothing new."""
+"""Setpoints of states and postures: duty cycles, angles, speeds, or the present value."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class Duty(NamedTuple):
 
 
 class Target(NamedTuple):
-    """An angle in rad to come to."""
+    """A target angle in rad."""
 
     angle_rad: float
 
 
 class Share(NamedTuple):
-    """An angle to come to: a multiple of the measured angle of a joint."""
+    """A target angle as a multiple of the measured angle of a joint."""
 
     factor: float
     joint: str
@@ -123,15 +123,15 @@ Stage: TypeAlias = dict[Name, SlotSetpoint]
 
 
 class PostureCase(Frozen):
-    """What a posture is where a condition on the states holds: setpoints, or a refusal.
+    """One case of a posture, for a condition on the states: setpoints or a refusal.
 
     Exactly one of ``set`` and ``refuse`` is given.
 
     Attributes:
         when: Condition on the states that the command leads to.
-        set_: What the slots get until all joints have come to their angles.
+        set_: Setpoints of the slots until all joints have reached their angles.
         within: How far a joint may be from its angle; by default the threshold of its loop.
-        done: What must show besides that the posture has been reached.
+        done: A further criterion of the completed posture.
         refuse: Why the command is impossible where the condition holds.
     """
 

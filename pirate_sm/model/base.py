@@ -1,7 +1,7 @@
-"""The base of all models: they are frozen, and an unknown key is an error.
+"""The base class of all models: they are frozen, and unknown keys are errors.
 
-What a class's docstring lists under "Attributes" is also what editors show for the key: the JSON
-Schemas take it from there (:mod:`pirate_sm.schemas`).
+The "Attributes" of a class's docstring are also the descriptions of its keys in editors, because
+:mod:`pirate_sm.schemas` copies them into the JSON Schemas.
 """
 
 from __future__ import annotations
@@ -25,21 +25,21 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_
 """A name that an expression can use: a letter, then letters, digits and underscores."""
 
 FaultCode = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*(\.[a-z0-9_]+)+$")]
-"""A fault's code, ``family.detail``."""
+"""The code of a fault, ``family.detail``."""
 
 DEFINED = "x-defined"
-"""Key of a JSON Schema that stands for a definition which the schemas' writer knows by name."""
+"""Key of a JSON Schema that refers to a definition by a name known to the schema generator."""
 
 
 def by_key(
     keys: Sequence[str], *, custom_error_type: str, custom_error_message: str
 ) -> Discriminator:
-    """Return a discriminator: the first of these keys that a value has is the tag of its model.
+    """Return a discriminator that chooses the model by the first of these keys that a value has.
 
     Args:
         keys: The tags.
-        custom_error_type: The error's type where a value has none of them.
-        custom_error_message: Its message.
+        custom_error_type: Type of the error for a value without any of the keys.
+        custom_error_message: Message of that error.
     """
 
     def kind_of(value: Any) -> str | None:
@@ -58,10 +58,10 @@ def _has(value: Any, key: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class AlsoWritten:
-    """Says in JSON Schema that a validator before takes other forms of the value as well.
+    """JSON Schema annotation for other forms of the value, which a before-validator accepts.
 
     Attributes:
-        forms: Gives the schemas of the other forms, from the schema of the usual one.
+        forms: Returns the schemas of the other forms for the schema of the usual form.
     """
 
     forms: Callable[[JsonSchemaValue], list[JsonSchemaValue]]
@@ -75,7 +75,7 @@ class AlsoWritten:
 
 @dataclass(frozen=True, slots=True)
 class Defined:
-    """Says in JSON Schema that the value is of a kind that is defined once, by name."""
+    """JSON Schema annotation for a value whose kind is defined once, by name."""
 
     name: str
 
@@ -86,7 +86,7 @@ class Defined:
 
 
 def _no_truth(value: Any) -> Any:
-    """Return the value unless it is a boolean: for Python `true` would be the 1 in it."""
+    """Return the value; raise ValueError for a boolean, which Python would accept as 0 or 1."""
     if isinstance(value, bool):
         raise ValueError(f"expected a number, got '{str(value).lower()}'")
     return value
@@ -102,6 +102,6 @@ Condition = Annotated[str, Defined("Condition")]
 
 
 class Frozen(BaseModel):
-    """A piece of a file: immutable, compared by value, strict about its keys."""
+    """The base class of the parts of a file: immutable, compared by value, without extra keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)

@@ -19,9 +19,9 @@ class Wheel(Frozen):
         name: Name of the wheel.
         part: The part that it belongs to.
         direction: +1 where it touches side A when clamped, -1 for side B (thesis eq. 3-1).
-        mass: Mass at this node.
-        angle: Signal with its angle.
-        speed: Signal with its angular speed.
+        mass: Point mass at this wheel.
+        angle: Signal of its angle.
+        speed: Signal of its angular speed.
     """
 
     name: Name
@@ -36,8 +36,8 @@ class Link(Frozen):
     """A rigid link between two wheels; ``roll`` names the signal of a roll joint inside it.
 
     Attributes:
-        module: The module that it is.
-        length: From wheel to wheel.
+        module: The module that forms the link.
+        length: Distance between its wheels.
         mass: Mass of the link.
         roll: Signal of the roll joint inside it, if there is one.
     """
@@ -49,14 +49,14 @@ class Link(Frozen):
 
 
 class Joint(Frozen):
-    """A driven bend joint at a wheel; its name is that of its angle signal.
+    """A driven bend joint at a wheel; it has the name of its angle signal.
 
     Attributes:
         name: Name of the joint, and of its angle signal.
-        wheel: The wheel that it sits at.
+        wheel: The wheel at the joint.
         part: The part that it belongs to.
-        end_stop: Largest angle, either way.
-        torque: Signal with its torque.
+        end_stop: Largest angle in either direction.
+        torque: Signal of its torque.
     """
 
     name: Name
@@ -71,7 +71,7 @@ class Part(Frozen):
 
     Attributes:
         apex: The joint at the tip of the V.
-        held: Condition on states that says when the part holds.
+        held: Condition on states that is true while the part holds.
     """
 
     apex: Name
@@ -79,16 +79,16 @@ class Part(Frozen):
 
 
 class Body(Frozen):
-    """The planar chain: wheels are nodes, links join them in order.
+    """The planar chain of wheels, joined by links in order.
 
     Attributes:
         wheel_radius: Radius of the wheels.
         wheel_width: Width of the wheels.
-        body_half_thickness: From the axis of a link to its surface.
-        wheels: From the front.
-        links: Between neighbouring wheels, from the front.
+        body_half_thickness: Distance from the axis of a link to its surface.
+        wheels: The wheels, front to rear.
+        links: The links between adjacent wheels, front to rear.
         joints: The driven bend joints.
-        parts: What clamps, by name.
+        parts: The clamping parts, by name.
     """
 
     wheel_radius: PositiveLength
@@ -99,11 +99,16 @@ class Body(Frozen):
     joints: Annotated[tuple[Joint, ...], Field(min_length=1)]
     parts: Annotated[dict[Name, Part], Field(min_length=1)]
 
+    def apex_of(self, part: Name) -> Joint | None:
+        """Return the joint at the apex of a part's V."""
+        apex = self.parts[part].apex
+        return next((joint for joint in self.joints if joint.name == apex), None)
+
     def legs_m(self, part: Name) -> tuple[float, ...]:
         """Return the lengths of the legs of a part's V; a link with a roll joint is none."""
-        apex = self.parts[part].apex
-        at = next((joint.wheel for joint in self.joints if joint.name == apex), "")
-        node = next((i for i, wheel in enumerate(self.wheels) if wheel.name == at), 0)
+        apex = self.apex_of(part)
+        wheel = apex.wheel if apex else ""
+        node = next((i for i, each in enumerate(self.wheels) if each.name == wheel), 0)
         beside = self.links[max(node - 1, 0) : node + 1] or self.links[-1:]
         legs = tuple(link.length for link in beside if link.roll is None)
         return legs or tuple(link.length for link in beside)

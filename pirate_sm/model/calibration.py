@@ -1,4 +1,4 @@
-"""What the joint sensors of one robot show when it is straight."""
+"""The calibration of one robot: the readings of its joint sensors when it is straight."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ Date = Annotated[str, StringConstraints(pattern=r"^\d{4}-\d{2}-\d{2}$")]
 
 
 class Calibration(Frozen):
-    """The zeros of one robot, measured on one day.
+    """The zeros of one robot's joints, measured on one day.
 
     Attributes:
         format: Version of this format.
         robot: Name of the robot.
-        date: Of the measurement.
-        port: Where the robot was connected.
-        zeros: What the sensor of each joint shows when the joint is at zero; it is subtracted from
-            what is read.
+        date: Date of the measurement.
+        port: Port of the robot.
+        zeros: The reading of each joint's sensor when the joint is at zero; it is subtracted from
+            each reading.
     """
 
     format: Format

@@ -1,6 +1,6 @@
-"""Criteria that show that a command is done: a closed set, all numbers in the profile.
+"""Criteria of completed commands, as a closed set with all numbers in the profile.
 
-"Done" is what the thesis's robot could not tell from "sent" (section 7-3-1).
+The thesis's robot could not distinguish "done" from "sent" (section 7-3-1).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class Accepted(Frozen):
 
 
 class Stalled(Frozen):
-    """Done when the joints stand still and each of ``loaded`` bears ``torque`` during ``for``.
+    """Done when the joints stand still and each of ``loaded`` bears ``torque`` for ``for``.
 
     Attributes:
         kind: What shows that a command is done.
@@ -44,18 +44,16 @@ class Stalled(Frozen):
 
 
 class Reached(Frozen):
-    """Done when each joint with an angle to come to is inside its threshold.
+    """Done when each joint with a target angle is within its threshold.
 
-    Where ``or_still`` is given, a joint that is pushed and stands still for as long as ``for``
-    counts as well: the wall has stopped it. It is pushed while it bears ``loaded`` of the torque
-    that its duty cycle gives at stall, in the direction of the push; a spring that still unwinds
-    does not.
+    With ``or_still``, a joint that the wall has stopped counts as well: it is pushed and stands
+    still for ``for``. It is pushed while it bears at least ``loaded`` of the stall torque at its
+    duty cycle, in the direction of the push. A spring that still unwinds does not push.
 
     Attributes:
         kind: What shows that a command is done.
-        or_still: A joint that is pushed and slower than this has been stopped by the wall, and
-            counts.
-        loaded: Share of its stall torque that such a joint bears.
+        or_still: The speed below which a pushed joint counts as stopped by the wall.
+        loaded: Share of its stall torque that such a joint bears at least.
         for_s: How long all of it must hold.
     """
 
@@ -78,9 +76,9 @@ class Turning(Frozen):
 
 
 class Stopped(Frozen):
-    """Done when the wheels that can be heard turn slower than ``below``, for as long as ``for``.
+    """Done when the wheels whose boards report turn slower than ``below`` for ``for``.
 
-    Of each part at least one wheel must be heard.
+    At least one wheel of each part must report.
 
     Attributes:
         kind: What shows that a command is done.
@@ -98,7 +96,7 @@ class Aligned(Frozen):
 
     Attributes:
         kind: What shows that a command is done.
-        slots: The slots whose angles are looked at.
+        slots: The slots whose angles are compared.
         within: The largest difference to the setpoint.
     """
 
@@ -108,11 +106,11 @@ class Aligned(Frozen):
 
 
 class Below(Frozen):
-    """Done when all the signals are smaller than ``limit`` in magnitude, for as long as ``for``.
+    """Done when all the signals are smaller than ``limit`` in magnitude for ``for``.
 
     Attributes:
         kind: What shows that a command is done.
-        signals: The signals that are looked at.
+        signals: The signals that are compared.
         limit: The largest magnitude.
         for_s: How long it must hold.
     """

@@ -1,4 +1,4 @@
-"""Signals of a robot that are computed from raw counts, or from other signals."""
+"""Signals of a robot that are computed from raw counts or from other signals."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pirate_sm.model.base import Frozen, Name, by_key
 
 
 class Conversion(Frozen):
-    """A raw count times ``scale`` is the signal; the scale is a constant expression with unit.
+    """A raw count times ``scale``, which is a constant expression with a unit.
 
     Attributes:
         scale: A constant expression with a unit, such as ``360 deg / 4096``.
@@ -20,7 +20,7 @@ class Conversion(Frozen):
 
 
 class RateOf(Frozen):
-    """Difference of a signal between two frames over the time between them (thesis B-11).
+    """Difference of a signal between two frames, divided by their time interval (thesis B-11).
 
     Attributes:
         rate_of: The signal.
@@ -33,7 +33,7 @@ class TorqueOf(Frozen):
     """Current times ``scale`` with the sign of a slot's setpoint (thesis eq. 5-3).
 
     Attributes:
-        torque_of: The signal with the current.
+        torque_of: The signal of the current.
         slot: The slot whose setpoint gives the sign.
         scale: Torque per current, a constant expression such as ``0.9 Nm/A``.
     """
@@ -64,7 +64,7 @@ class PitchOf(Frozen):
 
 
 class NormOf(Frozen):
-    """Length of the vector that the signals make.
+    """Length of the vector of these signals.
 
     Attributes:
         norm_of: The signals.
@@ -74,7 +74,7 @@ class NormOf(Frozen):
 
 
 class DiameterOf(Frozen):
-    """Inner diameter seen by a clamped part, h + 2r (thesis eq. 3-2).
+    """Inner diameter at a clamped part, h + 2r (thesis eq. 3-2).
 
     Attributes:
         diameter_of: The part.
@@ -84,7 +84,7 @@ class DiameterOf(Frozen):
 
 
 class OdometryOf(Frozen):
-    """Distance rolled forward: mean of what the driven wheels among these rolled.
+    """Distance rolled forward: mean over the driven ones among these wheels.
 
     Attributes:
         odometry_of: The wheels.
@@ -94,7 +94,7 @@ class OdometryOf(Frozen):
 
 
 class SpeedOf(Frozen):
-    """Speed forward: mean of the rim speeds of the driven wheels among these.
+    """Forward speed: mean rim speed of the driven ones among these wheels.
 
     Attributes:
         speed_of: The wheels.

@@ -1,6 +1,6 @@
-"""Effects in words, the same in every view, log, report and table.
+"""The wording of effects, common to all views, logs, reports and tables.
 
-What a view adds of its own (arrows, places, whole sentences) stands with the view.
+Each view adds its own arrows, places or sentences.
 """
 
 from __future__ import annotations
@@ -13,49 +13,49 @@ from pirate_sm.model.events import Tick
 
 
 def with_reason(text: str, reason: str) -> str:
-    """Return the text with its reason behind a colon, where there is one."""
+    """Return the text, followed by a colon and the reason if there is one."""
     return f"{text}: {reason}" if reason else text
 
 
 def command_words(it: fx.CommandStatus) -> str:
-    """Return what has become of a command, and why."""
+    """Return the status of a command with its reason."""
     return with_reason(f"{it.name} {it.status}", it.reason)
 
 
 def condition_words(it: fx.WaitArmed) -> str:
-    """Return the conditions that a wait waits for."""
+    """Return the conditions of a wait."""
     return " or ".join(it.conditions)
 
 
 def trigger_reason(it: fx.TriggerFired, *, nominal: bool) -> str:
-    """Return why a trigger fired; in a trace its script, and nobody else, passes over waits."""
+    """Return why a trigger fired; in a trace only the script can skip a wait."""
     return "taken by the trace" if nominal and it.reason == fx.TAKEN else it.reason
 
 
 def fault_words(it: fx.Fault) -> str:
-    """Return what is wrong, behind its code."""
+    """Return the code and the message of a fault."""
     return f"{it.code}: {it.message}"
 
 
 def handling_words(it: fx.Fault) -> str:
-    """Return what follows from a fault."""
+    """Return the handling of a fault."""
     return {"continue": "the mission goes on", "stop": "safe stop"}.get(
         it.handling, f"→ {it.handling}"
     )
 
 
 def choice_words(it: fx.Ask) -> str:
-    """Return the answers that a question offers."""
+    """Return the choices of a question."""
     return " / ".join(it.choices)
 
 
 def question_words(it: fx.Ask) -> str:
-    """Return a question with the answers that it offers."""
+    """Return a question with its choices."""
     return f"{it.question} ({choice_words(it)})"
 
 
 def field_words(thing: Any) -> str:
-    """Return what an event or effect is, and each field with its name and value, in one line.
+    """Return an event or effect as one line, with the names and values of its fields.
 
     Args:
         thing: The event or effect; None for the start of the engine.

@@ -1,6 +1,6 @@
-"""Effects: the closed set of what the engine asks for or reports.
+"""Effects: the closed set of the engine's outputs.
 
-Only the runtime performs them. ``Setpoints`` moves the robot; the others inform.
+Only the runtime performs them. ``Setpoints`` moves the robot; the others report something.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ Outcome: TypeAlias = Literal["succeeded", "failed", "interrupted", "fault"]
 
 
 class Setpoints(NamedTuple):
-    """All slots shall take these values at once.
+    """An array of setpoints to be sent, which takes effect in all slots at once.
 
     Attributes:
-        setpoint_id: Rises by one with each new array; the same id means the same array again.
-        values: One value per slot in wire order: duty cycle -1..1 or angle in rad, as the
-            profile says for the slot.
+        setpoint_id: Increases by one with each new array; a resent array keeps its id.
+        values: One value per slot in wire order: a duty cycle -1..1 or an angle in rad, depending
+            on the slot's unit in the profile.
     """
 
     setpoint_id: int
@@ -26,13 +26,13 @@ class Setpoints(NamedTuple):
 
 
 class CommandStatus(NamedTuple):
-    """A command has come to a new point of its life.
+    """The status of a command has changed.
 
     Attributes:
         name: The command.
-        status: Where it is now.
-        reason: Why it was refused or failed, how it was done; may be empty.
-        place: Where it stands in the mission file, ``file:line:col``; empty for the operator's.
+        status: The new status.
+        reason: Why it was refused or failed, or why it counts as done; may be empty.
+        place: Its place in the mission file, ``file:line:col``; empty for an operator's command.
     """
 
     name: str
@@ -42,11 +42,11 @@ class CommandStatus(NamedTuple):
 
 
 class StateChange(NamedTuple):
-    """The robot's configuration, or how much of it is confirmed, has changed.
+    """The robot's configuration or its unconfirmed regions have changed.
 
     Attributes:
         states: State name per region, in the order of the chart.
-        unconfirmed: Regions whose state has been commanded but not yet seen to be true.
+        unconfirmed: Regions whose state is commanded but not confirmed.
     """
 
     states: tuple[str, ...]
@@ -60,13 +60,13 @@ class PhaseChange(NamedTuple):
 
 
 class WaitArmed(NamedTuple):
-    """A phase, or a step of it, waits.
+    """A phase or a step has begun to wait.
 
     Attributes:
         phase: Name of the phase.
         triggers: Names of the triggers in listed order.
-        conditions: What each of them waits for, in the words of the file.
-        deadline_s: Mission time at which ``within`` ends the wait; infinite if it never does.
+        conditions: The condition of each trigger, as in the file.
+        deadline_s: Mission time at which ``within`` ends the wait; infinite without a limit.
         place: Where the wait stands, ``file:line:col``.
     """
 
@@ -78,7 +78,7 @@ class WaitArmed(NamedTuple):
 
 
 TAKEN = "taken by the operator"
-"""Reason of a trigger that nothing but a person, or a script in their place, has made fire."""
+"""Reason of a trigger fired by the operator, or by a script in place of an operator."""
 
 
 class TriggerFired(NamedTuple):
@@ -86,9 +86,9 @@ class TriggerFired(NamedTuple):
 
     Attributes:
         phase: The phase that waited.
-        trigger: Name of the trigger, ``within`` for the time limit.
-        go: The phase or end that comes next.
-        reason: What made it fire.
+        trigger: Name of the trigger; ``within`` for the time limit.
+        go: The next phase or end.
+        reason: Why it fired.
         place: Where the wait stands, ``file:line:col``.
     """
 
@@ -100,13 +100,13 @@ class TriggerFired(NamedTuple):
 
 
 class Detected(NamedTuple):
-    """A detector's word has become the valid one."""
+    """The valid word of the detector has changed."""
 
     word: str
 
 
 class Environment(NamedTuple):
-    """The pipe around the robot has changed, by more than noise.
+    """The properties of the pipe around the robot have changed by more than noise.
 
     Attributes:
         segment: ``Out``, ``Straight`` or ``Joint`` (thesis section 4-3-2); empty is unknown.
@@ -123,7 +123,7 @@ class Environment(NamedTuple):
 
     @property
     def measures(self) -> str:
-        """Return the known ones of roll, pitch and diameter as text; empty where none is."""
+        """Return the known values of roll, pitch and diameter as text; empty if all are unknown."""
         known = [
             f"{name} {degrees(angle):.0f}°"
             for name, angle in (("roll", self.roll_rad), ("pitch", self.pitch_rad))
@@ -135,12 +135,12 @@ class Environment(NamedTuple):
 
 
 class Fault(NamedTuple):
-    """Something is wrong that nobody commanded.
+    """A fault has been found.
 
     Attributes:
-        code: Name of the fault, as missions write it.
+        code: Code of the fault, as missions write it.
         message: One sentence for the operator.
-        handling: ``continue``, the phase it leads to, or ``stop``.
+        handling: ``continue``, the target phase, or ``stop``.
     """
 
     code: str
@@ -149,7 +149,7 @@ class Fault(NamedTuple):
 
 
 class Log(NamedTuple):
-    """A line for the operator."""
+    """A log line for the operator."""
 
     level: Literal["info", "warning", "error"]
     message: str
@@ -159,8 +159,8 @@ class Ask(NamedTuple):
     """The mission needs an answer from the operator.
 
     Attributes:
-        question: What is asked; empty when a pending question is withdrawn.
-        choices: The answers on offer, the first being the expected one.
+        question: The question; empty when the open question is withdrawn.
+        choices: The possible answers; the first is the expected one.
     """
 
     question: str
@@ -168,18 +168,18 @@ class Ask(NamedTuple):
 
 
 class WakeAt(NamedTuple):
-    """Nothing can change before ``at_s`` unless an event comes first; infinity: never."""
+    """The next deadline: without an event nothing changes before ``at_s``; infinite: never."""
 
     at_s: float
 
 
 class Ended(NamedTuple):
-    """The run is over and the safe stop has been asked for.
+    """The run has ended, after the safe stop.
 
     Attributes:
         outcome: How it ended.
         message: Why, in one sentence.
-        end: Name of the mission's end, empty when it ended otherwise.
+        end: Name of the mission's end; empty if it ended otherwise.
     """
 
     outcome: Outcome

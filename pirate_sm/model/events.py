@@ -1,9 +1,9 @@
-"""Events: the closed set of what can happen to the engine.
+"""Events: the closed set of the engine's inputs.
 
-Every input of a run is one of these; nothing else can change its course, so a recording of them
-replays it. Time is not part of an event: it is handed to the engine beside it, in seconds since
-the run began. ``ALPHABET_VERSION`` changes with any change of a field or a class here or in
-:mod:`pirate_sm.model.effects`, and where the engine would make something else of the same events.
+Every input of a run is one of these, so a recording of them can be replayed exactly. Time is not
+part of an event: the engine receives it separately, in seconds since the run began.
+``ALPHABET_VERSION`` changes with every change of a class or field here or in
+:mod:`pirate_sm.model.effects`, and with every change of the engine's results for the same events.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ SubmitStatus: TypeAlias = Literal["accepted", "superseded", "rejected", "unknown
 
 
 class Tick(NamedTuple):
-    """Time has passed; deadlines may have come due."""
+    """Time has passed; deadlines may be due."""
 
 
 class SensorFrame(NamedTuple):
@@ -25,7 +25,7 @@ class SensorFrame(NamedTuple):
 
     Attributes:
         board: Id of the board, as in the robot's profile.
-        values: Raw values in the order of the board's channels; NaN where a channel is silent.
+        values: Raw values in the order of the board's channels; NaN for a silent channel.
     """
 
     board: int
@@ -33,16 +33,16 @@ class SensorFrame(NamedTuple):
 
 
 class DetectorWord(NamedTuple):
-    """A detector has said a word, a level that holds for ``valid_for_s`` or until the next."""
+    """A detector has reported a word, which is valid for ``valid_for_s`` or until the next one."""
 
     word: str
     valid_for_s: float
 
 
 class EnvironmentReport(NamedTuple):
-    """Somebody outside has reported the pipe around the robot.
+    """An outside source has reported the pipe around the robot.
 
-    The engine derives the same from its signals; a report counts instead while it is valid.
+    It replaces the values that the engine derives from its signals for as long as it is valid.
 
     Attributes:
         segment: ``Out``, ``Straight`` or ``Joint`` (thesis section 4-3-2); empty is unknown.
@@ -50,7 +50,7 @@ class EnvironmentReport(NamedTuple):
             unknown, as for the others.
         pitch_rad: Pitch of the pipe's axis, positive where it climbs ahead of the robot.
         diameter_m: Inner diameter, h + 2r (thesis eq. 3-2).
-        valid_for_s: How long it is valid unless another one comes; infinite: until then.
+        valid_for_s: How long it is valid, or until the next report; infinite: until then.
     """
 
     segment: str
@@ -61,10 +61,10 @@ class EnvironmentReport(NamedTuple):
 
 
 class SubmitResult(NamedTuple):
-    """A setpoint array has met its one and only fate.
+    """The final result of a setpoint array.
 
     Attributes:
-        setpoint_id: The id that the array was submitted under.
+        setpoint_id: Id of the array.
         status: ``accepted``: the robot has it. ``superseded``: a newer array replaced it before
             it was sent. ``rejected``: it was never sent. ``unknown``: it may have been applied.
         reason: Why, in words; empty when accepted.
@@ -78,8 +78,8 @@ class SubmitResult(NamedTuple):
 class FaultReport(NamedTuple):
     """A backend has found something wrong, e.g. ``link.lost``.
 
-    With code and message of one of the robot's fault rules it is that rule's: it denies the clamps
-    that the rule denies.
+    A report with code and message of one of the robot's fault rules counts as raised by that rule,
+    and denies the same clamps.
     """
 
     code: str
@@ -87,36 +87,36 @@ class FaultReport(NamedTuple):
 
 
 class OperatorCommand(NamedTuple):
-    """The operator asks for one command, outside the mission's own steps."""
+    """The operator gives a command that is not part of the mission."""
 
     command: str
 
 
 class Answer(NamedTuple):
-    """The operator has chosen one of the answers that are on offer."""
+    """The operator has chosen one of the possible answers."""
 
     choice: str
 
 
 class Pause(NamedTuple):
-    """The operator wants the wheels stopped and the mission frozen."""
+    """The operator pauses the mission, with the wheels stopped."""
 
 
 class Resume(NamedTuple):
-    """The operator wants a paused mission to go on."""
+    """The operator resumes a paused mission."""
 
 
 class Step(NamedTuple):
-    """The operator wants a paused mission to do its next step and pause again."""
+    """The operator lets a paused mission execute one step and pause again."""
 
 
 class GoTo(NamedTuple):
-    """The operator hands a paused mission back at the beginning of one of its phases.
+    """The operator resumes a paused mission at the beginning of one of its phases.
 
     Attributes:
         phase: The phase.
-        states: State of each region in which the phase has been found to be able to run.
-        unconfirmed: Regions that were not confirmed then.
+        states: State of each region when the phase was found to be possible.
+        unconfirmed: Regions that were unconfirmed then.
     """
 
     phase: str
@@ -125,23 +125,23 @@ class GoTo(NamedTuple):
 
 
 class Skip(NamedTuple):
-    """The operator passes over what the mission waits for.
+    """The operator skips the present wait, command or question.
 
     Attributes:
-        trigger: In a wait, the name of the trigger to take; empty for the first one listed.
+        trigger: In a wait, the name of the trigger to fire; empty for the first one.
     """
 
     trigger: str = ""
 
 
 class SignalReport(NamedTuple):
-    """A script says what sensors and detector show, in a run where none of them speaks.
+    """A script provides signals and words in a run without sensors and detector.
 
-    It counts from the next event on, as if both came at one moment.
+    It takes effect with the next event, as if both came at the same time.
 
     Attributes:
-        numbers: Signals by name in SI, NaN for unknown; the others stay as they are.
-        words: The detector's word and the segment by name, None for unknown.
+        numbers: Signals by name in SI, NaN for unknown; other signals keep their values.
+        words: The detector's word and the segment by name; None for unknown.
     """
 
     numbers: tuple[tuple[str, float], ...] = ()
@@ -149,19 +149,19 @@ class SignalReport(NamedTuple):
 
 
 class CommandFailed(NamedTuple):
-    """A script says that the command under way will not be done, where no sensor can tell."""
+    """A script lets the command under way fail, in a run without sensors."""
 
     reason: str
 
 
 class Abort(NamedTuple):
-    """The run must end now, through the safe stop."""
+    """The run must end now with the safe stop."""
 
     reason: str
 
 
 Request: TypeAlias = OperatorCommand | Answer | Pause | Resume | Step | GoTo | Skip | Abort
-"""What a person asks for, or who drives the engine in their place."""
+"""A request of the operator, or of a program in place of an operator."""
 
 Event: TypeAlias = (
     Tick

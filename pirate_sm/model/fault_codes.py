@@ -1,7 +1,7 @@
-"""The faults that any robot can have: code, origin, meaning, and whether a mission may handle them.
+"""The built-in faults of all robots: code, origin, meaning, and whether missions may handle them.
 
-Whoever raises, handles or explains one of them takes it from here. A robot's own faults are rules
-of its profile, see :class:`pirate_sm.model.profile.FaultRule`.
+This is the only list of built-in faults. A robot's own faults are rules in its profile, see
+:class:`pirate_sm.model.profile.FaultRule`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,14 @@ class _About(NamedTuple):
 
 
 class BuiltInFault(Enum):
-    """A fault that any robot can have."""
+    """A fault that any robot can have.
+
+    Attributes:
+        code: The name that missions and views use.
+        origin: What the fault is seen by.
+        catchable: Whether a mission may handle it (rule 10).
+        meaning: What is wrong.
+    """
 
     SENSOR_SILENT = _About(
         "sensor.silent", "sensors", True, "a board does not report, or a sensor has no value"
@@ -80,28 +87,11 @@ class BuiltInFault(Enum):
         "mission.runaway", "program", False, "phases follow each other faster than sensors report"
     )
 
-    @property
-    def code(self) -> str:
-        """Return the name that missions and views use."""
-        return self.value.code
-
-    @property
-    def catchable(self) -> bool:
-        """Return whether a mission may handle it (rule 10)."""
-        return self.value.catchable
-
-    @property
-    def origin(self) -> Origin:
-        """Return what the fault is seen by."""
-        return self.value.origin
-
-    @property
-    def meaning(self) -> str:
-        """Return what is wrong."""
-        return self.value.meaning
+    def __init__(self, code: str, origin: Origin, catchable: bool, meaning: str) -> None:
+        self.code, self.origin, self.catchable, self.meaning = code, origin, catchable, meaning
 
     def report(self, message: str) -> FaultReport:
-        """Return a report that this fault has come up."""
+        """Return a report of this fault."""
         return FaultReport(self.code, message)
 
 

@@ -1,10 +1,11 @@
-"""A mission as its file says it; names are resolved in :mod:`pirate_sm.loading.mission`.
+"""A mission as written in its file; :mod:`pirate_sm.loading.mission` resolves the names.
 
 The language and its twelve rules are documented in ``docs/missions.md``.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Literal, TypeAlias, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, Tag, model_validator
@@ -39,11 +40,11 @@ FAIL = "fail"
 
 
 class _AnyStep(Frozen):
-    """What every step may say: when it is done at all, and where its failure leads.
+    """The keys common to all steps: a condition, and the target of a failure.
 
     Attributes:
-        condition: The step is passed over unless this is true.
-        on_failure: A phase or end, or ``continue`` for the next step.
+        condition: The step is skipped unless this is true.
+        on_failure: Target of a failure: a phase or end, or ``continue`` for the next step.
     """
 
     condition: Annotated[Condition | None, Field(alias="if")] = None
@@ -51,13 +52,13 @@ class _AnyStep(Frozen):
 
 
 class CommandStep(_AnyStep):
-    """One command, awaited until it is done.
+    """A command; the mission waits until it is done.
 
     Attributes:
         command: The command's name, or an alias that the robot declares.
-        timeout: In place of the profile's; counts from acceptance.
-        retry: How often the same command is sent again after a failure.
-        unneeded: ``skip`` takes an unneeded command as done; ``fail`` as a failure.
+        timeout: Overrides the profile's timeout; counts from acceptance.
+        retry: How often the command is repeated after a failure.
+        unneeded: Whether an unneeded command counts as done (``skip``) or as a failure (``fail``).
     """
 
     command: Annotated[str, Defined("CommandName")]
@@ -71,7 +72,7 @@ class CallStep(_AnyStep):
 
     Attributes:
         call: The other mission: its name, or a path from this file's folder.
-        arguments: Values of its parameters, by name; ``$name`` hands one of our own on.
+        arguments: Values of its parameters, by name; ``$name`` passes a parameter of this mission.
     """
 
     call: str
@@ -79,10 +80,10 @@ class CallStep(_AnyStep):
 
 
 class RepeatBody(Frozen):
-    """Steps to be done this many times.
+    """Steps to be repeated.
 
     Attributes:
-        times: How often.
+        times: Number of repetitions.
         do: The steps, one after the other.
     """
 
@@ -91,20 +92,20 @@ class RepeatBody(Frozen):
 
 
 class RepeatStep(_AnyStep):
-    """The same steps several times.
+    """A repetition of steps.
 
     Attributes:
-        repeat: Which steps, and how often.
+        repeat: The steps, and the number of repetitions.
     """
 
     repeat: RepeatBody
 
 
 class Choice(Frozen):
-    """Steps to be done if the condition is true.
+    """Steps to be executed if the condition is true.
 
     Attributes:
-        condition: What must be true for these steps to be taken.
+        condition: The condition for executing these steps.
         do: The steps, one after the other.
     """
 
@@ -113,11 +114,11 @@ class Choice(Frozen):
 
 
 class ChooseStep(_AnyStep):
-    """The first choice whose condition is true; otherwise ``else``.
+    """Executes the first choice whose condition is true, otherwise ``else``.
 
     Attributes:
-        choose: The choices, looked at in order.
-        otherwise: The steps when no condition was true.
+        choose: The choices, tested in order.
+        otherwise: The steps if no condition is true.
     """
 
     choose: Annotated[tuple[Choice, ...], Field(min_length=1)]
@@ -129,8 +130,8 @@ class AskStep(_AnyStep):
 
     Attributes:
         ask: The question.
-        choices: What each answer leads to: ``continue``, ``fail``, a phase or an end.
-        timeout: How long to wait for an answer; then the step has failed.
+        choices: The target of each answer: ``continue``, ``fail``, a phase or an end.
+        timeout: How long to wait for an answer before the step fails.
     """
 
     ask: str
@@ -142,8 +143,8 @@ class LogStep(_AnyStep):
     """A line for the operator.
 
     Attributes:
-        log: The text; ``{name}`` stands for a parameter's value.
-        level: How loud it is.
+        log: The text; ``{name}`` is replaced by a parameter's value.
+        level: The log level.
     """
 
     log: str
@@ -151,11 +152,11 @@ class LogStep(_AnyStep):
 
 
 class WaitStep(_AnyStep):
-    """A wait among the steps, which goes on with the next step unless its trigger says otherwise.
+    """A wait among the steps; the next step follows unless the trigger has a target.
 
     Attributes:
-        wait: Triggers, of which the first to fire decides; one without ``go`` leads on.
-        within: How long it may take. Without ``go`` the step has failed then.
+        wait: Triggers; the first to fire decides. Without ``go`` it leads to the next step.
+        within: Time limit of the wait. Without ``go`` the step fails after it.
     """
 
     wait: Annotated[tuple[Trigger, ...], Field(min_length=1)]
@@ -196,13 +197,36 @@ Step: TypeAlias = Annotated[
 ]
 
 
+def every_step(
+    steps: Sequence[Step], at: tuple[str | int, ...] = ()
+) -> Iterator[tuple[Step, tuple[str | int, ...]]]:
+    """Yield the steps and those inside them, in the order of the file, each with where it stands.
+
+    Args:
+        steps: The steps.
+        at: Where they stand: keys and list indexes from the root of the file.
+    """
+    for number, step in enumerate(steps):
+        path = (*at, number)
+        yield step, path
+        match step:
+            case RepeatStep():
+                yield from every_step(step.repeat.do, (*path, "repeat", "do"))
+            case ChooseStep():
+                for arm, choice in enumerate(step.choose):
+                    yield from every_step(choice.do, (*path, "choose", arm, "do"))
+                yield from every_step(step.otherwise, (*path, "else"))
+            case CommandStep() | CallStep() | AskStep() | WaitStep() | LogStep():
+                pass
+
+
 class FaultHandler(Frozen):
-    """What to do about a fault: only log it, or go to a phase.
+    """The handling of a fault: only log it, or go to a phase.
 
     Attributes:
-        fault: A fault's code, ``family.detail``, or a list of codes.
+        fault: Code of a fault, ``family.detail``, or a list of codes.
         then: ``continue``: only log it.
-        go: The phase or end that it leads to.
+        go: The target phase or end.
     """
 
     fault: Annotated[
@@ -222,7 +246,7 @@ class FaultHandler(Frozen):
 
 
 def _leading(part: _L) -> _L:
-    """Return what leads somewhere."""
+    """Return the part; raise an error if it has no target."""
     if part.go is None:
         raise PydanticCustomError(
             "missing-key", "this needs `go`: the phase or end that it leads to"
@@ -231,15 +255,15 @@ def _leading(part: _L) -> _L:
 
 
 class Phase(Frozen):
-    """Steps in order, then a wait for one of several triggers, or straight on to ``go``.
+    """Steps in order, followed by a wait for one of several triggers, or by ``go``.
 
     Attributes:
-        description: One line for people.
-        do: Steps, one after the other.
-        wait: Triggers, of which the first to fire decides.
-        within: How long the wait may take, and where it leads then.
-        go: What comes next, in a phase without ``wait``.
-        on_failure: The phase or end that a failure of one of its steps leads to.
+        description: One-line description.
+        do: The steps, one after the other.
+        wait: Triggers; the first to fire decides.
+        within: Time limit of the wait, and the target after it.
+        go: The next phase or end, in a phase without ``wait``.
+        on_failure: The target phase or end of a failure of one of its steps.
     """
 
     description: str = ""
@@ -264,11 +288,11 @@ class Phase(Frozen):
 
 
 class End(Frozen):
-    """How a mission ends: exactly one of the two, with the sentence that the operator reads.
+    """An end of a mission: success or failure, with a message for the operator.
 
     Attributes:
-        succeed: The mission has succeeded; the sentence that the operator reads.
-        fail: The mission has failed; the sentence that the operator reads, with ``{cause}``.
+        succeed: The mission has succeeded; the message for the operator.
+        fail: The mission has failed; the message for the operator, which may use ``{cause}``.
     """
 
     succeed: str | None = None
@@ -287,16 +311,16 @@ class Mission(Frozen):
     Attributes:
         format: Version of this language.
         mission: Name of the mission.
-        description: One line for people.
+        description: One-line description.
         robot: Name of a shipped robot, or the path of a robot's folder.
-        pipe: Name of a pipe, a path, or a pipe written out.
-        polarity: Which side the wheels touch; else the caller's, else ``normal``.
-        parameters: Constants of a run, by name.
+        pipe: Name of a pipe, a path, or an inline pipe.
+        polarity: Which sides the wheels touch; by default the caller's, or ``normal``.
+        parameters: Parameters by name; constant during a run.
         starts_in: The state that each region must be in at the start and at a call.
-        time_limit: Longest time for the whole run.
-        allow_unclamp: Why this mission may let go of the pipe; a reason that people read.
-        on_failure: The phase or end that a failure leads to; without one, the safe stop.
-        on_fault: What to do about faults; one that no line names ends the mission in the safe
+        time_limit: Longest duration of the whole run.
+        allow_unclamp: The reason why this mission may release the pipe.
+        on_failure: The target phase or end of a failure; without one, the safe stop.
+        on_fault: The handling of faults; a fault that is not listed ends the mission in the safe
             state.
         start: The first phase.
         phases: The phases by name.

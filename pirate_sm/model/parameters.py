@@ -1,4 +1,4 @@
-"""Parameters of a mission: constants of a run."""
+"""Parameters of a mission, which are constant during a run."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ ParameterType: TypeAlias = Literal[
     "duration", "length", "angle", "speed", "angular_speed", "torque", "force", "current",
     "ratio", "count", "number",
 ]  # fmt: skip
-# Strict: else `true` would be the count 1.
+# Strict, because `true` would count as 1.
 ParameterValue: TypeAlias = (
     Annotated[str, Strict()] | Annotated[int, Strict()] | Annotated[float, Strict()]
 )
 
 
 class ParameterDefinition(Frozen):
-    """A constant of a run; without a default it must be given.
+    """A parameter of a mission; without a default it must be given.
 
     Attributes:
-        type: What the value is, and so which units fit.
-        default: The value when none is given; without a default it must be given.
-        min: The least value that may be given.
-        max: The largest value that may be given.
-        description: One line for people.
+        type: The kind of value, which determines the valid units.
+        default: The value if none is given; without a default it must be given.
+        min: The smallest valid value.
+        max: The largest valid value.
+        description: One-line description.
     """
 
     type: ParameterType

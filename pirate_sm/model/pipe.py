@@ -1,4 +1,4 @@
-"""Pipes: straights and mitre bends in one plane, and what a simulator needs beyond that."""
+"""Pipes: straights and mitre bends in one plane, with data for simulators."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ROUNDING_DEG = 1e-6
 
 
 def _within(limit_deg: int) -> AfterValidator:
-    """Return a validator of angles between minus and plus a limit, which it names in degrees."""
+    """Return a validator of angles up to a limit in either direction."""
 
     def check(angle_rad: float) -> float:
         angle_deg = math.degrees(angle_rad)
@@ -30,10 +30,10 @@ def _within(limit_deg: int) -> AfterValidator:
 
 
 class Straight(Frozen):
-    """A straight of this length, measured along the axis up to the crossing of the axes.
+    """A straight of this length, measured along the axis to the intersection of the axes.
 
     Attributes:
-        straight: Its length, measured along the axis up to the crossing of the axes.
+        straight: Its length, measured along the axis to the intersection of the axes.
     """
 
     straight: Annotated[Length, Field(gt=0, le=100)]
@@ -43,8 +43,8 @@ class Mitre(Frozen):
     """A mitre bend by this angle; positive turns to side A of the robot in normal polarity.
 
     Attributes:
-        mitre: Its angle, at most 120 deg either way; positive turns to side A of the robot in
-            normal polarity.
+        mitre: Its angle, at most 120 deg in either direction; positive turns to side A of the robot
+            in normal polarity.
     """
 
     mitre: Annotated[Angle, _within(120)]
@@ -61,12 +61,12 @@ Segment: TypeAlias = Annotated[
 
 
 class Blockage(Frozen):
-    """An obstacle that stands ``at`` a place until it has been pushed for ``lasting``.
+    """An obstacle ``at`` a position that disappears after being pushed for ``lasting``.
 
     Attributes:
-        at: Place along the axis, from the beginning of the pipe.
-        lasting: How long it withstands a push before it is taken away.
-        from_s: When it is put there, in mission time.
+        at: Position along the axis, from the beginning of the pipe.
+        lasting: How long it withstands a push before it is removed.
+        from_s: Mission time at which it appears.
     """
 
     at: Annotated[Length, Field(ge=0)]
@@ -75,10 +75,10 @@ class Blockage(Frozen):
 
 
 class Start(Frozen):
-    """Where the robot is put; ``at`` is the place of its first wheel along the axis.
+    """The start of a simulated robot: the position of its first wheel along the axis.
 
     Attributes:
-        at: Place of the robot's first wheel along the axis, from the beginning of the pipe.
+        at: Position of the robot's first wheel along the axis, from the beginning of the pipe.
     """
 
     at: Annotated[Length, Field(ge=0)]
@@ -90,18 +90,18 @@ class Pipe(Frozen):
     Attributes:
         format: Version of this format.
         pipe: Name of the pipe.
-        description: One line for people.
+        description: One-line description.
         diameter: Inner diameter.
-        tilt: The plane of the pipe is tilted about the axis of its first segment's normal in that
-            plane such that gravity has the component g sin(tilt) in the plane.
-        uphill: Direction in the plane that goes up when tilted, measured from the axis of the first
-            segment towards side A: 0 deg = the first segment goes up, 90 deg = a leg behind a mitre
-            of +90 deg goes up.
-        roll: Roll of the plane of the pipe about the axis of its first segment, relative to the
-            robot's plane.
-        segments: Straights joined by mitres.
-        friction: Of the wall, in place of the robot's own numbers.
-        start: Where a simulated robot begins; by default in the middle of the first segment.
+        tilt: Tilt of the pipe's plane against the horizontal; gravity has the component g sin(tilt)
+            in the plane.
+        uphill: Uphill direction in the tilted plane, measured from the axis of the first segment
+            towards side A. 0 deg: the first segment goes up. 90 deg: a leg behind a mitre of
+            +90 deg goes up.
+        roll: Roll of the pipe's plane about the axis of its first segment, relative to the robot's
+            plane.
+        segments: Straights, joined by mitres.
+        friction: Friction of the wall; overrides the robot's values.
+        start: Start of a simulated robot; by default in the middle of the first segment.
         blockages: Obstacles.
     """
 
@@ -118,7 +118,7 @@ class Pipe(Frozen):
     blockages: tuple[Blockage, ...] = ()
 
     def network(self, diameter_m: float | None = None) -> space.Network:
-        """Return the pipe as a network of one run; another diameter may stand in for its own."""
+        """Return the pipe as a network of one run, optionally with another diameter."""
         segments = tuple(
             space.Straight(each.straight) if isinstance(each, Straight) else space.Mitre(each.mitre)
             for each in self.segments
@@ -126,11 +126,11 @@ class Pipe(Frozen):
         return space.planar(diameter_m or self.diameter, segments, self.tilt, self.uphill)
 
     def route(self) -> Route:
-        """Return the way through the pipe."""
+        """Return the route through the pipe."""
         return Route(self.network())
 
     def start_of(self, robot_length_m: float) -> float:
-        """Return the place of the first wheel at the start, in m along the axis."""
+        """Return the start position of the first wheel along the axis, m."""
         if self.start is not None:
             return self.start.at
         first = self.segments[0]

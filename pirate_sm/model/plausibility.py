@@ -17,30 +17,30 @@ _Readings = Annotated[Count, Field(ge=1)]
 
 
 class Plausibility(Frozen):
-    """Limits beyond which a sensor is wrong, whatever the robot does.
+    """Limits beyond which a sensor is wrong in any situation.
 
     Attributes:
-        overspeed: An angle changes at most this many times as fast as its motor turns without load,
-            for others may push it.
-        joint_slack: A joint may change by this much more between two readings.
-        wheel_slack: A wheel may change by this much more between two readings.
-        beyond_stop: A joint's angle may be so far beyond its end stop.
-        overcurrent: A current may be so many times that of the stalled motor.
-        overtorque: A torque may be so many times that of the stalled motor, for a spring behind a
-            self-locking gear can be wound up from outside.
-        hold_back: An impossible value is replaced by the last believed one for this many readings.
-        spikes: So many spikes of one sensor within ``spikes_within`` are a fault.
-        spikes_within: The time in which spikes are counted.
-        stuck_after: A sensor is stuck when it shows the same value for this long while its motor is
-            driven and bears no load.
-        unloaded: A motor bears no load below this share of the current that it would draw stalled
-            at the same duty cycle.
-        surely_driven: A motor surely turns above this many times the least duty cycle of its
+        overspeed: Largest speed of an angle as a multiple of the no-load speed of its motor; other
+            motors may push it.
+        joint_slack: Additional change of a joint allowed between two readings.
+        wheel_slack: Additional change of a wheel allowed between two readings.
+        beyond_stop: How far a joint's angle may be beyond its end stop.
+        overcurrent: Largest current as a multiple of the motor's stall current.
+        overtorque: Largest torque as a multiple of the motor's stall torque; outside forces can
+            wind up a spring behind a self-locking gear.
+        hold_back: Number of readings for which the last believed value replaces an impossible one.
+        spikes: Number of spikes of one sensor within ``spikes_within`` that is a fault.
+        spikes_within: Duration in which spikes are counted.
+        stuck_after: A sensor is stuck if it shows the same value for this long while its motor is
+            driven without load.
+        unloaded: A motor is without load below this share of its stall current at the same duty
+            cycle.
+        surely_driven: A motor certainly turns above this multiple of the least duty cycle of its
             position loop.
-        settle: Nothing moves any more this long after the last change of a setpoint.
-        joint_moved: A joint that changes by more than this has moved.
-        wheel_moved: A wheel that changes by more than this has moved.
-        moved_readings: So many readings in a row must show a motion that was not asked for.
+        settle: All motion ends within this time after the last change of a setpoint.
+        joint_moved: Smallest change of a joint that counts as motion.
+        wheel_moved: Smallest change of a wheel that counts as motion.
+        moved_readings: Number of consecutive readings that must show an unexpected motion.
     """
 
     overspeed: _Factor = 3.0

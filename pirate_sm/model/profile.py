@@ -1,7 +1,7 @@
-"""A robot as its folder describes it; everything the engine and the backends know of a robot.
+"""A robot's profile: everything that the engine and the backends know about a robot.
 
-The models mirror ``profile.yaml`` key by key. What refers to what (a slot to a joint, a command
-to the chart) is checked in :mod:`pirate_sm.loading.robot`, where every fault has a place.
+The models correspond to ``profile.yaml`` key by key. :mod:`pirate_sm.loading.robot` checks the
+references (a slot to a joint, a command to the chart) and reports each fault with its place.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from pirate_sm.model.base import (
 )
 from pirate_sm.model.body import Body
 from pirate_sm.model.criteria import Criterion
-from pirate_sm.model.derived import Conversion, Derived
+from pirate_sm.model.derived import Conversion, Derived, DiameterOf
 from pirate_sm.model.plausibility import Plausibility
 from pirate_sm.model.quantities import (
     Angle,
@@ -45,12 +45,12 @@ PositiveDuration = Annotated[Duration, Field(gt=0)]
 
 
 class PositionLoop(Frozen):
-    """A proportional position controller that ends at duty 0 inside its threshold (alg. 3).
+    """A proportional position controller that ends at duty 0 within its threshold (alg. 3).
 
     Attributes:
         gain: Duty cycle per rad of error.
-        threshold: Error inside which the joint has arrived.
-        least_duty: Duty cycle below which the motor would stand still.
+        threshold: Largest error at which the joint has reached its angle.
+        least_duty: Smallest duty cycle that turns the motor.
         limit: Largest duty cycle used.
     """
 
@@ -61,10 +61,10 @@ class PositionLoop(Frozen):
 
 
 class VelocityLoop(Frozen):
-    """A controller that keeps a wheel at a speed, by its no-load speed and an integral.
+    """A controller that keeps a wheel at a speed, with its no-load speed and an integral.
 
     Attributes:
-        gain: What a fresh frame corrects, as a share of the error.
+        gain: Share of the error that each new frame corrects.
         limit: Largest duty cycle used.
     """
 
@@ -73,19 +73,19 @@ class VelocityLoop(Frozen):
 
 
 class Motor(Frozen):
-    """A kind of motor with what limits it; what a kind needs is checked at loading.
+    """A kind of motor with its limits; the loader checks which keys a kind requires.
 
     Attributes:
         kind: ``sprung_worm``: self-locking, behind a series spring. ``geared``: a wheel.
             ``position``: takes an angle, the board controls it. ``light``. ``none``.
-        stall_torque: Torque at full duty when it stands.
-        stall_current: Current at full duty when it stands.
+        stall_torque: Torque at full duty at standstill.
+        stall_current: Current at full duty at standstill.
         no_load_speed: Speed at full duty without load.
         hold_torque: Torque that turns a geared motor against its gearbox at duty 0.
-        dead_drag: Torque with which a geared motor drags that has failed.
-        stiffness: Of the series spring.
-        position_loop: How a duty slot is brought to an angle.
-        velocity_loop: How a wheel is kept at a speed; needs ``no_load_speed``.
+        dead_drag: Drag torque of a failed geared motor.
+        stiffness: Stiffness of the series spring.
+        position_loop: The loop that drives a duty slot to an angle.
+        velocity_loop: The loop that keeps a wheel at a speed; needs ``no_load_speed``.
     """
 
     kind: Literal["sprung_worm", "geared", "position", "light", "none"]
@@ -106,12 +106,12 @@ class Motor(Frozen):
 
 
 class Slot(Frozen):
-    """One setpoint of the wire and what it drives.
+    """One setpoint on the wire and what it drives.
 
     Attributes:
         name: Name of the slot.
         unit: ``duty``: -1..1 of full voltage. ``angle``: rad, the board has its own controller.
-        motor: The kind of motor behind it.
+        motor: The kind of motor that it drives.
         joint: The joint that it drives.
         wheel: The wheel that it drives.
         roll: The signal of the roll joint that it drives.
@@ -130,21 +130,21 @@ class Slot(Frozen):
 
 
 SlotSense: TypeAlias = Literal["angle", "torque", "current", "turned"]
-"""What is measured of a slot's joint, wheel or roll joint; all else is measured of the body."""
+"""Quantities measured at a slot's joint, wheel or roll joint; others belong to the body."""
 
 Sense: TypeAlias = Literal[SlotSense, "acc_x", "acc_y", "acc_z", "mag_x", "mag_y", "mag_z"]
 
 
 class Channel(Frozen):
-    """One raw value of a board; without a signal it is carried but not interpreted.
+    """One raw value of a board; without a signal it is transmitted but not interpreted.
 
     Attributes:
         name: Name of the channel.
-        signal: Name under which conditions know it.
+        signal: Its name in conditions.
         convert: Conversion from raw to SI.
-        senses: What it measures, so that a simulator can make it. ``turned`` is a mean of
-            differences of an angle (thesis B-11).
-        slot: The slot whose joint, wheel or roll is measured.
+        senses: The measured quantity, for simulators. ``turned`` is a mean of differences of an
+            angle (thesis B-11).
+        slot: The slot whose joint, wheel or roll joint is measured.
     """
 
     name: Name
@@ -159,9 +159,9 @@ class Board(Frozen):
 
     Attributes:
         id: Address on the bus.
-        module: The module that it sits in.
-        fitted: ``false`` for what is not there; its place on the wire stays.
-        channels_fitted: ``false`` where its sensors are not there; their place on the wire stays.
+        module: The module that contains it.
+        fitted: ``false`` for a missing board; its place on the wire is kept.
+        channels_fitted: ``false`` if its sensors are missing; their place on the wire is kept.
         slots: Setpoints in the order of the wire.
         channels: Raw values in the order of the wire.
     """
@@ -175,18 +175,18 @@ class Board(Frozen):
 
 
 class LinkSettings(Frozen):
-    """Timing and resolution of the wire between us and the boards.
+    """Timing and resolution of the link to the boards.
 
     Attributes:
-        cycle: One state message comes per cycle.
+        cycle: Interval of the state messages.
         state_message: ``board``: one message per board. ``value``: one per value.
-        echo_delay: Until a setpoint array is confirmed.
+        echo_delay: Time until a setpoint array is confirmed.
         duty_resolution: Step of a duty cycle on the wire.
         angle_resolution: Step of an angle on the wire.
-        stale_after: A signal not heard for this long is unknown.
-        silent_after: A board not heard for this long is a fault, all of them are a lost link.
-        resend_after: An array of unknown fate is sent again after this long.
-        resend_limit: How often an array of unknown fate is sent again.
+        stale_after: A signal that is not reported for this long is unknown.
+        silent_after: A board that is silent for this long is a fault; all boards mean a lost link.
+        resend_after: An array without a result is sent again after this long.
+        resend_limit: How often an array without a result is sent again.
     """
 
     cycle: PositiveDuration
@@ -213,16 +213,16 @@ Stages = Annotated[
 
 
 class Command(Frozen):
-    """A command's meaning beyond the chart.
+    """The properties of a command that the chart does not define.
 
     Attributes:
-        asks_for: Condition on states; where it holds already the command is unneeded.
-        done: What shows that it has happened.
-        timeout: From acceptance; after it the command has failed.
-        nominal: How long it takes on paper, for backends in which nothing moves.
-        lets_go: Whether it may open the last confirmed clamp.
-        posture: The posture that the robot takes first, before the states' own actuation.
-        description: One line for people.
+        asks_for: Condition on states. Where it already holds, the command is unneeded.
+        done: The criterion of its completion.
+        timeout: Time from acceptance after which the command fails.
+        nominal: Nominal duration, for backends without motion.
+        lets_go: Whether it may release the last confirmed clamp.
+        posture: The posture that the robot reaches before the actuation of the states.
+        description: One-line description.
     """
 
     asks_for: Condition
@@ -235,7 +235,7 @@ class Command(Frozen):
 
 
 class SafeState(Frozen):
-    """Slots that the safe state sets to zero; every other keeps its last accepted value.
+    """The safe state: slots that go to zero, while all others keep their last accepted value.
 
     Attributes:
         zero: Slots that go to zero; all others keep their last accepted value.
@@ -245,18 +245,18 @@ class SafeState(Frozen):
 
 
 class FaultRule(Frozen):
-    """A fault that the signals tell: a condition that has held for a time.
+    """A fault that is derived from signals: a condition that has held for a time.
 
     Attributes:
-        code: The fault's code, ``family.detail``.
-        when: The condition; ``{i}`` stands for each of ``for_each``, ``$JOINT_stop`` for the end
-            stop of a joint.
-        held: How long it must have been true without a break.
-        message: What people read.
-        catchable: ``false`` for what no mission may handle.
-        for_each: The rule is written out for each of these numbers, in place of ``{i}``.
-        denies: Parts whose clamps it shows not to hold: as long as it is true they are not
-            confirmed, whatever a command's criterion says.
+        code: Code of the fault, ``family.detail``.
+        when: The condition; ``{i}`` is replaced by each of ``for_each``, ``$JOINT_stop`` by the
+            end stop of a joint.
+        held: How long it must have been true without interruption.
+        message: The message for the operator.
+        catchable: ``false`` for a fault that no mission may handle.
+        for_each: The rule is repeated for each of these numbers, in place of ``{i}``.
+        denies: Parts whose clamps do not hold: while the rule is true they are not confirmed,
+            whatever a command's criterion shows.
     """
 
     code: FaultCode
@@ -269,11 +269,11 @@ class FaultRule(Frozen):
 
 
 class DetectorPoint(Frozen):
-    """A wheel and how far beyond the crossing of the pipe axes it is, along the pipe.
+    """A wheel and its distance beyond the intersection of the pipe's axes, along the pipe.
 
     Attributes:
         wheel: The wheel.
-        passed: How far it has passed the crossing of the pipe's axes; negative: still before it.
+        passed: Its distance beyond the intersection of the pipe's axes; negative: before it.
     """
 
     wheel: Name
@@ -281,11 +281,11 @@ class DetectorPoint(Frozen):
 
 
 class DetectorDefinition(Frozen):
-    """Where a detector's word begins to hold, for either direction of travel.
+    """The point from which a detector's word is valid, for each direction of travel.
 
     Attributes:
-        forward: Where it begins when driving forward.
-        backward: Where it begins when driving backward.
+        forward: The point when driving forward.
+        backward: The point when driving backward.
     """
 
     forward: DetectorPoint
@@ -293,11 +293,11 @@ class DetectorDefinition(Frozen):
 
 
 class Detector(Frozen):
-    """The words a detector may say; a word is a level that is valid for a time.
+    """The words that a detector may report, each valid for a limited time.
 
     Attributes:
-        valid_for: How long a word holds unless another is said.
-        words: The words, and where each begins to hold.
+        valid_for: How long a word is valid, unless another one is reported.
+        words: The words, and the point from which each is valid.
     """
 
     valid_for: PositiveDuration
@@ -310,28 +310,28 @@ class Profile(Frozen):
     Attributes:
         format: Version of this format.
         robot: Name of the robot.
-        description: One line for people.
-        chart: The chart's file, beside this one.
+        description: One-line description.
+        chart: The chart's file, in the same folder.
         body: The planar chain of wheels and links.
-        motors: Kinds of motors by name; slots refer to them.
+        motors: Kinds of motors by name, to which slots refer.
         boards: The boards in the order of the wire.
-        link: Timing and resolution of the wire.
+        link: Timing and resolution of the link.
         plausibility: Limits beyond which a sensor is wrong.
         conversions: Scales from raw counts to SI, by name.
         derived: Signals that are computed from others, by name.
-        actuation: For each region and each of its states, what the slots get.
-        postures: What commands bring the joints to first, by name. Of each posture the first
-            case counts whose condition holds; where none holds, the command needs no posture.
+        actuation: For each region and each of its states the setpoints.
+        postures: Joint angles that commands reach first, by name. The first case of a posture
+            whose condition holds applies; if none holds, the command needs no posture.
         commands: One entry for each event of the chart.
         aliases: Other names of commands: ``{other: command}``.
-        not_commands: Names that people may try, each with what to say then.
-        seen: How states show themselves to the sensors before anything moves.
-        safe_state: What makes the robot safe.
-        faults: Faults that the signals tell.
-        rules: Safety rules: missions are checked against them, and watched in every run.
+        not_commands: Names that users may try as commands, each with an explanation.
+        seen: Criteria by which sensors confirm states before anything moves.
+        safe_state: The safe state.
+        faults: Faults that are derived from signals.
+        rules: Safety rules, against which missions are checked, and every run is monitored.
         detector: The words of a detector.
-        simulation: What only the simulator reads.
-        serial: The serial link; none for a robot that is only simulated.
+        simulation: Settings for the simulator only.
+        serial: The serial link; absent for a robot that is only simulated.
     """
 
     format: Format
@@ -363,9 +363,16 @@ class Profile(Frozen):
         """Return all slots in the order of the wire."""
         return tuple(slot for board in self.boards for slot in board.slots)
 
+    def diameter_of(self, part: Name) -> str:
+        """Return the signal of the inner diameter that a part shows; empty where there is none."""
+        for name, it in self.derived.items():
+            if isinstance(it, DiameterOf) and it.diameter_of == part:
+                return name
+        return ""
+
     @property
     def heard(self) -> tuple[Board, ...]:
-        """Return the boards that report, in the order in which they do."""
+        """Return the boards that report, in the order of their reports."""
         return tuple(b for b in self.boards if b.fitted and b.channels_fitted and b.channels)
 
     @property

@@ -1,7 +1,7 @@
-"""Field types for models: text with a unit in the file, an SI float in the program.
+"""Field types of models for quantities: text with a unit in files, SI floats in the program.
 
-A file must give the unit (`90 deg`, never `90`); Python code passes SI numbers. The two are told
-apart by the validation context: the loader validates with `FROM_FILE`.
+A file must give the unit (`90 deg`, never `90`); Python code passes SI numbers. The validation
+context distinguishes the two: the loader validates with `FROM_FILE`.
 """
 
 from __future__ import annotations
@@ -32,18 +32,18 @@ _PARAMETER = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
 
 
 def quantity_fault(message: str, expected: str = "", suggestion: str = "") -> PydanticCustomError:
-    """Return an error that pydantic reports under its place, with what a person needs to know."""
+    """Return an error about an invalid quantity, with the expected input and a suggestion."""
     context = {"message": message, "expected": expected, "suggestion": suggestion}
     return PydanticCustomError("quantity", "{message}", context)
 
 
 def range_fault(message: str) -> PydanticCustomError:
-    """Return an error about a value that has the right form and is beyond its limits."""
+    """Return an error about a value of the right form that exceeds its limits."""
     return PydanticCustomError("range", "{message}", {"message": message})
 
 
 def _shown(value: object) -> str:
-    """Return a scalar as it stands in the file, anything else by its kind."""
+    """Return a scalar as in the file, and the kind of any other value."""
     if isinstance(value, bool):
         return f"'{str(value).lower()}'"
     if isinstance(value, str | int | float):
@@ -64,7 +64,7 @@ def _is_number(value: object) -> bool:
 
 
 def _reader(dimension: Dimension) -> Callable[[Any, ValidationInfo], float]:
-    """Return a validator that gives the SI value of a quantity of `dimension`."""
+    """Return a validator that returns the SI value of a quantity of `dimension`."""
     expected = units.expectation(dimension)
 
     def read(value: Any, info: ValidationInfo) -> float:
@@ -115,7 +115,7 @@ def _read_any(value: Any) -> Quantity:
 
 @dataclass(frozen=True, slots=True)
 class _Written:
-    """Says in JSON Schema how a quantity of a dimension is written in a file."""
+    """JSON Schema annotation for the text form of a quantity of a dimension."""
 
     dimension: Dimension
 
@@ -132,7 +132,7 @@ class _Written:
 
 
 class _WrittenRatio:
-    """Says in JSON Schema how a ratio is written in a file."""
+    """JSON Schema annotation for the text form of a ratio."""
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
@@ -156,7 +156,7 @@ _LIMITS: Final = {"gt": "more than", "ge": "at least", "lt": "less than", "le": 
 
 
 def _bounds(schema: JsonSchemaValue) -> dict[str, float]:
-    """Return the limits in SI, by pydantic's names for them."""
+    """Return the limits in SI units, by pydantic's names."""
     return {
         name: schema[key]
         for name, json_name in _JSON_BOUNDS.items()
@@ -166,7 +166,7 @@ def _bounds(schema: JsonSchemaValue) -> dict[str, float]:
 
 
 def _limits(bounds: Mapping[str, float], dimension: Dimension) -> str:
-    """Return limits in words, each after a comma."""
+    """Return the limits as text, each after a comma."""
     unit = units.format_quantity(1.0, dimension).partition(" ")[2]
     shown = {name: f"{limit:g} {unit}" if limit else "0" for name, limit in bounds.items()}
     return "".join(f", {_LIMITS[name]} {limit.strip()}" for name, limit in shown.items())
@@ -218,14 +218,14 @@ Number: TypeAlias = Annotated[
     float, BeforeValidator(_read_number), WithJsonSchema({"type": "number"})
 ]
 Count: TypeAlias = Annotated[int, Strict(), Field(ge=0)]
-# pydantic's own bool takes 'on', 'yes' and 1; in a file those are text and a number.
+# pydantic's bool accepts 'on', 'yes' and 1, which are text and a number in files.
 Flag: TypeAlias = Annotated[bool, Strict()]
 AnyQuantity: TypeAlias = Annotated[Quantity, BeforeValidator(_read_any), _ANY_SCHEMA]
 
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """Stands where a quantity is wanted for the value that a mission's parameter will have."""
+    """A reference to a mission's parameter in place of a quantity."""
 
     name: str
 
@@ -243,7 +243,7 @@ class Parameter:
 def _or_parameter(
     read: Callable[[Any, ValidationInfo], Any],
 ) -> Callable[[Any, ValidationInfo], Any]:
-    """Return a validator that takes `$name` for a parameter and leaves the rest to `read`."""
+    """Return a validator that reads `$name` as a parameter and other values with `read`."""
 
     def read_either(value: Any, info: ValidationInfo) -> Any:
         if isinstance(value, Parameter):
@@ -267,7 +267,7 @@ def _read_count(value: Any, info: ValidationInfo) -> int:
 
 
 class _OrParameter:
-    """Says in JSON Schema that `$name` may stand where a quantity or a count is wanted."""
+    """JSON Schema annotation for `$name` in place of a quantity or a count."""
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler

@@ -1,7 +1,7 @@
-"""Regular expressions of quantities, for the JSON Schemas that editors check files with.
+"""Regular expressions of quantities for JSON Schemas.
 
-They accept all that :mod:`pirate_sm.units` reads. What they cannot do is multiply out a dimension:
-a unit of three factors, or with an exponent, only has to be made of known units.
+They accept everything that :mod:`pirate_sm.units` reads. They cannot compute dimensions: they
+accept a unit of three factors, or with an exponent, if it consists of known units.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from pirate_sm.units import UNITS, Dimension
 Schema = dict[str, Any]
 
 QUANTITY: Final = "x-quantity"
-"""Key of a JSON Schema that is the same wherever it stands: its name, and a default's SI unit."""
+"""Key for shared schemas of quantities: holds the schema's name and the SI unit of a default."""
 
 _DIGITS: Final = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
 _EXPONENT: Final = r"(?:[eE][+-]?[0-9]+)?"
@@ -32,8 +32,8 @@ def written(dimension: Dimension, bounds: Mapping[str, Any]) -> Schema:
     """Return the JSON Schema of text that is a quantity of this dimension.
 
     Args:
-        dimension: What it measures.
-        bounds: Limits in SI by pydantic's names for them: ``gt``, ``ge``, ``lt``, ``le``.
+        dimension: The dimension.
+        bounds: Limits in SI units by pydantic's names: ``gt``, ``ge``, ``lt``, ``le``.
     """
     name = units.describe(dimension).partition(" ")[2].replace(" ", "_")
     return _text(
@@ -55,7 +55,7 @@ def written_quantity() -> Schema:
 
 
 def written_parameter() -> Schema:
-    """Return the JSON Schema of text that stands for a mission's parameter."""
+    """Return the JSON Schema of text that refers to a mission's parameter."""
     return _text("parameter", r"^\$[A-Za-z_][A-Za-z0-9_]*$", "a parameter such as '$give_up'")
 
 
@@ -75,10 +75,10 @@ def _suffix(bounds: Mapping[str, Any]) -> str:
 
 
 def number_pattern(bounds: Mapping[str, Any]) -> str:
-    """Return the pattern of a number; limits other than 0 depend on the unit and are left out.
+    """Return the pattern of a number; limits other than 0 depend on the unit and are ignored.
 
     Args:
-        bounds: Limits in SI by pydantic's names for them: ``gt``, ``ge``.
+        bounds: Limits in SI units by pydantic's names: ``gt``, ``ge``.
     """
     if bounds.get("gt", -1) >= 0:
         return _POSITIVE
@@ -92,19 +92,19 @@ def quantity_pattern(dimension: Dimension, bounds: Mapping[str, Any]) -> str:
     factor = _factor()
     composed = rf"(?=[^^]*\^|(?:[^*/·]*[*/·]){{2}}){factor}(?:{_TIMES}{factor})*"
     unit = "|".join([*known, *_pairs(dimension), composed])
-    # A `1` as the first factor stands apart, or it is a digit of the number.
+    # A `1` as the first factor needs a blank before it, or it would be a digit of the number.
     return rf"^\s*{number_pattern(bounds)}(?:\s+|(?!1))(?:{unit})\s*$"
 
 
 def ratio_pattern(bounds: Mapping[str, Any]) -> str:
-    """Return the pattern of text that is a ratio: it ends with a percent sign."""
+    """Return the pattern of a ratio as text, which ends with a percent sign."""
     factor = _factor()
     composed = rf"{factor}(?:{_TIMES}{factor})*{_TIMES}%"
     return rf"^\s*{number_pattern(bounds)}(?:\s+|(?!1))(?:%|{composed})\s*$"
 
 
 def any_quantity_pattern() -> str:
-    """Return the pattern of text that is a number with any known unit, or with none."""
+    """Return the pattern of a number with any known unit or without a unit."""
     factor = _factor()
     return rf"^\s*{_ANY_NUMBER}(?:(?:\s+|(?!1)){factor}(?:{_TIMES}{factor})*)?\s*$"
 

@@ -1,4 +1,4 @@
-"""Safety rules of a robot: never, always, and after … expect within."""
+"""Safety rules of a robot: `always`, `never`, and `expect` within some steps."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pirate_sm.model.quantities import Count
 
 
 class SafetyRule(Frozen):
-    """What must never happen, or always hold, whatever a mission commands.
+    """A safety rule: a condition that must always or never hold, whatever a mission commands.
 
     Exactly one of ``always``, ``never`` and ``expect`` is given. Conditions see the state of each
     region, ``command`` (just accepted), ``clamps`` (parts that the states hold),
@@ -21,11 +21,11 @@ class SafetyRule(Frozen):
         rule: Name of the rule.
         always: A condition that must hold.
         never: A condition that must not hold.
-        after: The rule applies from when on this has been true.
-        expect: A condition that must come true in time after ``after``.
-        within_steps: With ``expect``: so many more commands may be accepted until it holds.
-        why: What happens otherwise.
-        waived_by: The key of a mission that allows it to break the rule, with a reason.
+        after: The rule applies once this has been true.
+        expect: A condition that must become true in time after ``after``.
+        within_steps: With ``expect``: how many commands may be accepted until it holds.
+        why: What happens if the rule is broken.
+        waived_by: The key of a mission that waives the rule, with a reason.
     """
 
     rule: Name

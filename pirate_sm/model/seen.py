@@ -1,6 +1,6 @@
-"""How sensors show a state before anything moves: confirmed, contradicted, or unknown.
+"""Criteria by which sensors confirm or contradict declared states before anything moves.
 
-A state that a person or a file declares is not confirmed by that ("said is not seen").
+A state that a person or a file declares is unconfirmed until sensors show it.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ PositiveDuration = Annotated[Duration, Field(gt=0)]
 
 
 class HeldPart(Frozen):
-    """How a held part shows itself while nobody actuates it.
+    """Criterion of a held part without actuation.
 
     Confirmed: each of ``loaded`` bears ``torque`` on its spring, in the direction in which the
-    state turns it, and stands still, and the diameter that the part shows is that of the pipe.
-    Contradicted: none of ``loaded`` bears ``slack``, or the diameter is too far off. Where no pipe
-    is known, the diameter must be within the part's reach and that of the other held parts.
+    state turns it, and stands still, and the part shows the diameter of the pipe. Contradicted:
+    none of ``loaded`` bears ``slack``, or the diameter differs too much. Without a known pipe, the
+    diameter must be within the part's reach and match the other held parts.
 
     Attributes:
         loaded: Joints that bear the torque of the clamp.
-        torque: What each of them bears at least when the part holds.
-        slack: A part of which every loaded joint bears less than this does not hold.
+        torque: Smallest torque of each loaded joint of a part that holds.
+        slack: A part does not hold if all its loaded joints bear less than this.
         still: The speed below which a joint stands still.
-        span: Largest difference to the diameter of the pipe, as a share of it.
-        span_off: From this difference on the part does not hold in this pipe.
-        end_stop: A part whose apex is nearer than this to its end stop touches no wall.
+        span: Largest relative difference from the pipe's diameter.
+        span_off: Smallest relative difference at which the part does not hold in this pipe.
+        end_stop: A part touches no wall if its apex is nearer than this to its end stop.
         for_s: How long all of it must last.
     """
 
@@ -50,7 +50,7 @@ class Angles(Frozen):
     Attributes:
         kind: How the state shows itself.
         within: The largest difference to the setpoint.
-        beyond: From this difference on the state is contradicted; without it never.
+        beyond: Smallest difference that contradicts the state; without it, none does.
         for_s: How long it must last.
     """
 
@@ -61,9 +61,9 @@ class Angles(Frozen):
 
 
 class StandingWheels(Frozen):
-    """Confirmed while the wheels of the region that can be heard, at least one, stand still.
+    """Confirmed while the region's reporting wheels, at least one, stand still.
 
-    Contradicted while one turns.
+    Contradicted while one of them turns.
 
     Attributes:
         kind: How the state shows itself.
@@ -79,11 +79,11 @@ class StandingWheels(Frozen):
 class TurningWheels(Frozen):
     """Never confirmed; contradicted while a wheel turns against its setpoint.
 
-    Wheels that stand still, or turn the commanded way, are driven only when a command drives them.
+    Wheels that stand still or turn as commanded count as driven only after a command.
 
     Attributes:
         kind: How the state shows itself.
-        above: The speed from which on a wheel turns.
+        above: The speed above which a wheel turns.
         for_s: How long it must last.
     """
 
@@ -93,7 +93,7 @@ class TurningWheels(Frozen):
 
 
 class Accepted(Frozen):
-    """Confirmed as soon as setpoints that hold the state have been accepted; nothing to measure.
+    """Confirmed as soon as setpoints for the state are accepted; nothing is measured.
 
     Attributes:
         kind: How the state shows itself.
@@ -105,11 +105,11 @@ class Accepted(Frozen):
 
 
 class Implied(Frozen):
-    """The state says nothing that could be wrong beyond what its held parts show.
+    """Confirmed by the held parts alone; the state adds no condition of its own.
 
     Attributes:
         kind: How the state shows itself.
-        why: Why that is so.
+        why: The reason.
     """
 
     kind: Literal["implied"]
@@ -117,7 +117,7 @@ class Implied(Frozen):
 
 
 class Unknown(Frozen):
-    """No sensor shows the state; it is unconfirmed until a command has made it.
+    """No sensor shows the state; it is unconfirmed until a command confirms it.
 
     Attributes:
         kind: How the state shows itself.
@@ -135,12 +135,12 @@ SeenState: TypeAlias = Annotated[
 
 
 class Seen(Frozen):
-    """How states and held parts show themselves to the sensors before the first command.
+    """All criteria by which sensors confirm states and held parts before the first command.
 
     Attributes:
-        within: How long the sensors are compared with what is declared, at most.
-        parts: Per part how it shows that it is held.
-        states: Per region and state how it shows itself.
+        within: Longest duration of the comparison.
+        parts: The criterion of each part.
+        states: The criterion of each state of each region.
     """
 
     within: PositiveDuration = 1.0

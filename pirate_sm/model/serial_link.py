@@ -10,7 +10,7 @@ from pirate_sm.model.base import Frozen, Name
 from pirate_sm.model.quantities import Count, Duration
 
 TypeName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z]\w*/[A-Za-z]\w*$")]
-"""A ROS message type as it stands on the wire, ``package/Type``."""
+"""A ROS message type as on the wire, ``package/Type``."""
 
 
 class SetpointTopic(Frozen):
@@ -19,11 +19,11 @@ class SetpointTopic(Frozen):
     Attributes:
         topic: Name of the topic.
         type: Its message type, ``package/Type``.
-        id: Field with the array's id.
+        id: Field with the id of the array.
         values: Field with one integer per slot.
-        hold: Field with one bit per slot, the lowest for slot 0: set where the firmware's dead
-            man's switch keeps the value, clear where it writes 0. The name of the id's field:
-            these are the upper bits of the id. Empty: the message has none.
+        hold: Field with one bit per slot, the lowest for slot 0: set if the firmware's dead man's
+            switch keeps the slot's value, clear if it writes 0. If it is the id's field, these are
+            the upper bits of the id. Empty: the message has no such bits.
     """
 
     topic: str
@@ -34,7 +34,7 @@ class SetpointTopic(Frozen):
 
 
 class StateTopic(Frozen):
-    """The topic that carries what the boards measure.
+    """The topic with the measurements of the boards.
 
     Attributes:
         topic: Name of the topic.
@@ -57,12 +57,12 @@ class StateTopic(Frozen):
 
 
 class Advice(Frozen):
-    """What a person can do about what no message of the link tells; empty where unknown.
+    """Advice for problems that no message of the link reports; empty where there is none.
 
     Attributes:
-        no_motion: When motors ignore setpoints.
-        no_sensors: When no board reports.
-        motor_error: When one motor does not move.
+        no_motion: Advice if motors ignore setpoints.
+        no_sensors: Advice if no board reports.
+        motor_error: Advice if one motor does not move.
     """
 
     no_motion: str = ""
@@ -74,22 +74,22 @@ class Serial(Frozen):
     """The serial link to the robot, rosserial protocol revision 1.
 
     Attributes:
-        baud: Rate of the port.
-        boot: How long the boot loader may take after the port has been opened.
+        baud: Baud rate of the port.
+        boot: Longest duration of the boot loader after the port is opened.
         echo_within: An array not echoed for this long is sent again.
-        recover_within: A controller that has fallen silent, or whose port has gone, must be back
-            within so long beyond the boot loader's time; then the link is lost.
-        refresh_every: The array in force is written again when nothing else has been written for
-            so long, sooner on a line that loses frames. Without it nothing is repeated.
-        stop_after: The firmware has a dead man's switch: without a valid array for this long it
-            stops every slot that is not to be held. Without it the firmware has no switch.
-        heartbeat_within: The guardian sends the safe array when it has not heard the runner for so
-            long.
-        messages: Folder beside the profile with one ``<Type>.msg`` per type.
-        setpoints: The topic that takes arrays of setpoints.
-        echo: The topic that repeats an array that was taken over.
-        state: The topic that carries what the boards measure.
-        advice: What a person can do about what no message tells.
+        recover_within: The link is lost if a silent controller or a missing port is not back within
+            this time after the boot loader's time.
+        refresh_every: The array in force is written again if nothing else was written for this
+            long, earlier on a lossy line. Without this key nothing is repeated.
+        stop_after: The firmware's dead man's switch stops every slot without a hold bit after this
+            time without a valid array. Without this key the firmware has no such switch.
+        heartbeat_within: The guardian sends the safe array after this time without a message from
+            the runner.
+        messages: Folder in the robot's folder with one ``<Type>.msg`` per message type.
+        setpoints: The topic for arrays of setpoints.
+        echo: The topic on which the controller repeats each accepted array.
+        state: The topic with the measurements of the boards.
+        advice: Advice for problems that no message reports.
     """
 
     baud: Annotated[Count, Field(gt=0)]

@@ -1,4 +1,4 @@
-"""Settings of a robot that only a simulator reads: friction, noise and known defects."""
+"""Settings of a robot for simulators only: friction, noise and known defects."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ class Friction(Frozen):
     """Coulomb friction between wheel and wall.
 
     Attributes:
-        static: Coefficient while the wheel sticks.
-        kinetic: Coefficient while it slides; not more than ``static``.
+        static: Coefficient of static friction.
+        kinetic: Coefficient of kinetic friction; at most ``static``.
     """
 
     static: Annotated[Number, Field(ge=0, le=5)]
@@ -39,13 +39,13 @@ class Friction(Frozen):
 
 
 class Noise(Frozen):
-    """Standard deviations of seeded white noise on what the sensors see.
+    """Standard deviations of the seeded white noise of the sensors.
 
     Attributes:
-        angle: Of joint and wheel angles.
-        current: Of motor currents.
-        acceleration: Of accelerometers.
-        detector: Of the place at which a simulated detector speaks.
+        angle: For joint and wheel angles.
+        current: For motor currents.
+        acceleration: For accelerometers.
+        detector: For the position at which a simulated detector reports a word.
     """
 
     angle: Annotated[Angle, Field(ge=0)] = 0.0
@@ -69,25 +69,25 @@ Kind = Literal[
     "controller_hang",
     "stray_motion",
 ]
-"""What can be wrong with a robot; `simulation/defects.py` does it."""
+"""The kinds of defects, which `simulation/defects.py` simulates."""
 
 
 class Defect(Frozen):
-    """A known defect that can be switched on by its name.
+    """A known defect, which can be switched on by its name.
 
     Attributes:
         kind: What goes wrong.
-        description: One line for people.
-        wheels: Wheels it acts on.
-        joint: Joint it acts on.
-        signals: Signals whose channels it acts on.
-        raw: Counts that the channels of these signals show, or jump by.
-        boards: Boards it acts on; none named means all.
-        after: How long after the start it begins.
+        description: One-line description.
+        wheels: The affected wheels.
+        joint: The affected joint.
+        signals: The signals of the affected channels.
+        raw: Raw counts that the affected channels show, or by which they jump.
+        boards: The affected boards; all if empty.
+        after: Time from the start of the run to its beginning.
         every: Mean time between two occurrences.
         lasting: How long one occurrence lasts.
         friction: Dry friction of a stiff joint, drag of a dead wheel.
-        share: Share of messages lost.
+        share: Share of lost messages.
     """
 
     kind: Kind
@@ -108,9 +108,9 @@ class Simulation(Frozen):
     """Simulator settings of a robot.
 
     Attributes:
-        friction: Between wheel and wall.
-        noise: On what the sensors see.
-        defects: Known defects by name; ``--defect`` switches one on.
+        friction: Friction between wheel and wall.
+        noise: Noise of the sensors.
+        defects: Known defects by name, which ``--defect`` switches on.
     """
 
     friction: Friction

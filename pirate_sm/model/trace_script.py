@@ -1,6 +1,6 @@
-"""Trace scripts: triggers to take, or a course of events, in order.
+"""Trace scripts: triggers to fire, or a course of events, in order.
 
-Files with a course are written by ``pirate check --counterexamples``, or by hand.
+``pirate check --counterexamples`` writes files with a course of events.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pirate_sm.model.quantities import Duration
 
 
 class ScriptEntry(Frozen):
-    """In a wait (of ``phase``, if given) that has the trigger, take it after the time ``after``."""
+    """Fires the trigger after the time ``after``, in the next wait (of ``phase``) that has it."""
 
     trigger: Name
     after: Annotated[Duration, Field(ge=0)] | None = None
@@ -31,15 +31,15 @@ SignalName: TypeAlias = Annotated[
 
 
 class Happening(Frozen):
-    """One thing that happens.
+    """One event of a course.
 
     Attributes:
-        happens: ``accepted`` and ``rejected``: to the setpoints that are under way; ``time``: the
-            next deadline comes, at which a command counts as done; ``not_done``: the command
-            under way fails; ``sensors``: they show something else; ``answer`` and ``fault``.
-        signals: What sensors and detector show from then on: quantities, words, ``unknown``.
-        message: Of a fault; that of one of the robot's rules makes it that rule's.
-        what: For people: what this is in the mission.
+        happens: ``accepted`` and ``rejected``: the result of the setpoints in flight. ``time``: the
+            next deadline, at which a command counts as done. ``not_done``: the command under way
+            fails. ``sensors``: the signals change. ``answer`` of the operator. ``fault``.
+        signals: The signals and words from then on: quantities, words, or ``unknown``.
+        message: Message of a fault. With a rule's message the fault counts as raised by that rule.
+        what: A description of the event in the mission, for readers.
     """
 
     happens: Literal[
@@ -62,7 +62,7 @@ class Happening(Frozen):
 
 
 class Course(Frozen):
-    """What happens to a mission, from its start on; then everything goes well."""
+    """A course of events from the start of a mission; after it, everything succeeds."""
 
     format: Literal[1]
     course: Annotated[tuple[Happening, ...], Field(min_length=1)]

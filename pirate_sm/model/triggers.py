@@ -1,4 +1,4 @@
-"""What ends a wait of a mission: a condition, a time, the operator's answer, or the time limit."""
+"""Triggers of waits: a condition, a time, the operator's answer, or the time limit."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class ConditionTrigger(Frozen):
 
     Attributes:
         when: The condition.
-        held: How long it must have been true without a break.
-        go: The phase or end that it leads to; in a step also nothing, for the next step.
-        name: What views, recordings and ``--fire`` call it; else like what it leads to.
+        held: How long it must have been true without interruption.
+        go: The target phase or end; optional in a step, for the next step.
+        name: Its name in views, recordings and ``--fire``; by default the target.
     """
 
     when: Condition
@@ -30,9 +30,9 @@ class TimeTrigger(Frozen):
     """Fires when this much time has passed since the wait was armed.
 
     Attributes:
-        after: How long after the wait began.
-        go: The phase or end that it leads to; in a step also nothing, for the next step.
-        name: What views, recordings and ``--fire`` call it; else like what it leads to.
+        after: Time since the wait began.
+        go: The target phase or end; optional in a step, for the next step.
+        name: Its name in views, recordings and ``--fire``; by default the target.
     """
 
     after: DurationOrParameter
@@ -44,9 +44,9 @@ class OperatorTrigger(Frozen):
     """Fires when the operator gives this answer.
 
     Attributes:
-        operator: The answer, which the operator sees.
-        go: The phase or end that it leads to; in a step also nothing, for the next step.
-        name: What views, recordings and ``--fire`` call it; else like what it leads to.
+        operator: The answer, as shown to the operator.
+        go: The target phase or end; optional in a step, for the next step.
+        name: Its name in views, recordings and ``--fire``; by default the target.
     """
 
     operator: Name
@@ -67,11 +67,11 @@ Trigger: TypeAlias = Annotated[
 
 
 class Within(Frozen):
-    """The longest that a wait may take, and where it leads then.
+    """The time limit of a wait, and the target after it.
 
     Attributes:
-        time: How long.
-        go: The phase or end that it leads to then; in a step also nothing: the step has failed.
+        time: The time limit.
+        go: The target phase or end; optional in a step, which then fails.
     """
 
     time: DurationOrParameter

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Truth:
-    """Where the robot is in its pipe: for a view and an end, not for use.
+    """The robot's true position in its pipe, for views and reports; no controller may use it.
 
     Attributes:
-        wheels: Place of each wheel in the plane of the pipe, m.
-        wheel_radius_m: Of the wheels.
-        walls: Corners of each wall in the same plane, m; side A, then side B.
-        distance_m: How far the robot has come along the pipe.
-        touching: Whether each wheel presses on a wall; empty where that is not known.
-        rolls_rad: Angle of the roll joint, then roll of the part ahead and of the part behind
-            against the plane of the pipe; empty where that is not known.
+        wheels: Position of each wheel in the plane of the pipe, m.
+        wheel_radius_m: Radius of the wheels.
+        walls: Corners of each wall in the same plane, m: side A, then side B.
+        distance_m: The robot's position along the pipe.
+        touching: Whether each wheel presses on a wall; empty if unknown.
+        rolls_rad: Angle of the roll joint, then the roll of the front and of the rear part
+            relative to the plane of the pipe; empty if unknown.
     """
 
     wheels: tuple[tuple[float, float], ...]

@@ -10,17 +10,17 @@ T = TypeVar("T")
 def add_evenly(
     times_s: list[float], things: list[T], new: tuple[float, T], apart_s: float, most: int
 ) -> float:
-    """Append the new value, remove what was too close to it, and return the new spacing.
+    """Append the new value, remove values that are too close, and return the new spacing.
 
     Args:
-        times_s: When each was; rising.
-        things: As many.
-        new: Its time and the thing.
-        apart_s: So far apart they are at least, but for the newest.
-        most: The largest number that is kept.
+        times_s: Times of the values, ascending.
+        things: The values.
+        new: Time and value to append.
+        apart_s: The least spacing, except before the newest value.
+        most: The largest number of values to keep.
 
     Returns:
-        How far apart they are from now on.
+        The least spacing from now on.
     """
     at_s, thing = new
     newest_only = len(times_s) > 1 and times_s[-1] < times_s[-2] + apart_s

@@ -1,5 +1,5 @@
 """A recorded run as one HTML page that needs no other file: words, pictures, plots.
 
-``docs/reports.md`` says how to read it. :mod:`pirate_sm.report.report_builder` makes plain values
-of a run, :mod:`pirate_sm.report.report_page` makes HTML of them.
+``docs/reports.md`` explains how to read it. :mod:`pirate_sm.report.report_builder` collects the
+contents of a run, :mod:`pirate_sm.report.report_page` writes them as HTML.
 """

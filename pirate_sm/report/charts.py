@@ -1,4 +1,4 @@
-"""Which plots a robot's profile calls for; nothing here knows a name of any robot."""
+"""Makes the plots for a robot's profile; nothing here names a robot's parts."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from pirate_sm.report.sampling import Samples, over, value_at
 
 _DEGREES = degrees(1.0)
 _BESIDE_S = 0.25
-"""A speed is what was travelled from this long before until this long after."""
+"""A speed is the slope from this long before until this long after."""
 
 
 @dataclass(frozen=True)
 class Travel:
-    """How far the robot had really come, or is taken to have.
+    """The distance travelled by the robot, true or reckoned.
 
     Attributes:
-        true: Whether that is known, rather than reckoned.
-        distance: How far the robot's middle has come along the pipe, m.
-        wheels: Place of each wheel along the pipe, m.
+        true: Whether it is known from a simulator.
+        distance: Distance of the robot's middle along the pipe, m.
+        wheels: Position of each wheel along the pipe, m.
     """
 
     true: bool
@@ -35,7 +35,7 @@ class Travel:
 
 @dataclass(frozen=True)
 class Measured:
-    """All that was sampled of a run."""
+    """All sampled values of a run."""
 
     profile: Profile
     robot: RobotSpec
@@ -44,15 +44,13 @@ class Measured:
     until_s: float
     travel: Travel | None
 
-    def signal(
-        self, name: str, scale: float = 1.0, label: str = "", *, main: bool = False
-    ) -> Series:
+    def signal(self, name: str, scale: float = 1.0) -> Series:
         """Return a signal by its name."""
         index = self.robot.vocabulary.numbers.index(name)
-        return self.signals.series(index, label or name, scale=scale, main=main)
+        return self.signals.series(index, name, scale=scale)
 
     def rim(self, number: int, scale: float = 1.0) -> Series:
-        """Return how fast the rim of a wheel goes forward, m/s."""
+        """Return the forward speed of a wheel's rim, m/s."""
         wheel = self.robot.wheels[number]
         label = self.profile.body.wheels[number].name
         scale *= wheel.metres_per_rad
@@ -60,7 +58,7 @@ class Measured:
 
 
 def charts(measured: Measured) -> tuple[Chart, ...]:
-    """Return the plots in which there is a curve with a point in it."""
+    """Return the plots that have a curve with a point in it."""
     found = (make(measured) for make in _CHARTS)
     return tuple(chart for each in found if (chart := _filled(each)) is not None)
 
@@ -187,7 +185,7 @@ def _signals(it: Measured, kind: type, scale: float) -> Iterable[Series]:
 
 
 def _setpoints(it: Measured, unit: str, scale: float) -> Iterator[Series]:
-    """Yield the setpoints of slots that were ever told anything but zero."""
+    """Yield the setpoints of slots that ever had another value than zero."""
     for index, slot in enumerate(it.robot.slots):
         if slot.unit != unit:
             continue
@@ -203,7 +201,7 @@ def _less(taken: Callable[[float], float], scale: float) -> Callable[[float, flo
 
 
 def _rate(series: Series) -> Callable[[float], float]:
-    """Return the slope of a curve around a moment; NaN where there are no two points beside it."""
+    """Return the slope of a curve around a time; NaN without two points beside it."""
 
     def rate(at_s: float) -> float:
         times, values = series.times_s, series.values

@@ -17,10 +17,10 @@ MarkKind: TypeAlias = Literal[
 
 
 class Span(NamedTuple):
-    """Something that lasted.
+    """An interval on the timeline.
 
     Attributes:
-        about: More about it, shown when it is pointed at.
+        about: Details, shown on hovering.
     """
 
     start_s: float
@@ -31,7 +31,7 @@ class Span(NamedTuple):
 
 
 class TimelineMark(NamedTuple):
-    """Something that happened at one moment."""
+    """An event on the timeline."""
 
     at_s: float
     text: str
@@ -41,7 +41,7 @@ class TimelineMark(NamedTuple):
 
 @dataclass(frozen=True)
 class Lane:
-    """One row of the timeline; nothing in ``spans`` overlaps."""
+    """One row of the timeline; its ``spans`` do not overlap."""
 
     name: str
     spans: tuple[Span, ...] = ()
@@ -53,10 +53,10 @@ class Series:
     """One curve.
 
     Attributes:
-        times_s: When each value held; rising.
-        values: In the unit of the chart; NaN where it was unknown.
+        times_s: Time of each value, ascending.
+        values: Values in the unit of the chart; NaN if unknown.
         stepped: Whether a value holds until the next one.
-        main: Whether it stands out among the others.
+        main: Whether it is emphasized.
     """
 
     name: str
@@ -71,8 +71,8 @@ class Chart:
     """One plot.
 
     Attributes:
-        digits: Decimals that mean something in this unit.
-        note: What a reader must know about it.
+        digits: Number of significant decimals in this unit.
+        note: A note that the reader needs.
     """
 
     title: str
@@ -100,7 +100,7 @@ class DrawnWheel:
 
 @dataclass(frozen=True)
 class Light:
-    """A light; ``at`` is where along the chain it is, 0 at the first wheel, 1 at the last."""
+    """A light; ``at`` is its position along the chain, 0 at the first wheel, 1 at the last."""
 
     name: str
     at: float
@@ -112,10 +112,10 @@ class RobotScene:
     """The robot in its pipe, to scale, in the plane of the pipe, m.
 
     Attributes:
-        source: ``truth``: a simulator knew where the robot was. ``reckoned``: it is taken to be
-            there, from its joints and its odometer.
-        times_s: When each pose held; ``poses`` has the place of each wheel then, front to rear.
-        walls: Corners of each wall; none without a pipe.
+        source: ``truth``: a simulator knew the position. ``reckoned``: it is estimated from the
+            joints and the odometer.
+        times_s: Time of each pose; ``poses`` has the position of each wheel, front to rear.
+        walls: Corners of each wall; empty without a pipe.
         parts: When each part held, confirmed or not.
     """
 
@@ -131,15 +131,15 @@ class RobotScene:
 
 
 _BEFORE_S = 0.002
-"""Less than lies between two turns of a robot's bus, more than what a page rounds to."""
+"""Less than the time between two turns of a robot's bus, more than the page rounds to."""
 
 
 class Sentence(NamedTuple):
-    """A sentence of the story, and when that was.
+    """A sentence of the story, with its time.
 
     Attributes:
-        kind: What sort of thing it tells of, for a sign beside it.
-        topic: The phase that it is about; empty for a sentence about anything else.
+        kind: The kind of event, for a sign beside it.
+        topic: The phase that it is about; empty if it is about something else.
     """
 
     at_s: float
@@ -149,12 +149,12 @@ class Sentence(NamedTuple):
 
     @property
     def before_s(self) -> float:
-        """Return the moment just before: what goes wrong may have stopped the robot at once."""
+        """Return the time just before: a failure may have stopped the robot at once."""
         return max(0.0, self.at_s - _BEFORE_S)
 
 
 class Fact(NamedTuple):
-    """A line of the small print."""
+    """A line of the details at the end of the page."""
 
     name: str
     text: str
@@ -162,17 +162,17 @@ class Fact(NamedTuple):
 
 @dataclass(frozen=True)
 class Report:
-    """Everything that a page tells.
+    """Everything that a page shows.
 
     Attributes:
-        outcome: How the run ended; ``unfinished`` where the recording does not say.
-        summary: What happened, in few sentences.
-        warnings: What a reader must know before they believe it.
-        duration_s: Until when there is something to tell.
-        failures: What made it fail and in which phase: the last one did, those before led there.
+        outcome: How the run ended; ``unfinished`` if the recording does not contain the end.
+        summary: A summary in a few sentences.
+        warnings: Warnings that the reader must know first.
+        duration_s: Time of the last event.
+        failures: Why the run failed, and in which phase; the last one did, earlier ones led to it.
         diagram: The mission as an SVG element, with the path taken; empty without one.
         files: Hash of each file by its name.
-        recording: Hash of the recording that it tells of; empty without one.
+        recording: Hash of the recording; empty without one.
     """
 
     title: str
@@ -192,12 +192,12 @@ class Report:
 
     @property
     def failure(self) -> Sentence | None:
-        """Return what made it fail in the end; None where nothing did."""
+        """Return what made the run fail in the end; None if nothing did."""
         return self.failures[-1] if self.failures else None
 
     @property
     def opens_at_s(self) -> float:
-        """Return where a reader begins: before a failure, at a sudden end, else at the start."""
+        """Return the time shown first: before a failure, at a sudden end, else the start."""
         if self.failure is not None:
             return self.failure.before_s
         return self.duration_s if self.outcome in ("interrupted", "unfinished") else 0.0

@@ -1,6 +1,6 @@
-"""A film strip: the robot in its pipe at the end of each phase and of each command that took long.
+"""A film strip: pictures of the robot in its pipe at the end of phases and of long commands.
 
-Each picture is of one size, to one scale, the robot in its middle, as in the thesis's fig. 6-9.
+All pictures have the same size and scale, with the robot in the middle, as in thesis fig. 6-9.
 """
 
 from __future__ import annotations
@@ -16,30 +16,30 @@ from pirate_sm.report.contents import Lane, Report, RobotScene
 from pirate_sm.report.timeline import COMMANDS, PHASE
 
 MOST_PICTURES = 60
-"""Of more, commands are left out first, then the shortest phases."""
+"""The most pictures; beyond them commands are left out first, then the shortest phases."""
 
 _LONG_S = 0.5
-"""A command that took less has hardly moved anything."""
+"""Shorter commands have hardly moved anything."""
 
 _APART_S = 0.3
-"""Two pictures closer than this show the same."""
+"""Two pictures closer in time than this look the same."""
 
 _JUST_BEFORE_S = 0.001
-"""At the very end of a phase the next one has begun."""
+"""At the very end of a phase the next one has already begun."""
 
 _MARGIN = 2.0
-"""Around the robot, in radii of its wheels."""
+"""Margin around the robot, in wheel radii."""
 
 _MM = 1e3
 
 
 class StripPicture(NamedTuple):
-    """A moment that is worth a picture.
+    """A picture of the film strip.
 
     Attributes:
-        title: What has just been done.
-        about: In which phase; empty where the title says that.
-        weight: What stays where there is no room for all.
+        title: The phase or command that has just ended.
+        about: The phase of a command; empty if the title names it.
+        weight: Pictures with more weight are kept when there is no room for all.
     """
 
     at_s: float
@@ -50,7 +50,7 @@ class StripPicture(NamedTuple):
 
 
 def pictures(report: Report) -> tuple[StripPicture, ...]:
-    """Return the moments of a run that are worth a picture, in order."""
+    """Return the pictures of a run, in order."""
     found = [StripPicture(0.0, "start", "start", weight=float("inf"))]
     for failure in report.failures:
         phase = failure.topic
@@ -74,13 +74,13 @@ def _lane(report: Report, name: str) -> Lane:
 
 
 def _add(found: list[StripPicture], picture: StripPicture) -> None:
-    """Add the picture, unless there is one of nearly the same moment."""
+    """Add the picture, unless there is one at nearly the same time."""
     if all(abs(each.at_s - picture.at_s) >= _APART_S for each in found):
         found.append(picture)
 
 
 def strip(report: Report) -> str:
-    """Return the strip as a section of a page; empty where its place is not known."""
+    """Return the strip as a section of a page; empty if the robot's position is unknown."""
     if report.scene is None:
         return ""
     shown = pictures(report)
@@ -106,16 +106,16 @@ def _item(it: StripPicture, drawing: str) -> str:
 
 
 def _breaking(name: str) -> str:
-    """Return the name as a text that may go on in a new line between its parts."""
+    """Return the name as HTML that may be wrapped between its parts."""
     return escape(name).replace("/", "/<wbr>").replace(".", ".<wbr>").replace("_", "_<wbr>")
 
 
 class _Drawing:
-    """Draws a scene at several moments, around the robot, all to one scale.
+    """Draws a scene at several times, around the robot, all to one scale.
 
     Args:
-        scene: What is drawn.
-        times_s: At which moments.
+        scene: The scene.
+        times_s: The times.
     """
 
     def __init__(self, scene: RobotScene, times_s: Iterable[float]) -> None:
@@ -130,7 +130,7 @@ class _Drawing:
         return scene.poses[max(0, bisect_right(scene.times_s, at_s) - 1)]
 
     def at(self, at_s: float) -> str:
-        """Return the picture of a moment as an SVG element; its colours are the page's."""
+        """Return the picture at this time as an SVG element with the page's colours."""
         points = self._pose(at_s)
         x0, y0, x1, y1 = _box(points)
         left, top = (x0 + x1 - self._wide) / 2, -(y0 + y1 + self._high) / 2

@@ -20,7 +20,7 @@ def listed(words: Iterable[str]) -> str:
 
 
 def number_of(count: int, one: str, more: str) -> str:
-    """Return a number with the word for one or for more."""
+    """Return a number with the singular or the plural of a word."""
     return f"{count} {one if count == 1 else more}"
 
 

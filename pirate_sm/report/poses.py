@@ -1,4 +1,4 @@
-"""Where the robot was in its pipe over time, by a simulator or by its joints and its odometer."""
+"""The robot's position in its pipe over time, by a simulator or by dead reckoning."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from pirate_sm.report.sampling import Samples
 
 MOST_POSES = 6_000
 _MOST_KEPT = 40_000
-"""The most poses in memory, however long a run is: an hour of a simulation's."""
+"""The most poses in memory, however long a run is: those of an hour of simulation."""
 
 EVERY_S = 0.05
-"""A pose twenty times a second is enough for the eye; what lies between is drawn in between."""
+"""Interval of the poses: the page interpolates between them."""
 
 
 @dataclass
 class Poses:
-    """Where each wheel was, in the plane of the pipe.
+    """The position of each wheel over time, in the plane of the pipe.
 
     Attributes:
-        true: Whether a simulator knew that.
+        true: Whether they are a simulator's true positions.
     """
 
     true: bool
@@ -41,15 +41,15 @@ class Poses:
     _apart_s: float = field(default=0.0, repr=False)
 
     def add(self, at_s: float, points: Sequence[Place]) -> None:
-        """Add one more; it replaces one of the same moment.
+        """Add a pose; it replaces one of the same time.
 
-        Of very many only some are kept, evenly; the newest one always is.
+        Of a large number some are dropped, evenly, but not the newest.
         """
         new = at_s, tuple(points)
         self._apart_s = add_evenly(self.times_s, self.points, new, self._apart_s, _MOST_KEPT)
 
     def thinned(self, most: int = MOST_POSES) -> Poses:
-        """Return at most so many of them, evenly, with the last one."""
+        """Return at most this many poses, evenly spaced, with the last one."""
         step = -(-len(self.times_s) // most) or 1
         chosen = sorted({*range(0, len(self.times_s), step), *range(len(self.times_s))[-1:]})
         return Poses(self.true, [self.times_s[n] for n in chosen], [self.points[n] for n in chosen])
@@ -59,7 +59,7 @@ class ReckonedPath:
     """Follows a robot by dead reckoning while its engine is replayed.
 
     Args:
-        placing: Tells where the wheels are.
+        placing: Returns the positions of the wheels.
     """
 
     def __init__(self, placing: Placing) -> None:
@@ -68,7 +68,7 @@ class ReckonedPath:
         self._due_s = 0.0
 
     def look(self, state: EngineState, now_s: float) -> None:
-        """Follow the wheels to where they are now, if it is time to look again."""
+        """Update the positions of the wheels, if it is time for the next pose."""
         if now_s >= self._due_s:
             points = self._placing.look(state, now_s)
             if points is not None:
@@ -77,12 +77,12 @@ class ReckonedPath:
 
 
 def walls_of(pipe: Pipe | None) -> tuple[tuple[Place, ...], ...]:
-    """Return the corners of the wall on side A and on side B; none without a pipe."""
+    """Return the corners of the wall on side A and on side B; empty without a pipe."""
     return walls(pipe.route()) if pipe is not None else ()
 
 
 def travel_of(poses: Poses, pipe: Pipe | None) -> Travel | None:
-    """Return how far the wheels and their middle came along the pipe; None where unknown."""
+    """Return the distances of the wheels and their middle along the pipe; None if unknown."""
     if pipe is None or not poses.times_s:
         return None
     route, times = pipe.route(), poses.times_s
@@ -103,7 +103,7 @@ def scene_of(
     setpoints: Samples,
     held: Sequence[Lane],
 ) -> RobotScene | None:
-    """Return the scene with everything drawn on the robot; None where no place was known."""
+    """Return the scene with everything drawn on the robot; None without any position."""
     if not poses.times_s:
         return None
     thin, body = poses.thinned(), profile.body
@@ -139,7 +139,7 @@ def _lights(profile: Profile, setpoints: Samples) -> tuple[Light, ...]:
 
 
 class Holding:
-    """When each part of a robot held, and whether that was confirmed."""
+    """The times during which each part held, and whether that was confirmed."""
 
     def __init__(self, robot: RobotSpec) -> None:
         self._robot = robot

@@ -31,17 +31,17 @@ def report_of(recording: Recording) -> Report:
     """
     with recorded_mission(recording.header) as loaded:
         about = about_run(recording.header, loaded, recording.notices)
-        told = gather(loaded, about, rerun(recording, loaded), known_poses(recording, loaded))
-    return replace(told, recording=recording.sha256)
+        report = gather(loaded, about, rerun(recording, loaded), known_poses(recording, loaded))
+    return replace(report, recording=recording.sha256)
 
 
 def about_run(header: RunHeader, loaded: LoadedMission, notices: Iterable[str] = ()) -> About:
-    """Return what the header of a run says for its report.
+    """Return the part of a run's report that comes from its header.
 
     Args:
-        header: What was run.
+        header: The header of the recording.
         loaded: The mission.
-        notices: What a reader must know before they believe the report.
+        notices: Notices that the reader must know first.
     """
     return About(
         where=_where(header),
@@ -54,7 +54,7 @@ def about_run(header: RunHeader, loaded: LoadedMission, notices: Iterable[str] =
 
 
 def known_poses(recording: Recording, loaded: LoadedMission) -> Poses | None:
-    """Return where the robot really was, from a simulator; None where that is not known."""
+    """Return the robot's true positions from a simulator; None if they are unknown."""
     names = [wheel.name for wheel in loaded.loaded_robot.profile.body.wheels]
     poses = Poses(true=True)
     for shown in recording.shown(PLACES):

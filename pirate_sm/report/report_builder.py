@@ -1,7 +1,7 @@
-"""Collects the contents of a report while a recorded run is executed again.
+"""Collects the contents of a report while a recorded run is replayed.
 
-States, commands and faults are told as they were recorded. Signals are not recorded: the engine
-makes them of the recorded frames, so the recorded inputs are given to one again.
+States, commands and faults come from the recording. Signals are not recorded, so the engine
+computes them again from the recorded inputs.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ from pirate_sm.report.summary import RunEnding, RunFacts, summary
 from pirate_sm.report.timeline import Timeline
 
 _MOST_CAUSES = 3
-"""How many of the things that went wrong are shown: the last ones."""
+"""The most failures that are shown: the last ones."""
 
 
 @dataclass(frozen=True)
 class About:
-    """What is known of a run beside what happened in it.
+    """Facts about a run besides its events.
 
     Attributes:
-        where: In which pipe and on what it ran, in words.
-        nominal: Whether commands ended by their time on paper.
-        first_wheel_m: Where odometry took the first wheel to begin; None: as the pipe says.
-        warnings: What a reader must know before they believe it.
-        facts: The small print.
-        files: Hash of each file that it was made from, by its name.
+        where: Its pipe and backend, in words.
+        nominal: Whether commands ended after their nominal duration.
+        first_wheel_m: Position of the first wheel at the start of odometry; None: the pipe's.
+        warnings: Warnings that the reader must know first.
+        facts: The details at the end of the page.
+        files: Hash of each file that it was made from, by name.
     """
 
     where: str
@@ -59,10 +59,10 @@ def gather(
     """Return the report of a run.
 
     Args:
-        loaded: The mission as it was run.
-        about: What else is known.
-        steps: What the engine was given, what came of it, and its state now.
-        seen: Where the robot really was; None where nobody knew.
+        loaded: The mission of the run.
+        about: Facts about the run.
+        steps: The replayed steps.
+        seen: The robot's true positions; None if unknown.
     """
     run = _Run(loaded, about)
     for again in steps:
@@ -71,7 +71,7 @@ def gather(
 
 
 class _Run:
-    """A run while it is gone through again."""
+    """Collects the contents while a run is replayed."""
 
     def __init__(self, loaded: LoadedMission, about: About) -> None:
         robot, profile = loaded.robot, loaded.loaded_robot.profile
@@ -90,7 +90,7 @@ class _Run:
         self._doubt = ""
         self._ended: fx.Ended | None = None
         self._causes: list[Sentence] = []
-        self._told = {
+        self._measured = {
             board.id: tuple({*board.numbers, *(n for n in (robot.odometry, robot.speed) if n >= 0)})
             if board.wheels
             else board.numbers
@@ -120,23 +120,23 @@ class _Run:
                 self._ended = effect
 
     def _look(self, state: EngineState, event: Event | None, at_s: float) -> None:
-        """Note what the engine knew at this moment."""
+        """Note the signals and states at this time."""
         if self._state is None:
             self._setpoints.take(at_s, state.robot.values)
         self._state = state
-        told = self._told.get(event.board, ()) if isinstance(event, SensorFrame) else ()
-        self._signals.take(at_s, state.sensing.shown, told)
+        measured = self._measured.get(event.board, ()) if isinstance(event, SensorFrame) else ()
+        self._signals.take(at_s, state.sensing.shown, measured)
         self._holding.look(state, at_s)
         if not self._about.nominal:
             self._following.look(state, at_s)
 
     def _note_cause(self, cause: str, at_s: float) -> None:
-        """Note the engine's cause of a failure, and the phase it happened in."""
+        """Note the engine's cause of a failure and its phase."""
         if cause and (not self._causes or cause != self._causes[-1].text):
             self._causes.append(Sentence(at_s, cause, "trouble", self._timeline.phase))
 
     def report(self, seen: Poses | None) -> Report:
-        """Return the report of what was taken in."""
+        """Return the report."""
         loaded, about, until_s = self._loaded, self._about, self._at_s
         robot, profile = loaded.robot, loaded.loaded_robot.profile
         poses = seen or self._following.poses
@@ -169,7 +169,7 @@ class _Run:
         return RunEnding(self._ended.outcome, self._ended.message, self._at_s)
 
     def _failures(self) -> tuple[Sentence, ...]:
-        """Return what made the run fail; the end itself where the engine names no cause."""
+        """Return what made the run fail; the end itself if the engine names no cause."""
         if self._ended is None or self._ended.outcome not in ("failed", "fault"):
             return ()
         if not self._causes:

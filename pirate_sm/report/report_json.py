@@ -11,11 +11,11 @@ from pirate_sm.report.contents import Chart, DrawnWheel, Lane, Light, Report, Ro
 Json: TypeAlias = dict[str, Any]
 
 _PLACE_PER_M = 1e4
-"""Places of wheels are written in tenths of a millimetre."""
+"""Positions of wheels are written in tenths of a millimetre."""
 
 
 def report_json(report: Report) -> Json:
-    """Return the report as the page's script reads it; curves with the same times share them."""
+    """Return the report as JSON for the page's script; curves with equal times share them."""
     clocks = _Clocks()
     found = {
         "duration": _seconds(report.duration_s),
@@ -28,14 +28,14 @@ def report_json(report: Report) -> Json:
 
 
 class _Clocks:
-    """Times in ms, each as the step from the one before."""
+    """Lists of times in ms, each time as the difference from the one before."""
 
     def __init__(self) -> None:
         self.written: list[list[int]] = []
         self._numbers: dict[tuple[int, ...], int] = {}
 
     def number(self, times_s: Sequence[float]) -> int:
-        """Return under which number these times are written."""
+        """Return the number under which these times are written."""
         key = tuple(_steps([round(time * 1e3) for time in times_s]))
         if key not in self._numbers:
             self._numbers[key] = len(self.written)
@@ -72,7 +72,7 @@ def _series(series: Series, digits: int, clocks: _Clocks) -> Json:
 
 
 def _number(value: float, digits: int) -> float | int | None:
-    """Return the value without decimals that mean nothing; what is unknown is null."""
+    """Return the value without insignificant decimals; unknown is null."""
     if not isfinite(value):
         return None
     rounded = round(value, digits)

@@ -23,7 +23,7 @@ SIGNS = {
     "fault": ("!", "Ended by a fault"),
     "unfinished": ("…", "Unfinished"),
 }
-"""How a run ended, as a sign and in words."""
+"""Sign and words for each outcome."""
 
 _STORY_SIGNS = {"phase": "", "trouble": "!", "person": "☺", "end": "■"}
 _SPEEDS = (0.25, 0.5, 1, 2, 4, 8, 16)
@@ -35,7 +35,7 @@ def html(report: Report) -> str:
     """Return the page as HTML.
 
     Raises:
-        UsageError: The library that plots is not installed.
+        UsageError: The plotting library is not installed.
     """
     library = _library()
     folder = files("pirate_sm.report") / "page"
@@ -53,7 +53,7 @@ def html(report: Report) -> str:
         style=f"{style}\n{(folder / 'page.css').read_text('utf-8')}",
         summary="\n".join(_summary(report)),
         warnings="\n".join(_warning(line) for line in report.warnings),
-        story="\n".join(_told(report)),
+        story="\n".join(_story(report)),
         robot=_robot(report.scene),
         strip=strip(report),
         diagram=report.diagram,
@@ -68,7 +68,7 @@ def html(report: Report) -> str:
 
 
 def _library() -> Path:
-    """Return the folder with the script and the style of the library that plots.
+    """Return the folder with the script and the style of the plotting library.
 
     Its Python part is for notebooks and is never imported.
     """
@@ -87,7 +87,7 @@ def _warning(line: str) -> str:
 
 
 def _summary(report: Report) -> Iterable[str]:
-    """Return the summary without its first sentence, which the header has, and with the causes."""
+    """Return the summary with the failures, without the first sentence, which the header has."""
     lines = [f"<p>{escape(line)}</p>" for line in report.summary[1:]]
     return [*lines[:1], *map(_failure, report.failures), *lines[1:]]
 
@@ -101,7 +101,7 @@ def _failure(failure: Sentence) -> str:
     )
 
 
-def _told(report: Report) -> Iterable[str]:
+def _story(report: Report) -> Iterable[str]:
     for sentence in report.story:
         sign = _STORY_SIGNS[sentence.kind]
         mark = f'<span class="sign" aria-hidden="true">{sign}</span> ' if sign else ""
@@ -127,7 +127,7 @@ def _robot(scene: RobotScene | None) -> str:
 
 
 def _robot_key(scene: RobotScene) -> str:
-    """Return what the signs in the picture mean."""
+    """Return the explanation of the signs in the picture."""
     signs = ["Links with a line in them are held (dashed: not yet confirmed)"]
     if scene.source == "truth" and scene.walls:
         signs.append("a bar marks a wheel at a wall")
@@ -147,7 +147,7 @@ def _facts(report: Report) -> Iterable[str]:
 
 
 def _step(duration_s: float) -> float:
-    """Return what an arrow key moves the slider by: a tenth of a second, more in a long run."""
+    """Return the slider's step for an arrow key: 0.1 s, more in a long run."""
     return 0.1 if duration_s < 120 else 0.5 if duration_s < 600 else 1.0
 
 
@@ -157,6 +157,6 @@ def _speed(factor: float) -> str:
 
 
 def _inside_script(data: Json) -> str:
-    """Return JSON that cannot end the element that it stands in."""
+    """Return JSON that cannot end its script element."""
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")

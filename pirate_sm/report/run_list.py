@@ -1,4 +1,4 @@
-"""Recorded runs as lines of a list: what was run, how it ended, what went wrong."""
+"""Recorded runs as lines of a list: set-up, outcome, faults."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ Outcome: TypeAlias = Literal[
 
 @dataclass(frozen=True)
 class ListedRun:
-    """A run as a list has it.
+    """A line of the list.
 
     Attributes:
-        name: Of its file.
-        outcome: How it ended; ``unfinished`` where the recording does not say, ``unreadable``
-            where there is no recording to be read.
-        message: Why, in a sentence; of an unreadable one, why it cannot be read.
-        link: Where its report is, seen from the list; empty without one.
+        name: Name of its file.
+        outcome: How it ended; ``unfinished`` if the recording does not contain the end,
+            ``unreadable`` if it cannot be read.
+        message: The reason for the outcome, in a sentence.
+        link: Link to its report, relative to the list; empty without one.
         began: ISO 8601 with the zone.
-        seed: Of the simulator; None where nothing was left to chance.
-        conditions: Defects and parameters that somebody asked for, in words.
-        faults: How often each fault was reported, by its code.
+        seed: Seed of the simulator; None without random numbers.
+        conditions: Defects and parameters that the user set, in words.
+        faults: Number of reports of each fault, by code.
     """
 
     name: str
@@ -48,11 +48,11 @@ class ListedRun:
 
 
 def listed(recording: Recording, link: str) -> ListedRun:
-    """Return the run as a line of a list.
+    """Return the line of a run.
 
     Args:
-        recording: The run; it is read through, but not executed again.
-        link: Where its report is.
+        recording: The run; it is read, but not replayed.
+        link: Link to its report.
 
     Raises:
         RecordingError: The recording is damaged.

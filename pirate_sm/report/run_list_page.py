@@ -22,7 +22,7 @@ _COLUMNS = (
 
 
 def index_html(runs: Sequence[ListedRun]) -> str:
-    """Return the page as HTML; the newest run stands first."""
+    """Return the page as HTML, with the newest run first."""
     folder = files("pirate_sm.report") / "page"
     newest = sorted(runs, key=lambda each: (each.began, each.name), reverse=True)
     styles = (folder / name for name in ("page.css", "index.css"))
@@ -39,7 +39,7 @@ def index_html(runs: Sequence[ListedRun]) -> str:
 
 
 def _outcomes(runs: Sequence[ListedRun]) -> Iterable[str]:
-    """Yield a button for each outcome that there is; it shows only the runs that ended so."""
+    """Yield a button for each outcome in the list, which shows only the runs with it."""
     counts = Counter[str](run.outcome for run in runs)
     for outcome, (sign, word) in _SIGNS.items():
         if outcome in counts:
@@ -74,15 +74,15 @@ def _row(it: ListedRun) -> str:
 
 
 def _cell(column: str, text: str, value: object) -> str:
-    """Return a cell; ``value`` is what it is sorted by, None: its text."""
+    """Return a cell; ``value`` is its sorting key, None: its text."""
     key = "" if value is None else f' data-value="{value}"'
     return f'<td data-name="{column}"{key}>{text}</td>'
 
 
 def _began(began: str) -> str:
-    """Return the moment as a person reads it; all of it shows where one points at it."""
+    """Return the time for people; the whole of it shows on hovering."""
     try:
         read = f"{datetime.fromisoformat(began):%Y-%m-%d %H:%M:%S}"
-    except ValueError:  # a header says what it likes
+    except ValueError:  # the header may contain anything
         return escape(began)
     return f'<span title="{escape(began)}">{read}</span>'

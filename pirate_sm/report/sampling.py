@@ -12,23 +12,23 @@ from operator import ne
 from pirate_sm.report.contents import Series
 
 MOST_POINTS = 4_000
-"""A screen has fewer columns; a run of ten minutes has about as many frames of each board."""
+"""A screen has fewer columns; each board has about this many frames in ten minutes."""
 
 
 _MOST_KEPT = 4 * MOST_POINTS
 """The most points of a number in memory, however long a run is."""
 
 _EACH = 4
-"""The points of a bucket that show what was in it: the least, the largest, a gap, the last."""
+"""The points that represent a bucket: its least, its largest, a gap, its last."""
 
 _FINEST_S = 1 / 64
 
 
 class Curve:
-    """A number over time, of which only so much is kept that it still looks the same.
+    """A number over time, with few enough points in memory but the same look.
 
-    Once there are too many points, what they were within equal lengths of time is kept: all along
-    the run it is as fine, and the longer the run the coarser.
+    When there are too many points, they are replaced by representative points of equal intervals.
+    The resolution is the same all along the run, and coarser in a longer run.
     """
 
     def __init__(self) -> None:
@@ -36,7 +36,7 @@ class Curve:
         self._bucket_s = 0.0
 
     def add(self, at_s: float, value: float) -> None:
-        """Add a point; ``at_s`` must not go back."""
+        """Add a point; ``at_s`` must not decrease."""
         self._times.append(at_s)
         self._values.append(value)
         if len(self._times) > _MOST_KEPT:
@@ -56,15 +56,18 @@ class Curve:
             bucket_s *= 2
         self._bucket_s = bucket_s
         buckets = groupby(range(len(times)), key=lambda index: times[index] // bucket_s)
-        kept = [0, *(index for _, bucket in buckets for index in _telling(list(bucket), values))]
+        kept = [
+            0,
+            *(index for _, bucket in buckets for index in _representative(list(bucket), values)),
+        ]
         if kept[1] == 0:
             del kept[0]
         self._times = array("d", [times[index] for index in kept])
         self._values = array("d", [values[index] for index in kept])
 
 
-def _telling(bucket: Sequence[int], values: Sequence[float]) -> Iterable[int]:
-    """Return the indexes of a bucket that tell what was in it, in order."""
+def _representative(bucket: Sequence[int], values: Sequence[float]) -> Iterable[int]:
+    """Return the indices of the points that represent a bucket, in order."""
     known = [index for index in bucket if not isnan(values[index])]
     kept = {bucket[-1]}
     if known:
@@ -76,7 +79,7 @@ def _telling(bucket: Sequence[int], values: Sequence[float]) -> Iterable[int]:
 
 
 class Samples:
-    """The values of several numbers, each noted when it was measured or has changed."""
+    """The values of several numbers, each noted when it was measured or changed."""
 
     def __init__(self, count: int) -> None:
         self._curves = [Curve() for _ in range(count)]
@@ -86,9 +89,9 @@ class Samples:
         """Note the numbers that were measured now, and those that changed.
 
         Args:
-            at_s: When; does not go back.
-            numbers: All of them, NaN where unknown.
-            measured: Indexes of those that were measured now, changed or not.
+            at_s: Time; does not decrease.
+            numbers: All numbers, NaN if unknown.
+            measured: Indices of those that were measured now, changed or not.
         """
         if numbers is self._last:
             return
@@ -115,12 +118,12 @@ class Samples:
         """Return one of the numbers as a curve.
 
         Args:
-            index: Which.
-            name: What it is called.
-            scale: From SI to the unit of the chart.
+            index: Index of the number.
+            name: Name of the curve.
+            scale: Factor from SI to the unit of the chart.
             stepped: As in the curve.
             main: As in the curve.
-            until_s: Until when the last value held; None: only then.
+            until_s: Time up to which the last value held; None: no longer than its own time.
         """
         times, values = self._curves[index].points()
         values = [value * scale for value in values]
@@ -133,9 +136,9 @@ class Samples:
 def thinned(
     times_s: Sequence[float], values: Sequence[float], most: int = MOST_POINTS
 ) -> tuple[list[float], list[float]]:
-    """Return fewer points that look the same: of each bucket those that show most.
+    """Return fewer points that look the same: the representative ones of each bucket.
 
-    The first and the last point stay, and a gap in what is known stays a gap.
+    The first and the last point remain, and so does every gap.
     """
     size = len(times_s)
     if size <= most:
@@ -144,16 +147,16 @@ def thinned(
     kept = {0}
     for number in range(buckets):
         bucket = range(size * number // buckets, size * (number + 1) // buckets)
-        kept.update(_telling(bucket, values))
+        kept.update(_representative(bucket, values))
     chosen = sorted(kept)
     return [times_s[index] for index in chosen], [values[index] for index in chosen]
 
 
 def value_at(series: Series, at_s: float) -> float:
-    """Return what the curve shows at a moment, between two points on the line that joins them.
+    """Return the value of the curve at a time, interpolated linearly between points.
 
-    NaN before the first point and where nothing is known; before a gap and after the last point
-    the value holds.
+    It is NaN before the first point and in a gap. Before a gap and after the last point the value
+    holds.
     """
     after = bisect_right(series.times_s, at_s)
     if after == 0:
@@ -166,6 +169,6 @@ def value_at(series: Series, at_s: float) -> float:
 
 
 def over(series: Series, change: Callable[[float, float], float], name: str) -> Series:
-    """Return the curve with another value at each of its moments, made from time and value."""
+    """Return the curve with each value replaced by a function of its time and value."""
     pairs = zip(series.times_s, series.values, strict=True)
     return Series(name, series.times_s, [change(at_s, value) for at_s, value in pairs])

@@ -1,4 +1,4 @@
-"""The story of a run: what happened in each phase, in sentences."""
+"""The story of a run: the events of each phase, in sentences."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from pirate_sm.report.summary import ENDED, RunEnding
 from pirate_sm.report.timeline import operator_action
 
 _WORTH_TELLING_S = 0.2
-"""The duration of a command that took less is left out, s."""
+"""The duration of a shorter command is left out, s."""
 
 _MOST_NAMES = 8
-"""Where a phase has more commands than this, only their number is written."""
+"""With more commands than this in a phase, only their number is written."""
 
 
 class Story:
-    """Takes the effects of a run in and tells it phase by phase.
+    """Collects the effects of a run and writes a story, phase by phase.
 
     Args:
-        descriptions: What phases are for, by name.
-        nominal: Whether nothing moved.
+        descriptions: Descriptions of the phases, by name.
+        nominal: Whether commands ended after their nominal duration.
     """
 
     def __init__(self, descriptions: Mapping[str, str], *, nominal: bool) -> None:
@@ -44,10 +44,10 @@ class Story:
         self._described = ""
 
     def take(self, at_s: float, cause: object, effects: Sequence[fx.Effect]) -> None:
-        """Take in the cause and the effects of one moment."""
-        told = operator_action(cause)
-        if told and not (self._nominal and isinstance(cause, ev.Skip | ev.Answer)):
-            self._add(at_s, f"The operator {told}.", "person")
+        """Take in the cause and the effects of one step."""
+        action = operator_action(cause)
+        if action and not (self._nominal and isinstance(cause, ev.Skip | ev.Answer)):
+            self._add(at_s, f"The operator {action}.", "person")
         for effect in effects:
             self._take(at_s, effect)
 
@@ -96,7 +96,7 @@ class Story:
         self._phase, self._began_s, self._place = phase, at_s, len(self.sentences)
 
     def _close(self, at_s: float, how: str) -> None:
-        """Tell the phase that was going on, before what went wrong in it."""
+        """Write the sentence about the current phase, before those about its failures."""
         if not self._phase:
             return
         purpose = self._purpose()
@@ -109,8 +109,8 @@ class Story:
             waited = f"waited {seconds(at_s - self._waits_since)}"
             parts.append(sentence(f"{waited} {how or f'for {self._waits_for}'}"))
         if parts:
-            told = Sentence(self._began_s, " ".join(parts), "phase", self._phase)
-            self.sentences.insert(self._place, told)
+            phase = Sentence(self._began_s, " ".join(parts), "phase", self._phase)
+            self.sentences.insert(self._place, phase)
         self._phase, self._commands, self._waits_since = "", [], None
 
     def _purpose(self) -> str:
@@ -122,7 +122,7 @@ class Story:
         return ""
 
     def _waits(self, at_s: float, it: fx.WaitArmed) -> None:
-        if it.phase != self._phase:  # back from a mission that it called
+        if it.phase != self._phase:  # back from a called mission
             self._enter(at_s, it.phase)
         self._waits_since, self._waits_for = at_s, condition_words(it)
 

@@ -17,14 +17,14 @@ class RunEnding(NamedTuple):
 
 
 class RunFacts(NamedTuple):
-    """The facts of a run that its summary is made of.
+    """The facts of a run for its summary.
 
     Attributes:
-        where: In which pipe, on what and with which seed, in words.
-        odometer_m: What the odometer showed in the end, None where there is none.
-        moved_m: How far the robot really came, None where that is not known.
-        counts: How often commands were done, failed and so on, by what they came to.
-        faults: How often each fault was reported, by its code.
+        where: Its pipe, backend and seed, in words.
+        odometer_m: Final reading of the odometer, None without one.
+        moved_m: True distance of the robot, None if unknown.
+        counts: Number of commands for each final status.
+        faults: Number of reports of each fault, by code.
     """
 
     mission: str
@@ -73,13 +73,13 @@ def summary(it: RunFacts) -> tuple[str, ...]:
 
 def _counted(counts: Mapping[str, int]) -> str:
     words = {"done": "done", "failed": "failed", "refused": "refused", "skipped": "not needed"}
-    told = [f"{counts[key]} {word}" for key, word in words.items() if counts.get(key)]
+    parts = [f"{counts[key]} {word}" for key, word in words.items() if counts.get(key)]
     total = sum(counts.get(key, 0) for key in words)
     if not total:
         return "no command was given"
     if counts.get("done") == total:
         return f"{number_of(total, 'command was', 'commands were')} given and done"
-    return f"{number_of(total, 'command was', 'commands were')} given: {listed(told)}"
+    return f"{number_of(total, 'command was', 'commands were')} given: {listed(parts)}"
 
 
 def _lower(text: str) -> str:

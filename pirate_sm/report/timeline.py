@@ -1,4 +1,4 @@
-"""Lanes of the timeline: phases, state machines, commands, waits, what was said and went wrong."""
+"""Lanes of the timeline: phases, state machines, commands, waits, words and faults."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ PHASE, COMMANDS, WAITS, TRIGGERS = "phase", "commands", "waits for", "triggers"
 DETECTOR, SEGMENT, OPERATOR, TROUBLE = "detector", "pipe", "operator", "faults"
 
 _LASTING = {"phase", "state", "unconfirmed", "word"}
-"""Spans of these kinds are left out where they have no length: several can begin at once."""
+"""Spans of these kinds are left out if they are empty, because several can begin at once."""
 
 
 class _Track:
-    """One lane while it is being made: at most one span is open."""
+    """A lane under construction, with at most one open span."""
 
     def __init__(self) -> None:
         self.spans: list[Span] = []
@@ -32,16 +32,16 @@ class _Track:
 
     @property
     def current(self) -> str:
-        """Return what is going on; empty where nothing is."""
+        """Return the text of the open span; empty if there is none."""
         return self._open.text if self._open else ""
 
     def begin(self, at_s: float, text: str, kind: SpanKind, about: str = "") -> None:
-        """End what went on, and begin this."""
+        """End the open span and begin a new one."""
         self.end(at_s)
         self._open = Span(at_s, at_s, text, kind, about)
 
     def end(self, at_s: float, kind: SpanKind | None = None, about: str = "") -> None:
-        """End what went on, with this kind and this text."""
+        """End the open span with this kind and text."""
         if self._open is None:
             return
         span, self._open = self._open._replace(end_s=at_s), None
@@ -61,11 +61,11 @@ class _Track:
 
 
 class Timeline:
-    """Takes the effects of a run in and has its lanes in the end.
+    """Collects the effects of a run and makes the lanes of its timeline.
 
     Args:
         regions: Names of the state machines.
-        nominal: Whether nothing moved: triggers that no sensor made fire were taken by the trace.
+        nominal: Whether it is a trace, in which triggers without a sensor were fired by its script.
     """
 
     def __init__(self, regions: Sequence[str], *, nominal: bool) -> None:
@@ -78,10 +78,10 @@ class Timeline:
         self._unconfirmed: tuple[str, ...] = ()
 
     def take(self, at_s: float, cause: object, effects: Sequence[fx.Effect]) -> None:
-        """Take in the cause and the effects of one moment."""
-        told = operator_action(cause)
-        if told and not (self._nominal and isinstance(cause, ev.Skip)):  # its script does
-            self._tracks[OPERATOR].mark(at_s, told, "operator")
+        """Take in the cause and the effects of one step."""
+        action = operator_action(cause)
+        if action and not (self._nominal and isinstance(cause, ev.Skip)):  # its script does
+            self._tracks[OPERATOR].mark(at_s, action, "operator")
         for effect in effects:
             self._take(at_s, effect)
 
@@ -114,11 +114,11 @@ class Timeline:
 
     @property
     def phase(self) -> str:
-        """Return the phase that goes on; empty before the first one and after the end."""
+        """Return the current phase; empty before the first one and after the end."""
         return self._tracks[PHASE].current
 
     def lanes(self, until_s: float) -> tuple[Lane, ...]:
-        """Return the lanes that are not empty, in order; what still goes on ends at ``until_s``."""
+        """Return the lanes that are not empty, in order; open spans end at ``until_s``."""
         found = []
         for name, track in self._tracks.items():
             track.end(until_s)
@@ -156,7 +156,7 @@ class Timeline:
         self._tracks[PHASE].begin(at_s, it.phase, "phase")
 
     def _wait(self, at_s: float, it: fx.WaitArmed) -> None:
-        if self._tracks[PHASE].current != it.phase:  # back from a mission that it called
+        if self._tracks[PHASE].current != it.phase:  # back from a called mission
             self._tracks[PHASE].begin(at_s, it.phase, "phase")
         self._tracks[WAITS].begin(at_s, condition_words(it), "wait", it.phase)
 
@@ -196,7 +196,7 @@ class Timeline:
 
 
 _REGION = "region "
-"""Keeps the name of a region apart from those of the other lanes."""
+"""Prefix that distinguishes regions from the other lanes."""
 
 
 def _region(name: str) -> str:
@@ -209,7 +209,7 @@ def _about(it: fx.CommandStatus) -> str:
 
 
 def operator_action(cause: object) -> str:
-    """Return what a person did, in words; empty where no person caused it."""
+    """Return what the operator did, in words; empty if it was not the operator."""
     return _asked(cause) if isinstance(cause, ev.Request) else ""
 
 

@@ -1,8 +1,8 @@
 """Frames of rosserial, protocol revision 1, as bytes.
 
 A frame is ``FF FE | length | check | topic | payload | check``, little-endian; each group with its
-check sums to 255 modulo 256. An 8-bit sum lets some damage through: who uses a payload must be
-able to tell.
+check sums to 255 modulo 256. An 8-bit sum misses some damage, so users of a payload must detect it
+themselves.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ _BEFORE_PAYLOAD = _HEAD.size + _TOPIC.size
 
 
 class Frame(NamedTuple):
-    """A payload on a topic, which is a number on this connection."""
+    """A payload on a topic; the topic is a number of this connection."""
 
     topic: int
     payload: bytes
 
 
 def encode(topic: int, payload: bytes = b"") -> bytes:
-    """Return the bytes of a frame, to be written in one call.
+    """Return the bytes of a frame, to write in one call.
 
     Raises:
-        ValueError: The payload is longer than any receiver takes, or the topic no 16-bit number.
+        ValueError: The payload is too long for any receiver, or the topic is no 16-bit number.
     """
     if len(payload) > LONGEST_PAYLOAD or not 0 <= topic <= 0xFFFF:
         raise ValueError(f"no frame holds {len(payload)} bytes for topic {topic}")
@@ -44,15 +44,15 @@ def encode(topic: int, payload: bytes = b"") -> bytes:
 class Decoder:
     """Finds the frames in a stream of bytes, whatever is between them.
 
-    This is the host's reader; the firmware's, which loses more, is
-    :class:`pirate_sm.bay.reception.Reception`. A byte that begins no frame is dropped alone and
-    the search goes on behind it, so damage costs only the damaged frame. The result does not
-    depend on how the stream is cut.
+    This is the host's reader. The firmware's, which loses more, is
+    :class:`pirate_sm.bay.reception.Reception`. A byte that begins no frame is dropped alone, and
+    the search continues behind it, so damage costs only the damaged frame. The result does not
+    depend on how the stream is split.
 
     Attributes:
-        dropped: How many bytes belonged to no frame.
-        longest: The longest payload that can come. A longer length is damage: it is dropped at
-            once and withholds nothing of what follows.
+        dropped: Bytes that belonged to no frame.
+        longest: The longest possible payload. A frame with a greater length is damaged: it is
+            dropped at once, without waiting for its end.
     """
 
     def __init__(self) -> None:
@@ -70,7 +70,7 @@ class Decoder:
         while True:
             start = pending.find(SYNC, at)
             if start < 0:
-                # The last byte may be the first half of a beginning.
+                # The last byte may be the first half of a frame's mark.
                 start = len(pending) - pending.endswith(SYNC[:1])
                 self.dropped += max(start - at, 0)
                 at = max(start, at)
@@ -91,7 +91,7 @@ class Decoder:
         return frames
 
     def _end(self, at: int) -> int:
-        """Return where the frame at this place ends; past the end if unknown yet, 0 if none."""
+        """Return the index of this frame's end; past the data if unknown yet, 0 if no frame."""
         pending = self._pending
         if len(pending) - at < _HEAD.size:
             return len(pending) + 1

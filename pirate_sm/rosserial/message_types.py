@@ -1,4 +1,4 @@
-"""Types of messages as ``.msg`` texts define them: their md5 and their bytes (rosbags)."""
+"""Message types as ``.msg`` texts define them: md5, packing and unpacking (rosbags)."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ _NUMBERS = INTEGERS | {"float32", "float64"}
 _TEXT = "string"
 
 
-class Malformed(Exception):  # noqa: N818 - data from outside, expected to be wrong at times
-    """A payload is not what its type says."""
+class Malformed(Exception):  # noqa: N818 - data from outside, at times wrong
+    """A payload does not fit its type."""
 
 
 class Field(NamedTuple):
     """One field of a message.
 
     Attributes:
-        kind: Type of its numbers, such as ``int16``; else the name of what it holds.
-        size: How many there are: None for a single one, 0 for any count.
+        kind: Type of its numbers, such as ``int16``; for other fields, the name of their type.
+        size: Number of elements: None for a single number, 0 for any count.
     """
 
     kind: str
@@ -48,21 +48,21 @@ class Field(NamedTuple):
 
     @property
     def bits(self) -> int:
-        """How many bits one number has."""
+        """Bits of one number."""
         return np.dtype(self.kind).itemsize * 8
 
 
 class MessageType:
-    """One type of messages.
+    """A message type.
 
     Args:
-        name: As on the wire, ``package/Type``.
-        text: Its definition, for people to compare.
-        store: Knows it, and every type that it contains.
+        name: Its name, ``package/Type``.
+        text: Its definition, for people.
+        store: Knows this type and every type that it contains.
 
     Attributes:
-        md5: ROS 1's sum over the fields, 32 hex digits.
-        fields: By name.
+        md5: ROS 1's checksum of the fields, 32 hex digits.
+        fields: The fields by name.
     """
 
     def __init__(self, name: str, text: str, store: Typestore) -> None:
@@ -76,7 +76,7 @@ class MessageType:
 
     @property
     def largest(self) -> int | None:
-        """Bytes of the longest payload; None where a field may hold any count of numbers."""
+        """Bytes of the longest payload; None if a field may hold any count of numbers."""
         total = 0
         for kind, size in self.fields.values():
             if kind not in _NUMBERS or size == 0:
@@ -88,7 +88,7 @@ class MessageType:
         """Return the field of this name.
 
         Raises:
-            UsageError: There is none, or it holds no numbers.
+            UsageError: There is no such field, or it holds no numbers.
         """
         found = self.fields.get(name)
         if found is None:
@@ -102,11 +102,11 @@ class MessageType:
     def pack(self, content: Content) -> bytes:
         """Return the payload with these numbers.
 
-        Fields that are not named, and the rest of longer arrays, are zero. A number that an
-        integer type cannot hold becomes the nearest one that it can.
+        Fields that are not named, and the rest of longer arrays, are zero. A number out of the
+        range of an integer type becomes the nearest one in range.
 
         Raises:
-            UsageError: A field is not there, or has no room for its numbers.
+            UsageError: A field does not exist or has no room for its numbers.
         """
         message = copy(self._blank)
         for name, value in content.items():
@@ -114,7 +114,7 @@ class MessageType:
         return bytes(self._store.serialize_ros1(message, self._inner))
 
     def _numbers(self, name: str, value: float | Sequence[float]) -> Any:
-        """Return what the field of this name holds for this value."""
+        """Return the content of this field for this value."""
         kind, size = self.field(name)
         dtype = np.dtype(kind)
         if not isinstance(value, Sequence):
@@ -126,15 +126,15 @@ class MessageType:
         return made
 
     def unpack(self, payload: bytes, *, whole: bool = True) -> Any:
-        """Return the message in this payload; its fields are attributes.
+        """Return the message in this payload, with its fields as attributes.
 
         Args:
             payload: Begins with the message.
-            whole: Whether it must end with the message too. A firmware looks at its receive
-                buffer, which is longer.
+            whole: Whether it must end with the message too. A firmware's receive buffer is longer
+                than the message.
 
         Raises:
-            Malformed: It holds something else.
+            Malformed: The payload does not fit the type.
         """
         kind = self._definition
         try:
@@ -149,12 +149,12 @@ class MessageType:
 def message_types(
     names: Iterable[str], texts: Mapping[str, str], folder: Path = Path()
 ) -> dict[str, MessageType]:
-    """Return the types of these names.
+    """Return the message types of these names.
 
     Args:
-        names: As on the wire, ``package/Type``.
-        texts: The ``.msg`` text of each of them, and of what they contain, by name.
-        folder: Where the texts stand, for messages to people.
+        names: Names of the types, ``package/Type``.
+        texts: The ``.msg`` text of each type and of the types that it contains, by name.
+        folder: The folder of the texts, for error messages.
 
     Raises:
         UsageError: A text is missing or cannot be used.
@@ -194,18 +194,18 @@ def _file(name: str, folder: Path) -> Path:
 
 
 def _plain(text: str) -> str:
-    # rosbags takes no CRLF, which editors of another system write.
+    # rosbags accepts no CRLF, which some editors write.
     return text.replace("\r\n", "\n").replace("\r", "\n").strip()
 
 
 def _inner(name: str) -> str:
-    """Return the name that rosbags uses for a type."""
+    """Return rosbags' name for a type."""
     package, _, kind = name.partition("/")
     return f"{package}/msg/{kind}"
 
 
 def _field(node: Any) -> Field:
-    """Return what a field holds; the node is a pair of node type and details."""
+    """Return the field that a pair of node type and details describes."""
     kind, details = node
     if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE):
         return Field(_field(details[0]).kind, int(details[1]))
@@ -213,7 +213,7 @@ def _field(node: Any) -> Field:
 
 
 def _held(values: Sequence[float], dtype: np.dtype[Any]) -> np.ndarray[Any, Any]:
-    """Return the numbers as elements of this type can hold them."""
+    """Return the numbers as elements of this type, clipped to its range."""
     with suppress(OverflowError):
         if dtype.kind not in "iu" or all(isinstance(value, int) for value in values):
             return np.array(values, dtype=dtype)
@@ -228,7 +228,7 @@ def _limits(dtype: np.dtype[Any]) -> tuple[int, int]:
 
 
 def _blank(store: Typestore, inner: str) -> Any:
-    """Return a message in which everything is zero or empty."""
+    """Return a message in which every field is zero or empty."""
     content = {field: _blank_value(store, node) for field, node in store.fielddefs[inner][1]}
     return store.types[inner](**content)
 

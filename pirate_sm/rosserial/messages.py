@@ -1,4 +1,4 @@
-"""Arrays of setpoints, their echoes and State messages as a robot's ``.msg`` texts define them."""
+"""Arrays of setpoints, their echoes and state messages, as a robot's ``.msg`` texts define them."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from pirate_sm.rosserial.message_types import INTEGERS, Malformed, MessageType, 
 from pirate_sm.rosserial.state_messages import StateCodec
 
 _LEAST_NUMBER_BITS = 8
-"""This many bits of an id must count writings: 64 of them are remembered."""
+"""At least this many bits of an id must count writings, since 64 writings are remembered."""
 
 
 class Array(NamedTuple):
-    """One array of setpoints as the wire carries it.
+    """An array of setpoints, as integers of the wire.
 
     Attributes:
-        number: Its id.
+        number: Its wire id.
         counts: One integer per slot.
-        hold: One bit per slot that the firmware's dead man's switch keeps; None where the message
-            has no field for it.
+        hold: One bit per slot that the firmware's dead man's switch keeps; None if the message has
+            no field for it.
     """
 
     number: int
@@ -32,27 +32,27 @@ class Array(NamedTuple):
 
     @property
     def tripped(self) -> Array:
-        """The array after the dead man's switch: what is not held is zero."""
+        """The array after a trip of the dead man's switch: zero where it is not held."""
         hold = self.hold or 0
         kept = (count if hold >> slot & 1 else 0 for slot, count in enumerate(self.counts))
         return self._replace(counts=tuple(kept))
 
 
 class SetpointCodec:
-    """Arrays of setpoints, or their echoes, of one message type.
+    """Packs and unpacks arrays of setpoints, or their echoes, of one message type.
 
     Args:
-        kind: Their type.
-        topic: The fields that matter; there must be no others, nobody could fill them.
-        slots: How many setpoints there are.
+        kind: The message type.
+        topic: Names of the fields; the type must have no others, because nothing could fill them.
+        slots: Number of setpoints.
 
     Attributes:
-        type: The type.
-        least: The least integer that a slot holds; ``most`` is the greatest.
+        type: The message type.
+        least: The smallest integer of a slot; ``most`` is the largest.
         id_bits: How many bits of the id count writings; ``ids`` is how many ids there are.
 
     Raises:
-        UsageError: The type cannot carry them.
+        UsageError: The type cannot carry the setpoints.
     """
 
     def __init__(self, kind: MessageType, topic: SetpointTopic, slots: int) -> None:
@@ -77,7 +77,7 @@ class SetpointCodec:
 
     @property
     def holds(self) -> bool:
-        """Whether the message says which slots the firmware's dead man's switch keeps."""
+        """Whether the message has a mask of the slots that the firmware's switch keeps."""
         return bool(self._hold)
 
     def pack(self, number: int, counts: Sequence[int], hold: int = 0) -> bytes:
@@ -86,7 +86,7 @@ class SetpointCodec:
         Args:
             number: The id.
             counts: One integer per slot.
-            hold: One bit per slot to be kept; left out where the message has no field for it.
+            hold: One bit per slot to keep; left out if the message has no field for it.
         """
         content: dict[str, float | Sequence[float]] = {self._values: counts}
         if self._hold:
@@ -98,7 +98,7 @@ class SetpointCodec:
         """Return the array in this payload; ``whole`` as in :meth:`MessageType.unpack`.
 
         Raises:
-            Malformed: It holds something else.
+            Malformed: The payload does not fit the type.
         """
         message = self.type.unpack(payload, whole=whole)
         values = getattr(message, self._values)
@@ -119,10 +119,10 @@ class Messages(NamedTuple):
 
 
 def serial_of(profile: Profile) -> Serial:
-    """Return what the profile says of the robot's serial link.
+    """Return the profile's section on the serial link.
 
     Raises:
-        UsageError: Nothing.
+        UsageError: The profile has no such section.
     """
     if profile.serial is None:
         raise UsageError(f"the robot {profile.robot} has no section 'serial' in its profile")
@@ -133,8 +133,8 @@ def read_messages(folder: Path, serial: Serial, slots: int) -> Messages:
     """Return the link's messages, defined by the ``.msg`` texts in this folder.
 
     Args:
-        folder: Where ``<Type>.msg`` stands for each type.
-        serial: Which types they are.
+        folder: Contains ``<Type>.msg`` for each type.
+        serial: The serial section of the profile.
         slots: How many setpoints an array has.
 
     Raises:
@@ -144,9 +144,9 @@ def read_messages(folder: Path, serial: Serial, slots: int) -> Messages:
 
 
 def message_texts(folder: Path, serial: Serial) -> dict[str, str]:
-    """Return every ``.msg`` text in this folder, by its name on the wire, ``package/Type``.
+    """Return every ``.msg`` text in this folder, by its name, ``package/Type``.
 
-    A file does not say its package. It counts for each package that the link's types are of.
+    A file does not name its package, so it counts for each package among the link's types.
 
     Raises:
         UsageError: A text cannot be read.
@@ -165,7 +165,7 @@ def message_texts(folder: Path, serial: Serial) -> dict[str, str]:
 def link_messages(
     texts: Mapping[str, str], serial: Serial, slots: int, folder: Path = Path()
 ) -> Messages:
-    """Return the link's messages, defined by these texts, see :func:`message_texts`.
+    """Return the link's messages, defined by these texts (see :func:`message_texts`).
 
     Raises:
         UsageError: A text is missing, does not parse or does not fit.
@@ -180,7 +180,7 @@ def link_messages(
 
 
 def number_bits(kind: MessageType, topic: SetpointTopic, slots: int) -> int:
-    """Return how many bits of the id count writings; the mask of held slots may take the others.
+    """Return how many bits of the id count writings; the mask may take the others.
 
     Raises:
         UsageError: There is no room for the mask.

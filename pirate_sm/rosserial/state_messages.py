@@ -14,7 +14,7 @@ class StateReading(NamedTuple):
 
     Attributes:
         board: Number of the board.
-        channel: Of the one value; -1 where ``values`` are all channels of the board.
+        channel: Number of the channel; -1 if ``values`` are all channels of the board.
         values: Raw counts.
     """
 
@@ -24,14 +24,14 @@ class StateReading(NamedTuple):
 
 
 class StateCodec:
-    """State messages of one type, in either layout.
+    """Packs and unpacks state messages of one type, in either layout.
 
     Attributes:
-        type: The type.
-        room: How many values one message holds; 0 for any number.
+        type: The message type.
+        room: How many values one message can hold; 0 for any number.
 
     Raises:
-        UsageError: The type does not have the fields.
+        UsageError: The type lacks a field.
     """
 
     def __init__(self, kind: MessageType, topic: StateTopic) -> None:
@@ -59,7 +59,7 @@ class StateCodec:
         """Return the content of this payload.
 
         Raises:
-            Malformed: It holds something else.
+            Malformed: The payload does not fit the type.
         """
         message, topic = self.type.unpack(payload), self._topic
         board = int(getattr(message, topic.board))

@@ -1,4 +1,4 @@
-"""The reserved topics of rosserial, and the payloads that travel on them."""
+"""The reserved topics of rosserial and their payloads."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TIME = 10
 TX_STOP = 11
 
 FIRST_OF_THE_DEVICE = 100
-"""Below are reserved numbers: a device that offers a topic there is damaged or no rosserial."""
+"""Lower numbers are reserved: a device that offers one is damaged or does not speak rosserial."""
 
 Direction = Literal["publishes", "takes"]
 
@@ -28,14 +28,14 @@ TIME_REQUEST = bytes(_TIME.size)
 
 
 class TopicInfo(NamedTuple):
-    """How the device introduces one of its topics.
+    """A device's introduction of one of its topics.
 
     Attributes:
-        number: What stands for the topic in frames, on this connection.
+        number: Number of the topic in frames, on this connection.
         name: Name of the topic.
         type: Its message type, ``package/Type``.
-        md5: ROS 1's sum over the fields of the type.
-        buffer_bytes: The longest payload that the device has room for.
+        md5: ROS 1's checksum of the fields of the type.
+        buffer_bytes: The longest payload that the device can hold.
         direction: Whether the device sends or receives it.
     """
 
@@ -55,7 +55,7 @@ class LogLine(NamedTuple):
 
 
 def read_topic(frame_topic: int, payload: bytes) -> TopicInfo | None:
-    """Return the introduction in this payload; None where there is none.
+    """Return the introduction in this payload; None if there is none.
 
     Args:
         frame_topic: ``PUBLISHER`` or ``SUBSCRIBER``.
@@ -83,7 +83,7 @@ def topic_payload(info: TopicInfo) -> bytes:
 
 
 def read_log(payload: bytes) -> LogLine | None:
-    """Return the line in this payload, ``uint8 level, string msg``; None where there is none."""
+    """Return the line in this payload, ``uint8 level, string msg``; None if there is none."""
     try:
         text, end = _read_text(payload, 1)
     except (struct.error, UnicodeDecodeError, ValueError):
@@ -92,12 +92,12 @@ def read_log(payload: bytes) -> LogLine | None:
 
 
 def log_payload(line: LogLine) -> bytes:
-    """Return the payload that carries a line of the log."""
+    """Return the payload for a line of the log."""
     return bytes((line.level,)) + _text(line.text)
 
 
 def time_payload(seconds: float) -> bytes:
-    """Return the payload that answers a request for the time, seconds since 1970."""
+    """Return the answer to a request for the time, seconds since 1970."""
     whole = int(seconds)
     return _TIME.pack(whole & 0xFFFFFFFF, int((seconds - whole) * 1e9))
 

@@ -1,4 +1,4 @@
 """Run the engine on a backend: one step, the loop, clocks, companions, the safe stop.
 
-Only this package lets time pass and a backend move. :mod:`pirate_sm.runtime.loop` is the door.
+Only this package lets time pass and a backend move. Start at :mod:`pirate_sm.runtime.loop`.
 """

@@ -1,4 +1,4 @@
-"""Companions that keep a backend and a run in touch: what to hold, and what people must know."""
+"""Companions between a backend and a run: pass on the safe array and the backend's remarks."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from pirate_sm.model.events import Event
 
 
 class Holder:
-    """Tells a backend at every turn what is to be held and what stopped, should this process die.
+    """Passes the safe array to the backend at every turn, to be sent should this process die.
 
     Args:
-        hold: Receives the safe array of this moment and the slots that position loops drive.
+        hold: Receives the present safe array and the slots that position loops drive.
     """
 
     due_s = inf
@@ -27,11 +27,11 @@ class Holder:
         self._state: Callable[[], EngineState | None] = lambda: None
 
     def follow(self, engine: Engine, state: Callable[[], EngineState | None]) -> None:
-        """Pass on what this run holds from now on."""
+        """Follow this run from now on."""
         self._engine, self._state = engine, state
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Pass on the safe array of this moment, and the slots that position loops drive."""
+        """Pass on the present safe array, and the slots that position loops drive."""
         state = self._state()
         if self._engine is not None and state is not None:
             self._hold(self._engine.safe_values(state), self._engine.seeking(state))
@@ -42,10 +42,10 @@ class Holder:
 
 
 class Messenger:
-    """Passes on what a backend wants people to know while the mission itself stands still.
+    """Passes the backend's remarks on to people while the mission itself stands still.
 
     Args:
-        remark: What there is to be said now, once; empty: nothing.
+        remark: Returns each remark of the backend once; empty if there is none.
     """
 
     listening = False
@@ -56,18 +56,18 @@ class Messenger:
 
     @property
     def due_s(self) -> float:
-        """Now where there is something to say."""
+        """Now, if there is a remark; else infinite."""
         self._text = self._text or self._remark()
         return -inf if self._text else inf
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Do nothing: what happens does not matter to it."""
+        """Do nothing."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """Return what the backend has to say."""
+        """Return the backend's remark."""
         text, self._text = self._text, ""
         return (Log("warning", text),)
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Return nothing: the engine is not concerned."""
+        """Return nothing, because remarks do not concern the engine."""
         return ()

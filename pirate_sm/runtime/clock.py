@@ -1,4 +1,4 @@
-"""The wall's clock, behind a Protocol so that tests bring their own."""
+"""The wall clock, behind a Protocol so that tests can bring their own."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from typing import Protocol
 
 
 class Clock(Protocol):
-    """Tells seconds from an arbitrary beginning and waits."""
+    """Measures seconds from an arbitrary start, and waits."""
 
     def now(self) -> float:
         """Return the time in s; it never goes back."""
         ...
 
     def sleep(self, seconds: float) -> None:
-        """Wait for so many seconds; a signal handler may run meanwhile."""
+        """Wait this many seconds; a signal handler may run meanwhile."""
         ...
 
 
 class WallClock:
-    """The clock that a person's watch agrees with, unmoved by changes of the date."""
+    """The monotonic clock of this machine, which changes of the date do not affect."""
 
-    # The functions themselves: the loop asks for the time at every frame.
+    # Class attributes, to save a call: the loop reads the time at every frame.
     now = staticmethod(time.perf_counter)
     sleep = staticmethod(time.sleep)

@@ -1,4 +1,4 @@
-"""Plays a course of events in a trace: its events happen one after the other, and nothing else."""
+"""Plays a course of events in a trace: its events happen one after the other, and no others."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ from pirate_sm.runtime.trace_repeats import LoopWatch
 from pirate_sm.runtime.trigger_script import TriggerScript
 
 _EARLIER_S = 1e-10
-"""A deadline comes so much earlier, before the loop tells it; to the engine that is in time."""
+"""Time events come this much before a deadline, so that the loop does not report it first."""
 
 
 def longest_s(course: Sequence[Happening], robot: RobotSpec, program: Program) -> float:
-    """Return how long a course of events can take at most, s: the longest deadline for each."""
+    """Return the longest time that a course can take, s: its longest deadline for each event."""
     deadlines = [command.nominal_s for command in robot.commands]
     for each in program.instructions:
         if isinstance(each, Wait):
@@ -50,16 +50,16 @@ def longest_s(course: Sequence[Happening], robot: RobotSpec, program: Program) -
 
 
 class CoursePlayer:
-    """A companion that makes everything happen; once it is through, all goes well.
+    """A companion that makes the events happen; after the last one all goes well.
 
     Args:
-        course: What happens, without the start, and what sensors show then.
+        course: The events, without the start, and the signals after each.
         program: The mission.
-        decide: Takes the fate of the array that is under way.
+        decide: Sets the result of the array under way.
         release: Is called when arrays need no decision any more.
 
     Attributes:
-        over: Whether everything has happened.
+        over: Whether all events have happened.
     """
 
     listening = False
@@ -87,7 +87,7 @@ class CoursePlayer:
             self._finish(0.0)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Take note of what the mission waits for."""
+        """Remember what the mission waits for."""
         for effect in effects:
             if isinstance(effect, WakeAt):
                 self._wake_s = effect.at_s
@@ -101,7 +101,7 @@ class CoursePlayer:
         self._plan(now_s)
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """Show the state to those who decide once everything has happened."""
+        """After the last event, show the state to the companions that take over."""
         if not self.over:
             return ()
         return [

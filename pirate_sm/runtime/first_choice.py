@@ -1,4 +1,4 @@
-"""Answers every question of a mission with its first choice, where nobody is asked."""
+"""Answers every question of a mission with its first choice."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from pirate_sm.model.events import Answer, Event
 
 
 class Answered(Log):
-    """A question got an answer; the message says which, and from whom."""
+    """A question was answered automatically; the message has the answer and the reason."""
 
     __slots__ = ()
 
 
 class FirstChoice:
-    """Answers every question at once with the expected answer, where nobody is asked.
+    """Answers every question at once with the expected answer, because nobody can be asked.
 
     Args:
-        why: Why nobody is; kept beside each answer. Empty: answers are not kept.
-        level: Of what is kept.
+        why: Why nobody can be asked, for a log line with each answer. Empty: no log lines.
+        level: Level of the log lines.
     """
 
     listening = False
@@ -34,7 +34,7 @@ class FirstChoice:
         self._choice = ""
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Get the first choice of a question ready; a withdrawn question needs none."""
+        """Prepare the first choice of a question; drop that of a withdrawn question."""
         for effect in effects:
             if isinstance(effect, Ask):
                 asked = bool(effect.question and effect.choices)
@@ -42,7 +42,7 @@ class FirstChoice:
                 self.due_s = now_s if asked else inf
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """Return a line that says what it is about to answer."""
+        """Return a log line with the coming answer."""
         if not self._why:
             return ()
         return (Answered(self._level, f"answered '{self._choice}' ({self._why})"),)

@@ -1,8 +1,8 @@
-"""One run from its start to its end: paced, watched, and stopped by signals.
+"""Runs one mission from start to end: paced, observed, and stopped by signals.
 
-Every way out leads through the safe state: the mission's own end and a first signal through the
-engine, which waits for the safe array's fate; a second signal and anything that breaks through
-:meth:`Pump.abandon`, which sends it once and closes.
+Every run ends in the safe state. The mission's own end and a first signal go through the engine,
+which waits for the result of the safe array. A second signal and any exception go through
+:meth:`Pump.abandon`, which sends the safe array once and closes the backend.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ BACKEND_FAILED = BuiltInFault.BACKEND_FAILED.code
 
 
 class _Insisted(Exception):  # noqa: N818 - not an error
-    """A person has asked twice."""
+    """A second signal asks for an immediate stop."""
 
 
 class MissionRun:
-    """One run of one mission on one backend."""
+    """Runs one mission on one backend."""
 
     def __init__(
         self,
@@ -52,23 +52,23 @@ class MissionRun:
         paused: bool = False,
         keep_open: bool = False,
     ) -> None:
-        """Prepare a run; nothing begins yet.
+        """Prepare a run without beginning it.
 
         Args:
-            engine: What decides.
-            backend: What moves.
-            observers: Who is told every effect.
-            watchers: Who looks on in between.
-            companions: Who speaks up.
-            tap: Who keeps what the engine is given and gives back.
-            requests: What may ask the run to stop.
-            clock: The wall's.
-            factor: Mission seconds per second of the wall; infinite: as fast as it goes. A
-                backend that is itself in real time is never held back.
-            after: The run that went before it on this backend and has left it open: the robot is
-                as that run left it, and time goes on.
-            paused: Whether the operator has the robot first.
-            keep_open: Whether the backend is left open when the engine itself has ended the run.
+            engine: The engine.
+            backend: The backend.
+            observers: Receive every effect.
+            watchers: Are called at intervals of the wall clock.
+            companions: Can give the engine events.
+            tap: Receives every input and output of the engine.
+            requests: Holds requests to stop.
+            clock: The wall clock.
+            factor: Mission seconds per second of the wall clock; infinite: as fast as possible. A
+                backend in real time is never delayed.
+            after: The run before it on this backend, which has left it open: the robot keeps its
+                configuration, and time continues.
+            paused: Whether the operator controls the robot first.
+            keep_open: Whether the backend stays open when the engine itself has ended the run.
         """
         self._pump: Pump = Pump(
             engine,
@@ -92,17 +92,17 @@ class MissionRun:
 
     @property
     def state(self) -> EngineState | None:
-        """The engine's state now; None before it began."""
+        """The engine's present state; None before it began."""
         return self._pump.state
 
     @property
     def now_s(self) -> float:
-        """Mission time now."""
+        """Mission time, s."""
         return self._pump.now_s
 
     @property
     def ended(self) -> Ended | None:
-        """The last effect, once there is one."""
+        """The effect that ended the run; None before."""
         return self._pump.ended
 
     @property
@@ -111,10 +111,10 @@ class MissionRun:
         return self._pump.open
 
     def execute(self) -> Result:
-        """Run the mission to its end; the robot is in its safe state, the backend closed or kept.
+        """Run the mission to its end; leave the robot in its safe state.
 
         Returns:
-            How it ended, whatever has happened.
+            How it ended, also after an exception or a signal.
         """
         kept = False
         try:
@@ -125,7 +125,7 @@ class MissionRun:
             error = failure.__cause__
             message = f"the {self._name} backend failed: {described(error)}"
             stop = self._requests.stop
-            if self.state is None and stop is not None:  # asked to end while it was being opened
+            if self.state is None and stop is not None:  # asked to stop while it was being opened
                 ended = Ended("interrupted", f"{stop.reason}; {message}")
                 return self._abandon(ended, stop.exit_code, error)
             fault = Fault(BACKEND_FAILED, message, "stop")
@@ -148,7 +148,7 @@ class MissionRun:
         return Result(ended, code, self.now_s)
 
     def _go_on(self) -> Ended:
-        """Run until the end, and return it."""
+        """Run until the end and return it."""
         pump, requests, pacer = self._pump, self._requests, self._pacer
         wall_s, watched = self._clock.now, bool(self._watchers)
         listening = False
@@ -177,7 +177,7 @@ class MissionRun:
                 self._lose_output(error)
 
     def _lose_output(self, error: OSError) -> None:
-        """Ask a run to stop that nobody can follow any more."""
+        """Ask the run to stop, because its output cannot be written any more."""
         self._output_lost = True
         self._requests.ask(Stop(f"the output cannot be written: {error.strerror}", OUTPUT_LOST))
 
@@ -191,13 +191,13 @@ class MissionRun:
                 self._lose_output(error)
 
     def _look_up(self) -> bool:
-        """Return whether the pacer must stop waiting; keep the view up to date meanwhile."""
+        """Keep the view up to date; return whether the pacer must stop waiting."""
         if self._watchers and self._clock.now() >= self._pulse_s:
             self._pulse()
         return self._requests.stop is not None
 
     def _heed_stop(self) -> None:
-        """Send the engine on its way to the safe stop, as fast as it goes."""
+        """Make the engine begin the safe stop, without pacing."""
         if self._requests.urgent:
             raise _Insisted
         stop = self._requests.stop
@@ -208,11 +208,11 @@ class MissionRun:
     def _abandon(
         self, ended: Ended, code: int, error: BaseException | None = None, *before: Effect
     ) -> Result:
-        """Send the safe array past the engine and tell everybody; return how the run ended."""
+        """Send the safe array past the engine, report it, and return how the run ended."""
         effects = self._pump.abandon(ended, *before)
         for observer in self._observers:
             try:
                 observer.see(effects, self.now_s)
             except Exception:
-                continue  # it may have been what broke
+                continue  # an observer may have caused the exception
         return Result(self._pump.ended or ended, code, self.now_s, error)

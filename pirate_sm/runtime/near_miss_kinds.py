@@ -1,4 +1,4 @@
-"""What can nearly go wrong: commands, waits, triggers, words and faults, one class for each."""
+"""The kinds of near misses: commands, waits, triggers, words and faults, one class for each."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from pirate_sm.runtime.rule_margins import margins_of
 
 
 class NearMiss(NamedTuple):
-    """Something that nearly happened.
+    """A fault or a limit that was nearly reached.
 
     Attributes:
-        about: What it is about, the same in every run.
+        about: Its subject, the same in every run.
         text: How near it came, with numbers.
-        share: How near, of 1.
-        at_s: When.
+        share: How near it came, as a share of the limit.
+        at_s: Time, s.
     """
 
     about: str
@@ -35,7 +35,7 @@ class NearMiss(NamedTuple):
 
 @dataclass(frozen=True)
 class EngineStep:
-    """One step of the engine with the state after it."""
+    """One step of the engine, with the state after it."""
 
     state: EngineState
     event: Event | None
@@ -45,13 +45,13 @@ class EngineStep:
 
 @dataclass
 class CommandTimes:
-    """How long commands took of the time that they have."""
+    """How much of their time limit commands took."""
 
     program: Program
-    _under_way: tuple[float, float] = (inf, inf)  # when accepted, and how long it may take
+    _under_way: tuple[float, float] = (inf, inf)  # time of acceptance, and time limit
 
     def look(self, moment: EngineStep) -> list[NearMiss]:
-        """Return the commands that ended in this moment."""
+        """Return a near miss for each command that ended in this step."""
         calls = []
         for effect in moment.effects:
             if not isinstance(effect, CommandStatus):
@@ -74,12 +74,12 @@ class CommandTimes:
 
 @dataclass
 class WaitTimes:
-    """How long waits took of their limits."""
+    """How much of their time limit waits took."""
 
     _armed: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def look(self, moment: EngineStep) -> list[NearMiss]:
-        """Return the waits that ended in this moment."""
+        """Return a near miss for each wait that ended in this step."""
         calls = []
         for effect in moment.effects:
             if isinstance(effect, WaitArmed) and not isinf(effect.deadline_s):
@@ -98,14 +98,14 @@ class WaitTimes:
 
 @dataclass
 class TriggerTimes:
-    """Conditions that held for a part of the time that they must, and fell away."""
+    """Conditions that held for a part of the required time and then became false."""
 
     program: Program
     _began: dict[int, float] = field(default_factory=dict)
     _at: int = -1
 
     def look(self, moment: EngineStep) -> list[NearMiss]:
-        """Return the conditions that have just fallen away."""
+        """Return a near miss for each condition that has just become false."""
         mission = moment.state.mission
         if mission.pc != self._at:
             self._at, self._began = mission.pc, {}
@@ -126,7 +126,7 @@ class TriggerTimes:
 
 
 class WordTimes:
-    """How soon after a detector's word had ended a wait the word was gone."""
+    """How soon a detector's word expired after it had ended a wait."""
 
     def __init__(self, robot: RobotSpec, program: Program) -> None:
         self._index = len(robot.regions)
@@ -142,7 +142,7 @@ class WordTimes:
         }
 
     def look(self, moment: EngineStep) -> list[NearMiss]:
-        """Return the word that has just gone, if a wait has used it."""
+        """Return a near miss for a word that has just expired, if a wait used it."""
         calls = []
         words, now_s = moment.state.words, moment.now_s
         word = words[self._index] if self._index < len(words) else None
@@ -168,10 +168,10 @@ class WordTimes:
 
 
 class FaultMargins:
-    """Fault rules that held for a part of the time that they must, and signals near their limits.
+    """Fault rules that held for a part of the required time, and signals near their limits.
 
     Args:
-        robot: Whose rules they are.
+        robot: The robot with the rules.
     """
 
     def __init__(self, robot: RobotSpec) -> None:
@@ -181,7 +181,7 @@ class FaultMargins:
         self._states: tuple[str | None, ...] = ()
 
     def look(self, moment: EngineStep) -> list[NearMiss]:
-        """Return the faults of this moment, and the rules of the board that has just reported."""
+        """Return near misses of this step's faults and of the rules of the board that reported."""
         calls = []
         for effect in moment.effects:
             if isinstance(effect, Fault):

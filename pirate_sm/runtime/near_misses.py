@@ -1,6 +1,6 @@
-"""How near a run came to going wrong: limits nearly reached, faults nearly raised.
+"""How near a run came to a fault or a limit.
 
-Every call has a share: 1 is where it would have happened, so the nearest are the largest.
+Each near miss has a share of its limit: at 1 it would have happened, so the largest are nearest.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from pirate_sm.runtime.near_miss_kinds import (
 
 
 class NearMisses:
-    """A tap that notes the nearest call of each kind.
+    """A tap that keeps the nearest miss of each kind.
 
     Args:
-        robot: Whose faults they are.
-        program: Whose limits they are.
+        robot: The robot with the fault rules.
+        program: The mission with the limits.
     """
 
     def __init__(self, robot: RobotSpec, program: Program) -> None:
@@ -38,7 +38,7 @@ class NearMisses:
         self._program = program
         self._state: Callable[[], EngineState | None] = lambda: None
         self._calls: dict[str, NearMiss] = {}
-        self._over = False  # the safe stop is no part of it
+        self._over = False  # the safe stop does not count
         missions = CommandTimes(program), WaitTimes(), TriggerTimes(program)
         self._notes = (*missions, WordTimes(robot, program), FaultMargins(robot))
 
@@ -47,7 +47,7 @@ class NearMisses:
         self._state = state
 
     def nearest(self) -> list[NearMiss]:
-        """Return the nearest call of each kind, the nearest first."""
+        """Return the nearest miss of each kind, the nearest first."""
         return sorted(self._calls.values(), key=lambda call: -call.share)
 
     def start(
@@ -59,7 +59,7 @@ class NearMisses:
         body: RobotState | None = None,
         paused: bool = False,
     ) -> None:
-        """Look at the beginning of the run."""
+        """Look at the start of the run."""
         self._look(None, now_s, effects)
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
@@ -67,7 +67,7 @@ class NearMisses:
         self._look(event, now_s, effects)
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
-        """Do nothing: what is done past the engine is no close call."""
+        """Do nothing: actions past the engine do not count."""
 
     def _look(self, event: Event | None, now_s: float, effects: Sequence[Effect]) -> None:
         state = self._state()

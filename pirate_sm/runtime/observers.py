@@ -1,4 +1,4 @@
-"""Protocols of those who follow a run: observers, watchers, recorders."""
+"""Protocols of objects that follow a run: observers, watchers, taps."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ PULSE_S = 0.05
 
 
 class Observer(Protocol):
-    """Receives every effect; an ``OSError`` from it means that nobody reads it any more."""
+    """Receives every effect; raises ``OSError`` when its output cannot be written any more."""
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Take note of what has just happened."""
+        """Receive the latest effects."""
         ...
 
 
 @runtime_checkable
 class Watcher(Protocol):
-    """Looks at the run in between, every ``PULSE_S`` of the wall's time."""
+    """Is called every ``PULSE_S`` of the wall clock."""
 
     def pulse(self, now_s: float) -> None:
         """Look at the run."""
@@ -32,7 +32,7 @@ class Watcher(Protocol):
 
 
 class Tap(Protocol):
-    """Receives everything that the engine is given and gives back, in order; never raises."""
+    """Receives every input and output of the engine, in order; never raises."""
 
     def start(
         self,
@@ -43,13 +43,13 @@ class Tap(Protocol):
         body: RobotState | None = None,
         paused: bool = False,
     ) -> None:
-        """Take note of how the engine started, and of what it was given for that."""
+        """Receive the start of the engine, with the events known then."""
         ...
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
-        """Take note of a step; one that broke the engine has no effects."""
+        """Receive a step; a step in which the engine raised has no effects."""
         ...
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
-        """Take note of what was done past the engine."""
+        """Receive the effects of actions past the engine."""
         ...

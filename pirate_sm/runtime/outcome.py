@@ -10,18 +10,18 @@ from pirate_sm.runtime.stop_requests import OUTPUT_LOST, Stop
 SUCCEEDED, FAILED, BACKEND, BUG, INTERRUPTED = 0, 1, 3, 4, 130
 
 LINK_FAMILIES = ("backend", "link", "runner")
-"""Families of fault codes that tell of the way to the robot and not of the robot itself."""
+"""Families of fault codes about the link to the robot, not the robot itself."""
 
 
 class Result(NamedTuple):
     """The end of a run.
 
     Attributes:
-        ended: The last effect.
-        exit_code: 0 succeeded, 1 mission failed (a fault of the robot ends it so too), 3 backend
-            or link fault, 4 a fault in this program, 129, 130, 141 and 143 stopped from outside.
-        now_s: Mission time.
-        error: What broke, if something did.
+        ended: The effect that ended the run.
+        exit_code: 0 succeeded, 1 mission failed (also by a fault of the robot), 3 backend or link
+            fault, 4 a fault in this program, 129, 130, 141 and 143 stopped from outside.
+        now_s: Mission time, s.
+        error: The exception that ended the run, if any.
     """
 
     ended: Ended
@@ -31,13 +31,13 @@ class Result(NamedTuple):
 
 
 def exit_code(ended: Ended, fault: str, stop: Stop | None, output_lost: bool) -> int:
-    """Return the exit code of a run that came to its end through the engine.
+    """Return the exit code of a run that the engine has ended.
 
     Args:
         ended: How it ended.
-        fault: Code of the last fault that nothing handled; empty without one.
-        stop: What asked it to stop.
-        output_lost: Whether its words reached nobody.
+        fault: Code of the last fault without a handler; empty if none.
+        stop: The request to stop, if any.
+        output_lost: Whether its output could not be written.
     """
     if ended.outcome == "interrupted":
         return stop.exit_code if stop else FAILED  # a trace that would never end

@@ -1,4 +1,4 @@
-"""Holds mission time to a multiple of the wall's time."""
+"""Holds mission time to a multiple of wall-clock time."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from math import inf
 from pirate_sm.runtime.clock import Clock
 
 SLICE_S = 0.04
-"""Longest sleep: after a signal the loop looks up this late at most."""
+"""Longest sleep, so that the loop reacts to a signal within this time."""
 
 FORGIVEN_LAG_S = 0.5
-"""A run this far behind (a suspended process, a slow machine) does not hurry to catch up."""
+"""A run this far behind (a suspended process, a slow machine) does not catch up."""
 
 
 class Pacer:
-    """Holds a run to ``factor`` mission seconds per second of the wall; infinite never waits.
+    """Holds a run to ``factor`` mission seconds per second of the wall clock; infinite: no waiting.
 
     It begins now, at mission time ``mission_s``.
     """
@@ -33,20 +33,20 @@ class Pacer:
         return self._factor != inf
 
     def limit(self, factor: float, mission_s: float) -> None:
-        """Run at ``factor`` from this mission time on, or as wanted where that is less."""
+        """From this mission time on run at ``factor``, or at the user's factor if that is lower."""
         factor = min(factor, self._wanted)
         if factor != self._factor:
             self._factor = factor
             self._anchor(mission_s)
 
     def release(self) -> None:
-        """Hold nothing back from now on."""
+        """Do not hold mission time back any more."""
         self._wanted = self._factor = inf
 
     def wait_until(self, mission_s: float, cut_short: Callable[[], bool]) -> None:
-        """Wait until the wall's clock has come to this mission time, or ``cut_short`` returns True.
+        """Wait until the wall clock has reached this mission time or ``cut_short`` returns true.
 
-        ``cut_short`` is asked before every slice of sleep, so it may do small work too.
+        ``cut_short`` is called before every slice of sleep, so it may do small work too.
         """
         due_s = self._wall_s + (mission_s - self._mission_s) / self._factor
         while (left_s := due_s - self._clock.now()) > 0:

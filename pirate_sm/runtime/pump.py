@@ -1,7 +1,7 @@
-"""One step of a run at a time: the backend's events go to the engine, its effects to the backend.
+"""Makes one step of a run at a time: events of the backend in, effects of the engine out.
 
-A pump knows no signals, no wall clock and nobody who looks on. Whoever drives it decides when the
-next step comes, and hears through ``tell`` what has happened; see :mod:`pirate_sm.runtime.loop`.
+A pump knows no signals, no wall clock and no observers. Its driver decides when the next step is
+made, and receives the effects through ``tell``; see :mod:`pirate_sm.runtime.loop`.
 """
 
 from __future__ import annotations
@@ -24,40 +24,40 @@ if TYPE_CHECKING:
 UNCONFIRMED = "the safe setpoints were not confirmed"
 
 _MOST_IDLE_TURNS = 10_000
-"""So many turns within ``_MOMENT_S`` of mission time only a fault of ours can explain."""
+"""More turns than this within ``_MOMENT_S`` of mission time show a fault of this program."""
 
 _MOMENT_S = 1e-4
 
 _NUDGE_S = 1e-9
-"""A deadline that rounding has put a hair later than ``wake_at`` said comes with this step."""
+"""Tolerance for a deadline that rounding has put just after the time in ``wake_at``."""
 
 Tell = Callable[[Sequence[Effect], float], None]
 
 
 class BackendRaisedError(Exception):
-    """The backend has raised; the cause is what it raised."""
+    """The backend has raised; the original exception is the cause."""
 
 
 class Pump:
     """Moves events and effects between one backend and one engine.
 
     Args:
-        engine: What decides.
-        backend: What moves.
-        companions: Who speaks up.
-        tell: Is called with the effects of each step of the engine, once they have been performed,
-            and the mission time.
-        tap: Who keeps what the engine is given and gives back.
-        after: The pump that went before on this backend and has left it open: the robot is as that
-            one left it, and time goes on.
+        engine: The engine.
+        backend: The backend.
+        companions: Can give the engine events.
+        tell: Is called after each step of the engine, with the performed effects and the mission
+            time.
+        tap: Receives every input and output of the engine.
+        after: The pump before it on this backend, which has left it open: the robot keeps its
+            configuration, and time continues.
 
     Attributes:
-        state: The engine's state now; None before the start.
-        now_s: Mission time now.
-        ended: The last effect, once there is one.
-        fault: Code of the fault that ended the mission; empty without one.
+        state: The engine's present state; None before the start.
+        now_s: Mission time, s.
+        ended: The effect that ended the run; None before.
+        fault: Code of the fault that ended the mission; empty if none.
         listening: Whether a companion waits for a person, so that time must not run ahead.
-        aborting: Whether the mission has been aborted; companions are not heard any more.
+        aborting: Whether the mission has been aborted; companions are then ignored.
         open: Whether the backend can still be used.
     """
 
@@ -98,7 +98,7 @@ class Pump:
         """Open the backend and start the engine.
 
         Args:
-            paused: Whether the operator has the robot first.
+            paused: Whether the operator controls the robot first.
 
         Raises:
             BackendRaisedError: The backend cannot be opened or takes no array.
@@ -126,13 +126,13 @@ class Pump:
                 self.give(event)
 
     def wait(self, until_s: float = inf) -> tuple[float, Sequence[Event]]:
-        """Let the world run until something has happened or somebody wants to be woken.
+        """Let time run until an event occurs or a companion is due.
 
         Args:
             until_s: Mission time at which the wait ends at the latest.
 
         Returns:
-            The time reached and the events of that moment, which :meth:`take` must be given.
+            The time reached and the events at that time, for :meth:`take`.
 
         Raises:
             BackendRaisedError: The backend has raised.
@@ -143,7 +143,7 @@ class Pump:
             raise BackendRaisedError from error
 
     def take(self, now_s: float, events: Sequence[Event]) -> None:
-        """Give the engine what has happened, and whoever wants to be woken by now a turn.
+        """Give the engine these events, and let every companion that is due speak.
 
         Raises:
             BackendRaisedError: The backend has raised.
@@ -155,7 +155,7 @@ class Pump:
             self._keep_time()
 
     def give(self, event: Event) -> None:
-        """Give the engine one event and perform its effects; after the end nothing happens.
+        """Give the engine one event and perform its effects; do nothing after the end.
 
         Raises:
             BackendRaisedError: The backend has raised.
@@ -166,30 +166,30 @@ class Pump:
             effects: tuple[Effect, ...] = ()
             try:
                 self.state, effects = self._engine.step(self.state, event, self.now_s)
-            finally:  # the step that broke the engine is the one to keep
+            finally:  # a step in which the engine raised is kept too
                 if self._tap is not None:
                     self._tap.take(event, self.now_s, effects)
             if effects:
                 self._perform(effects)
 
     def abort(self, reason: str) -> None:
-        """Send the engine on its way to the safe stop; steps must follow until it has ended."""
+        """Make the engine begin the safe stop; further steps must follow until it has ended."""
         self.aborting = True
         self.listening = False
         self.give(Abort(reason))
         self._plan()
 
     def abandon(self, ended: Ended, *before: Effect) -> tuple[Effect, ...]:
-        """Send the safe array past the engine, if anything ever was sent, and close the backend.
+        """Send the safe array past the engine, if any array was ever sent, and close the backend.
 
         This is the last resort when no step can be made any more. It never raises.
 
         Args:
-            ended: How the run ends; what could not be done is added to its message.
-            before: Effects that go before it.
+            ended: How the run ends; failures in here are added to its message.
+            before: Effects that precede it.
 
         Returns:
-            All that was done, with the end as its last.
+            All effects; the last one is the end.
         """
         effects: list[Effect] = list(before)
         if self.state is not None and self._last_id > 0:
@@ -218,7 +218,7 @@ class Pump:
             self._backend.close()
 
     def _keep_time(self) -> None:
-        """Wake whoever wanted to be woken by now."""
+        """Let every companion that is due by now speak."""
         now_s = self.now_s
         if now_s > self._kept_s + _MOMENT_S:
             self._kept_s, self._idle_turns = now_s, 0
@@ -237,16 +237,16 @@ class Pump:
         self._plan()
 
     def _hear(self, companion: Companion, onlooker: Onlooker | None) -> None:
-        """Give the engine what the companion has to say."""
+        """Give the engine the companion's events."""
         if self.state is not None and onlooker is not None:
-            told = onlooker.look(self.state, self.now_s)
-            if told:
-                self._tell(told, self.now_s)
+            logs = onlooker.look(self.state, self.now_s)
+            if logs:
+                self._tell(logs, self.now_s)
         for event in companion.speak(self.now_s):
             self.give(event)
 
     def _perform(self, effects: Sequence[Effect]) -> None:
-        """Give the robot its setpoints, and tell everybody what happened."""
+        """Submit setpoints to the backend and report the effects."""
         failure: Exception | None = None
         for effect in effects:
             if isinstance(effect, Setpoints):
@@ -254,7 +254,7 @@ class Pump:
             elif isinstance(effect, WakeAt):
                 self._wake_s = effect.at_s
             elif isinstance(effect, Fault) and effect.handling == "stop":
-                self.fault = self.fault or effect.code  # the first one ended the mission
+                self.fault = self.fault or effect.code  # the first fault ended the mission
             elif isinstance(effect, Ended):
                 self.ended = effect
         self._tell(effects, self.now_s)
@@ -273,7 +273,7 @@ class Pump:
         return None
 
     def _plan(self) -> None:
-        """Find out until when the world may run, and whether a person is waited for."""
+        """Find out until when time may run, and whether a companion waits for a person."""
         until_s = self._wake_s
         if not self.aborting:
             listening = False
@@ -285,7 +285,7 @@ class Pump:
 
 
 def described(error: BaseException | None) -> str:
-    """Return one line about an error: its words alone where they are meant for people."""
+    """Return one line about an error: only its message if that is meant for people."""
     if isinstance(error, KeyboardInterrupt):
         return "interrupted by Ctrl-C"
     text = " ".join(str(error).split())

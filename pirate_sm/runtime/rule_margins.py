@@ -1,4 +1,4 @@
-"""How near signals are to the limits that a fault rule has for them."""
+"""How near signals come to the limits of a fault rule."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Words = Sequence[str | None]
 
 
 class _Limit(NamedTuple):
-    """One comparison of the rule: a value, and the limit from which on it counts."""
+    """One comparison of the rule: a value and its limit."""
 
     what: str
     value: Expression
@@ -25,12 +25,12 @@ class _Limit(NamedTuple):
 
 
 class RuleMargin:
-    """Follows one way for a rule to hold: comparisons that must all be true, and the rest.
+    """Follows one way for a rule to hold: comparisons that must all be true, and other conditions.
 
     Args:
         limits: The comparisons.
-        rest: What else must be true; None: nothing.
-        held_s: For how long.
+        rest: The other conditions; None if there are none.
+        held_s: How long the rule must hold, s.
     """
 
     def __init__(self, limits: tuple[_Limit, ...], rest: Expression | None, held_s: float) -> None:
@@ -41,15 +41,15 @@ class RuleMargin:
         self._least: deque[tuple[float, float, Callable[[], str]]] = deque()
 
     def seen(self, numbers: Numbers, words: Words, now_s: float) -> tuple[float, str]:
-        """Return how near it has been all the time for which the rule must hold, and that in words.
+        """Return how near the rule has been throughout the time for which it must hold.
 
         Args:
-            numbers: The signals now.
-            words: The words now.
-            now_s: When; must not go back.
+            numbers: The present signals.
+            words: The present words.
+            now_s: Time, not earlier than in the last call.
 
         Returns:
-            A share, 1 where the rule holds; and what came how near.
+            A share, 1 if the rule holds, and a sentence about the comparison.
         """
         if self._rest is not None and self._rest.evaluate(numbers, words) is not True:
             self._since_s = None
@@ -57,30 +57,30 @@ class RuleMargin:
             return 0.0, ""
         if self._since_s is None:
             self._since_s = now_s
-        share, told = self._now(numbers, words)
+        share, sentence = self._now(numbers, words)
         while self._least and self._least[-1][1] >= share:
             self._least.pop()
-        self._least.append((now_s, share, told))
+        self._least.append((now_s, share, sentence))
         while self._least[0][0] < now_s - self._held_s:
             self._least.popleft()
         if now_s - self._since_s < self._held_s:
             return 0.0, ""
-        _, least, said = self._least[0]
-        return least, said() if 0 < least < 1 else ""
+        _, least, sentence = self._least[0]
+        return least, sentence() if 0 < least < 1 else ""
 
     def _now(self, numbers: Numbers, words: Words) -> tuple[float, Callable[[], str]]:
-        """Return how near it is now: as near as the comparison that is farthest off."""
-        least, told = 1.0, str
+        """Return the present share of the comparison that is farthest from its limit."""
+        least, sentence = 1.0, str
         for each in self._limits:
             value, limit = each.value.evaluate(numbers, words), each.limit.evaluate(numbers, words)
             share = _share(value, limit, each.rises)
             if share < least:
-                least, told = share, _Sentence(each, value, limit, self._held_s)  # type: ignore[assignment,arg-type]
-        return least, told
+                least, sentence = share, _Sentence(each, value, limit, self._held_s)  # type: ignore[assignment,arg-type]
+        return least, sentence
 
 
 class _Sentence(NamedTuple):
-    """Makes the sentence about a comparison when it is wanted."""
+    """Makes the sentence about a comparison when it is needed."""
 
     limit: _Limit
     value: float
@@ -89,14 +89,14 @@ class _Sentence(NamedTuple):
 
     def __call__(self) -> str:
         """Return the sentence."""
-        said, bound = (_quantity(x, self.limit.dimension) for x in (self.value, self.bound))
+        value_text, bound = (_quantity(x, self.limit.dimension) for x in (self.value, self.bound))
         side = "up to" if self.limit.rises else "down to"
         held = f" for {self.held_s:g} s" if self.held_s else ""
-        return f"{self.limit.what} came {side} {said}{held}, the limit is {bound}"
+        return f"{self.limit.what} came {side} {value_text}{held}, the limit is {bound}"
 
 
 def margins_of(rule: FaultSpec, vocabulary: Vocabulary) -> list[RuleMargin]:
-    """Return each way for the rule to hold that has a limit to come near to."""
+    """Return each way for the rule to hold that has a limit."""
     ways = rule.when.tree.parts if isinstance(rule.when.tree, tree.Or) else (rule.when.tree,)
     found = []
     for way in ways:
@@ -110,7 +110,7 @@ def margins_of(rule: FaultSpec, vocabulary: Vocabulary) -> list[RuleMargin]:
 
 
 def _limit(compare: tree.Compare, vocabulary: Vocabulary) -> _Limit:
-    """Return the comparison as a value and its limit; what has signals is the value."""
+    """Return the comparison as a value and its limit; the side with signals is the value."""
     left, right, rises = compare.left, compare.right, compare.operator in (">", ">=")
     if not list(_signals(left)):
         left, right, rises = right, left, not rises
@@ -122,7 +122,7 @@ def _limit(compare: tree.Compare, vocabulary: Vocabulary) -> _Limit:
 
 
 def _share(value: object, limit: object, rises: bool) -> float:
-    """Return how near a value is to its limit; 1 beyond it, 0 where either is not above zero."""
+    """Return how near a value is to its limit: 1 beyond it, 0 if either is not positive."""
     if not isinstance(value, float | int) or not isinstance(limit, float | int):
         return 0.0
     small, large = (value, limit) if rises else (limit, value)
@@ -136,7 +136,7 @@ def _signals(node: tree.Node) -> Iterator[tree.Signal]:
 
 
 def _dimension(node: tree.Node, vocabulary: Vocabulary) -> Dimension:
-    """Return the dimension of a number's signals; none where it is made of products."""
+    """Return the dimension of a number's signals; none for products."""
     products = (each for each in tree.walk(node) if isinstance(each, tree.Arithmetic))
     if any(each.operator in "*/" for each in products):
         return DIMENSIONLESS

@@ -1,4 +1,4 @@
-"""Reasons from outside to end a run before its mission does, and the signals that bring them."""
+"""Requests to end a run before its mission does, and the signals that make them."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from types import FrameType
 from typing import NamedTuple, Self
 
 OUTPUT_LOST = 141
-"""Exit code when nobody reads any more: 128 + SIGPIPE, as a shell shows it."""
+"""Exit code when nobody reads the output any more: 128 + SIGPIPE, as a shell shows it."""
 
 
 class Stop(NamedTuple):
-    """Why a run must end, and the exit code that says so."""
+    """The reason to end a run, and the exit code for it."""
 
     reason: str
     exit_code: int
@@ -29,15 +29,15 @@ BY_SIGNAL = {
     signal.SIGUSR2: Stop("told to end (SIGUSR2)", 140),
     signal.SIGALRM: Stop("told to end (SIGALRM)", 142),
 }
-"""Every signal that would else end this process with the robot still moving."""
+"""Every signal that would otherwise end this process with the robot still moving."""
 
 
 class StopRequests:
-    """What has asked the run to stop so far; handlers write it, the loop reads it.
+    """The requests to stop so far; signal handlers write it, the loop reads it.
 
     Attributes:
         stop: The first request.
-        urgent: Whether a person has insisted: there is no time for the engine's own safe stop.
+        urgent: Whether a person has asked again, so that the engine's safe stop takes too long.
     """
 
     def __init__(self) -> None:
@@ -50,13 +50,13 @@ class StopRequests:
             self.stop = stop
 
     def insist(self) -> None:
-        """Ask for an end at once, with the safe array sent past the engine."""
+        """Ask for an immediate end, with the safe array sent past the engine."""
         self.urgent = True
 
 
 PATIENCE_S = 3.0
-"""Once a person has insisted, the safe array has this long to go out before a signal may break
-into it: several times what a backend needs to close."""
+"""After a second request the safe array has this long to go out before a signal may interrupt it:
+several times the time a backend needs to close."""
 
 UNFINISHED = "interrupted before the safe stop was finished: look at the robot"
 
@@ -64,15 +64,15 @@ UNFINISHED = "interrupted before the safe stop was finished: look at the robot"
 class CaughtSignals:
     """Turns signals into requests while it is entered.
 
-    The first one asks, a second one other than SIGHUP insists. Later ones change nothing until
-    ``PATIENCE_S`` have passed: they must not break into the safe stop. Then, in case a backend
-    hangs, one raises KeyboardInterrupt. A signal that this process was started to ignore
-    (``nohup``, a job in the background) stays ignored.
+    The first signal asks for a stop, a second one other than SIGHUP for an immediate one. Later
+    ones do nothing until ``PATIENCE_S`` have passed, because they must not interrupt the safe
+    stop. After that a signal raises KeyboardInterrupt, in case a backend hangs. A signal that this
+    process ignored at its start (``nohup``, a job in the background) stays ignored.
 
     Args:
-        requests: Where the requests go.
-        ends_process: Whether the process ends after this. Once a stop has been asked for, later
-            signals are then ignored instead of being handled as before.
+        requests: Receives the requests.
+        ends_process: Whether the process ends after this. If so, later signals are ignored after
+            a request to stop, instead of being handled as before.
         now: Reads a monotonic clock, s.
     """
 
@@ -98,7 +98,7 @@ class CaughtSignals:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Handle the signals as before, or ignore them where the process ends after a stop."""
+        """Restore the handlers; if the process ends after a stop, ignore the signals instead."""
         self._over = True
         if self._ends_process and self._requests.stop is not None:
             return

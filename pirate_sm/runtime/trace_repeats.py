@@ -1,4 +1,4 @@
-"""Ends a trace that has come back to a situation in which it has been before."""
+"""Ends a trace that has come back to an earlier situation."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from pirate_sm.model.events import Abort, Event
 
 
 class LoopWatch:
-    """Ends a trace that comes back to a situation in which it has been before.
+    """Ends a trace that comes back to an earlier situation.
 
-    Nothing but a script decides what happens in a trace. Once the same situation recurs and the
-    script has nothing new for it, the mission would go on in the same way without end.
+    Only a script decides what happens in a trace. If a situation recurs and the script has no new
+    entry for it, the mission would repeat itself without end.
 
     Args:
-        pending: Returns how many entries the script still holds.
+        pending: Returns how many entries of the script are unused.
     """
 
     listening = False
@@ -29,7 +29,7 @@ class LoopWatch:
         self._repeated = ""
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Ask to look when the mission waits for something or asks something."""
+        """Ask to look when the mission begins a wait or asks a question."""
         if any(isinstance(each, WaitArmed) or _asks(each) for each in effects):
             self.due_s = now_s
 
@@ -45,14 +45,14 @@ class LoopWatch:
         return ()
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Return the end of the run when the situation has recurred."""
+        """Return the end of the run if the situation has recurred."""
         self.due_s = inf
         return (Abort(self._repeated),) if self._repeated else ()
 
 
 LOOP = (
     "the trace has come back to a situation in which it has been before: from here the mission "
-    "would repeat itself without end (name other triggers with --fire)"
+    "would repeat itself without end (other triggers must be fired)"
 )
 
 

@@ -1,4 +1,4 @@
-"""Fires triggers in a trace, where nothing real can, as a script lists them."""
+"""Fires triggers in a trace as a script lists them."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ FIRST_TRIGGER_AFTER_S = 1.0
 
 
 class Firing(NamedTuple):
-    """One entry of a script: in a wait that has this trigger, take it.
+    """One entry of a script: the trigger to fire in a wait that has it.
 
     Attributes:
         trigger: Name of the trigger, or ``within`` to let the time limit pass.
-        after_s: How long after the wait was armed. None: at the trigger's own time if it has one,
-            else before time ends the wait otherwise, at the latest ``FIRST_TRIGGER_AFTER_S`` later.
+        after_s: Time after the start of the wait. None: the trigger's own time if it has one;
+            otherwise before another trigger fires by time, at most ``FIRST_TRIGGER_AFTER_S``.
         phase: Only in this phase; empty for any.
     """
 
@@ -30,18 +30,17 @@ class Firing(NamedTuple):
 
 
 class TriggerScript:
-    """Fires triggers where nothing real can: as listed, else the first one of each wait.
+    """Fires triggers: as listed, otherwise the first trigger of each wait.
 
-    The first entry that fits a wait is used up by it.
+    A wait uses up the first entry that fits it.
 
     Args:
-        program: The mission, whose waits it looks up.
-        firings: What to fire, in order.
+        program: The mission.
+        firings: The entries, in order.
 
     Attributes:
         unused: Entries that no wait has used yet.
-        forestalled: Entries whose wait something else ended before they were due. Who stops the
-            run knows that the rest does not come.
+        forestalled: Entries whose wait ended for another reason before they were due.
     """
 
     listening = False
@@ -56,7 +55,7 @@ class TriggerScript:
         self._trigger = ""
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Ask to look at a wait that has begun, and forget one that is over."""
+        """Ask to look at a new wait; forget a wait that is over."""
         for effect in effects:
             if isinstance(effect, WaitArmed):
                 self._armed, self.due_s = True, now_s
@@ -69,7 +68,7 @@ class TriggerScript:
                     self.forestalled.append(planned)
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """Plan the trigger of a wait that has just been armed."""
+        """Plan the trigger of a wait that has just begun."""
         wait = self._program.instructions[state.mission.pc]
         if self._armed and isinstance(wait, Wait):
             self._armed = False
@@ -78,14 +77,14 @@ class TriggerScript:
         return ()
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Return the planned trigger once it is due."""
+        """Return the planned trigger when it is due."""
         if now_s < self.due_s:
             return ()
         self.due_s = inf
         return (Skip(self._trigger),)
 
     def _plan(self, wait: Wait) -> tuple[str, float]:
-        """Return the trigger to fire and how long after arming; infinite: let time pass."""
+        """Return the trigger to fire and its time after the start; infinite: let time pass."""
         names = [trigger.name for trigger in wait.triggers]
         for firing in self.unused:
             if firing.phase in ("", wait.phase) and firing.trigger in (*names, "within"):
@@ -99,9 +98,9 @@ class TriggerScript:
 
 
 def _before_time(wait: Wait, chosen: str) -> float:
-    """Return when to fire the chosen trigger so that no other one comes first by time alone.
+    """Return when to fire the chosen trigger so that no other one fires first by time alone.
 
-    One that time itself makes true comes at its time.
+    A trigger that becomes true by time alone fires at that time.
     """
     times = {each.name: each.after_s for each in wait.triggers if each.after_s is not None}
     own_s = times.pop(chosen, inf)

@@ -1,4 +1,4 @@
-"""JSON Schemas of missions, pipes, profiles and charts, with which editors complete and explain.
+"""JSON Schemas of missions, pipes, profiles and charts, for completion and help in editors.
 
-Draft 7, the newest that yaml-language-server, behind most editors' YAML, understands.
+They use draft 7, the newest that yaml-language-server supports, which most editors use.
 """

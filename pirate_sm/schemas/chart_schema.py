@@ -1,17 +1,15 @@
-"""The JSON Schema of a chart: as much of the statechart library's own as a chart here may use.
+"""The JSON Schema of a chart: the subset of the statechart library's format that is supported.
 
-:mod:`pirate_sm.loading.chart.outline` says the same with words; what refers to what, and whether a
-guard can be read, only it can tell.
+:mod:`pirate_sm.loading.chart.outline_reader` checks the same, and also references and guards, which
+a schema cannot check.
 """
 
 from __future__ import annotations
 
 from typing import Any, Final
 
-from pirate_sm.expressions.vocabulary import FUNCTIONS, KEYWORDS
-from pirate_sm.loading.chart.outline_reader import RESERVED
+from pirate_sm.expressions.vocabulary import KEYWORDS
 from pirate_sm.schemas.model_schema import DRAFT
-from pirate_sm.units import UNITS
 
 Schema = dict[str, Any]
 
@@ -21,7 +19,6 @@ _EVENTS: Final = rf"^\s*{_NAME}(\s+{_NAME})*\s*$"
 _WORD: Final = "[A-Za-z_][A-Za-z0-9_]*"
 _NO_WORDS: Final = "|".join(sorted(KEYWORDS - {"in"}))
 _STATE: Final = rf"^{_WORD}\.(?!(?:{_NO_WORDS})$){_WORD}$"
-_TAKEN: Final = sorted({*RESERVED, *KEYWORDS, *FUNCTIONS, *UNITS})
 
 
 def chart_schema() -> Schema:
@@ -33,7 +30,7 @@ def chart_schema() -> Schema:
         **_mapping(
             {
                 "name": _text("Name of the chart.", empty=True),
-                "description": _text("One line for people.", empty=True),
+                "description": _text("One-line description.", empty=True),
                 "states": {
                     "type": "object",
                     "description": "One parallel state, which holds the state machines.",

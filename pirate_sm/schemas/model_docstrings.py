@@ -1,4 +1,4 @@
-"""The descriptions of a model and its keys, read from docstrings."""
+"""Read the descriptions of a model and its keys from docstrings."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ _ATTRIBUTE = re.compile(r"    (\w+): (.*)")
 
 
 def summary(model: type[BaseModel]) -> str:
-    """Return what the docstring says of the model as a whole, as Markdown."""
+    """Return the docstring's description of the model, as Markdown."""
     return _markdown(_parts(model)[0])
 
 
 def explanations(model: type[BaseModel]) -> dict[str, str]:
-    """Return what the docstring says of each field, its base classes' included, as Markdown."""
+    """Return the docstring's description of each field, including inherited ones, as Markdown."""
     found: dict[str, str] = {}
     for each in reversed(model.__mro__):
         if issubclass(each, BaseModel):

@@ -1,4 +1,4 @@
-"""The JSON Schema of a model, with descriptions of its keys."""
+"""Generate the JSON Schema of a model, with descriptions of its keys."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _TEXTS: Final[dict[str, Schema]] = {
         "description": "A command of the robot; short for `{command: …}`.",
     },
 }
-"""Kinds of text that a robot's own schema narrows down."""
+"""Kinds of text that a robot's own schema restricts."""
 
 _MAPS: Final = ("properties", "patternProperties", "definitions")
 _LISTS: Final = ("anyOf", "oneOf", "allOf")
@@ -39,7 +39,7 @@ _NULL: Final = {"type": "null"}
 
 
 def schema_of(model: type[BaseModel], title: str) -> Schema:
-    """Return the JSON Schema of a file that holds one such model."""
+    """Return the JSON Schema of a file that contains one such model."""
     raw = model.model_json_schema(
         ref_template="#/definitions/{model}", schema_generator=_Explaining
     )
@@ -56,10 +56,10 @@ def schema_of(model: type[BaseModel], title: str) -> Schema:
 
 
 class _Explaining(GenerateJsonSchema):
-    """Takes what docstrings say, and what validators demand, into each model's schema."""
+    """Generates schemas with descriptions from docstrings and the constraints of validators."""
 
     def model_schema(self, schema: core_schema.ModelSchema) -> Schema:
-        """Return the model's schema with a description of it and of each of its keys."""
+        """Return the model's schema, with descriptions of the model and its keys."""
         result = super().model_schema(schema)
         model = schema["cls"]
         said = explanations(model)
@@ -70,13 +70,13 @@ class _Explaining(GenerateJsonSchema):
         return result | {"description": summary(model)} | SHAPES.get(model, {})
 
     def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> Schema:
-        """Return any of the choices: each is known by a key of its own, so that no two can fit."""
+        """Return an ``anyOf`` of the choices: each has a key of its own, so only one can match."""
         result = super().tagged_union_schema(schema)
         result.pop("discriminator", None)
         return {"anyOf": result.pop("oneOf"), **result}
 
     def default_schema(self, schema: core_schema.WithDefaultSchema) -> Schema:
-        """Return the schema with its default, where that is more than nothing in particular."""
+        """Return the schema with its default, unless the default is null or empty."""
         result = super().default_schema(schema)
         if "$ref" in result or result.get("default") in (None, "", [], {}):
             result.pop("default", None)
@@ -84,24 +84,24 @@ class _Explaining(GenerateJsonSchema):
 
 
 def _taken_description(node: Schema) -> str:
-    """Return what the kind of value says of itself, taken from where it stands in a choice."""
+    """Remove and return the description of the kind of value inside a choice."""
     holders = [node, *node.get("anyOf", [])]
     said = [str(each.pop("description")) for each in holders if "description" in each]
     return said[0] if said else ""
 
 
 class _Tidy:
-    """Makes of pydantic's schema one of draft 7 that is shorter and reads well in an editor.
+    """Converts pydantic's schema into a shorter draft 7 schema that is readable in editors.
 
     Attributes:
-        quantities: How quantities are written, each once, by name.
+        quantities: The schema of each kind of quantity, by name.
     """
 
     def __init__(self) -> None:
         self.quantities: dict[str, Schema] = {}
 
     def schema(self, node: Any) -> Any:
-        """Return the schema, and all that are in it, tidy."""
+        """Return the schema with all nested schemas converted."""
         if not isinstance(node, dict):
             return node
         inner = {key: self.within(key, value) for key, value in node.items() if key != "title"}
@@ -115,12 +115,12 @@ class _Tidy:
             inner.setdefault("additionalProperties", False)
         inner = _merged(inner)
         if "$ref" in inner and len(inner) > 1:
-            # In draft 7 nothing beside a reference counts.
+            # Draft 7 ignores all keys beside a reference.
             inner = {"allOf": [{"$ref": inner.pop("$ref")}], **inner}
         return inner
 
     def within(self, key: str, value: Any) -> Any:
-        """Return the value of a schema's key with all schemas in it tidy."""
+        """Return the value of a schema's key with all schemas in it converted."""
         if key in _MAPS:
             return {name: self.schema(each) for name, each in value.items()}
         if key in _LISTS:
@@ -128,7 +128,7 @@ class _Tidy:
         return self.schema(value) if key in _SINGLE else value
 
     def _quantity(self, node: Schema) -> Schema:
-        """Return the node with a reference in place of the long pattern, which is kept once."""
+        """Return the node with its long pattern replaced by a reference to a single definition."""
         name = node[QUANTITY]["name"]
         body = {key: node[key] for key in ("type", "pattern", "patternErrorMessage")}
         known = self.quantities.setdefault(name, body)
@@ -138,7 +138,7 @@ class _Tidy:
 
 
 def _written_default(node: Schema) -> Any:
-    """Return the default as a file would have it: a quantity with its unit."""
+    """Return the default as written in a file: a quantity with its unit."""
     default = node["default"]
     for each in [node, *node.get("anyOf", [])]:
         unit = each.get(QUANTITY, {}).get("unit", "")
@@ -148,7 +148,7 @@ def _written_default(node: Schema) -> Any:
 
 
 def _merged(node: Schema) -> Schema:
-    """Return the node with nested choices made one list, and bare types made one type."""
+    """Return the node with nested choices flattened, and plain types merged."""
     if "anyOf" not in node:
         return node
     choices: list[Schema] = []
@@ -175,7 +175,7 @@ def _reference(name: str) -> str:
 
 
 def _used(schema: Any, definitions: dict[str, Schema]) -> set[str]:
-    """Return the names of the definitions that the schema refers to, directly or through others."""
+    """Return the names of the definitions that the schema refers to, directly or indirectly."""
     used: set[str] = set()
     left = [schema]
     while left:

@@ -1,4 +1,4 @@
-"""The JSON Schema of missions for one robot: it knows the robot's commands, states and words."""
+"""The JSON Schema of missions for one robot, with the robot's commands, states and words."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ Schema = dict[str, Any]
 
 
 def narrowed(mission: Schema, robot: LoadedRobot) -> Schema:
-    """Return the schema of missions that only takes what this robot knows.
+    """Return the schema of missions, restricted to the names of this robot.
 
     Args:
-        mission: The JSON Schema of any mission; it is not changed.
-        robot: Whose names are put in.
+        mission: The JSON Schema of missions for any robot; it is not modified.
+        robot: The robot that provides the names.
     """
     properties, definitions = mission["properties"], mission["definitions"]
     return {
@@ -57,7 +57,7 @@ def _states(generic: Schema, robot: LoadedRobot) -> Schema:
 
 
 def _condition(generic: Schema, robot: LoadedRobot) -> Schema:
-    """Keep plain text, and put what it may name into the hover text and the examples."""
+    """Return the schema of conditions, with the valid names in its description and examples."""
     lines, examples = [], []
     for name, kind in robot.normal.vocabulary.types.items():
         if isinstance(kind, EnumType):

@@ -1,4 +1,4 @@
-"""The schemas by name, and as text."""
+"""The JSON Schemas by kind of file, and their text."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ KINDS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     "profile": lambda: schema_of(Profile, "Profile of a robot"),
     "chart": chart_schema,
 }
-"""What there are schemas of."""
+"""The kinds of files that have a schema."""
 
 MODELINE: Final = "# yaml-language-server: $schema="
-"""What the first line of a file begins with that tells editors where its schema stands."""
+"""The beginning of a file's first line that names its schema for editors."""
 
 
 def schema_text(kind: str) -> str:
-    """Return the JSON Schema of this kind of file, as a file holds it."""
+    """Return the JSON Schema of this kind of file, as text."""
     return _text(KINDS[kind]())
 
 
 def mission_schema_text(robot: LoadedRobot) -> str:
-    """Return the JSON Schema of missions for this robot, as a file holds it."""
+    """Return the JSON Schema of missions for this robot, as text."""
     return _text(narrowed(KINDS["mission"](), robot))
 
 

@@ -1,4 +1,4 @@
-"""What the models' validators demand of several keys together, in JSON Schema."""
+"""JSON Schemas of the constraints between keys that the models' validators check."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Schema = dict[str, Any]
 
 
 def _given(key: str) -> Schema:
-    """Return the schema that requires the key; in our files `null` counts as absent."""
+    """Return the schema that requires the key; in these files `null` counts as absent."""
     return {"required": [key], "properties": {key: {"not": {"type": "null"}}}}
 
 

@@ -1,4 +1,4 @@
-"""One defect at work on a simulated robot: when it occurs, and what a kind of defect can change."""
+"""A defect that acts on a simulated robot: when it occurs, and what it can change."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ Counts: TypeAlias = list[float]
 
 
 class Incident(NamedTuple):
-    """Something that has just happened to the boards or to the controller of the link.
+    """An event on the boards or the controller of the link.
 
     Attributes:
-        what: ``boards_restarted``; ``controller_restarted``: motors go on as they were until it
-            is set up; ``controller_hangs``; ``motor_moves``: one that nobody asked.
-        until_s: When it is over, where it takes time.
+        what: ``boards_restarted``; ``controller_restarted``: the motors keep their setpoints until
+            it is set up; ``controller_hangs``; ``motor_moves``: without a command.
+        until_s: When it is over, for lasting events.
     """
 
     what: Literal["boards_restarted", "controller_restarted", "controller_hangs", "motor_moves"]
@@ -27,15 +27,15 @@ class Incident(NamedTuple):
 
 
 class Effect:
-    """One defect at work; a kind overrides what it changes.
+    """An acting defect; each kind overrides the methods that it changes.
 
     Args:
-        defect: Its numbers.
-        robot: The electronics and, through them, the physics that it acts on.
-        rng: Its own source of chance.
+        defect: The profile's numbers.
+        robot: The electronics, and through them the physics.
+        rng: Random numbers of its own.
 
     Attributes:
-        due_s: When it next does something all of a sudden; infinite for one that does not.
+        due_s: When it next strikes; infinite for a defect without sudden events.
     """
 
     due_s = math.inf
@@ -48,10 +48,10 @@ class Effect:
         self._next = defect.after + self._pause()
 
     def active(self, now: float) -> bool:
-        """Return whether an occurrence goes on.
+        """Return whether the defect is active.
 
-        With `every` they come at random from `after` on; without, one begins at `after`. Without
-        `lasting` one never ends.
+        With `every`, occurrences come at random from `after` on; without it, one begins at `after`.
+        Without `lasting` an occurrence never ends.
         """
         if now < self._until:
             return True
@@ -63,47 +63,47 @@ class Effect:
         return True
 
     def _pause(self) -> float:
-        """Draw how long it is until the next occurrence; 0 if the defect does not come again."""
+        """Draw the time until the next occurrence; 0 if there is none."""
         every = self.defect.every
         return float(self.rng.exponential(every)) if every > 0 else 0.0
 
     def begin(self) -> None:
-        """Make the robot what the defect makes of it from the start."""
+        """Change the robot from the start."""
 
     def step(self, now: float) -> Incident | None:
-        """Act on the robot at this time; return what the controller has to do with."""
+        """Act on the robot; return an incident for the controller, if any."""
         return None
 
     def frame(self, now: float, board: int, first: int, counts: Counts) -> Counts | None:
-        """Return what the board's frame says instead; None when it does not arrive.
+        """Return the frame's counts after the defect; None if the frame is lost.
 
         Args:
             now: Time.
             board: Id of the board.
             first: Row of the channel table of its first channel.
-            counts: What it should say; may be changed.
+            counts: The counts without the defect; may be changed.
         """
         return counts
 
     def delivery(self, now: float) -> tuple[bool, bool]:
-        """Return whether an array sent now arrives, and whether its echo does."""
+        """Return whether an array sent now arrives, and whether its echo arrives."""
         return True, True
 
 
 class Sudden(Effect):
-    """A defect that comes at moments, once or at random, and is done at once."""
+    """A defect that strikes at certain times, once or at random."""
 
     def __init__(self, defect: Defect, robot: Electronics, rng: np.random.Generator) -> None:
         super().__init__(defect, robot, rng)
         self.due_s = self._next
 
     def step(self, now: float) -> Incident | None:
-        """Strike once the moment has come."""
+        """Strike when the time has come."""
         if now < self.due_s:
             return None
         self.due_s += self._pause() or math.inf
         return self.strike(now)
 
     def strike(self, now: float) -> Incident | None:
-        """Do what the defect does; return what the controller has to do with."""
+        """Act on the robot; return an incident for the controller, if any."""
         raise NotImplementedError

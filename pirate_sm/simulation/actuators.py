@@ -1,4 +1,4 @@
-"""What the setpoints of a robot's slots do to its motors."""
+"""The routes of setpoints from the slots to the motors."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ NOWHERE, ROLL = -2, -1
 
 
 class SlotRoute(NamedTuple):
-    """Where a setpoint goes.
+    """The motor that a setpoint drives, and its limits.
 
     Attributes:
-        motor: Index in the physics' duties, ``ROLL`` for the roll joint, ``NOWHERE`` for
-            nothing that moves.
-        low: Least value that is accepted, duty or rad.
-        high: Largest value.
+        motor: Index in the physics' duties, ``ROLL`` for the roll joint, ``NOWHERE`` if nothing
+            moves.
+        low: Smallest accepted value, duty or rad.
+        high: Largest accepted value.
         step: Resolution of the wire.
     """
 
@@ -28,7 +28,7 @@ class SlotRoute(NamedTuple):
 
 
 def routes_of(profile: Profile, chain: ChainBody) -> tuple[SlotRoute, ...]:
-    """Return where the setpoint of each slot goes, in the order of the wire."""
+    """Return the route of each slot, in the order of the wire."""
     return tuple(_route(profile, slot, chain) for slot in profile.slots)
 
 

@@ -1,8 +1,8 @@
-"""Known defects of real robots, switched on by name; what each acts on stands in the profile.
+"""Known defects of real robots, which a profile configures and a run switches on by name.
 
-A defect changes the motors and sensors, the counts of a frame, or the messages, in the simulator
-and behind the emulated bay alike. The kinds are here, and a profile's `simulation.defects` gives
-them names, targets and numbers.
+A defect changes the motors and sensors, the counts of a frame, or the messages. It acts alike in
+the simulator and behind the emulated bay. The kinds are here; a profile's `simulation.defects`
+gives them names, targets and numbers.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from pirate_sm.model.simulation import Defect
 from pirate_sm.simulation.acting_defect import Counts, Effect, Incident, Sudden
 from pirate_sm.simulation.electronics import Electronics
 from pirate_sm.simulation.loss import Loss
-from pirate_sm.spelling import nearest
+from pirate_sm.spelling import meant
 
 AtWork: TypeAlias = tuple[Defect, np.random.Generator]
-"""A defect and its own source of chance."""
+"""A defect and its own random numbers."""
 
 _WANDER_EVERY_S = 0.5
 _WANDER_DUTY = 0.3
 
 
 class DeadWheel(Effect):
-    """A wheel that its motor does not turn, that drags, and whose sensors show nothing."""
+    """A wheel that its motor does not turn, that drags, and whose sensors show zero."""
 
     def begin(self) -> None:
-        """Let the wheels drag and their channels stand at zero."""
+        """Make the wheels drag and their channels show zero."""
         chain = self.robot.chain
         for name in self.defect.wheels:
             wheel = chain.wheel_index[name]
@@ -41,27 +41,27 @@ class DeadWheel(Effect):
 
 
 class StiffJoint(Effect):
-    """A joint with so much dry friction."""
+    """A joint with added dry friction."""
 
     def begin(self) -> None:
-        """Let the joint resist."""
+        """Add the friction to the joint."""
         if self.defect.joint is not None:
             wheel = self.robot.chain.joint_index[self.defect.joint]
             self.robot.physics.stiffen_joint(wheel, self.defect.friction)
 
 
 class StuckSensor(Effect):
-    """Channels that show a fixed count, or for want of one what they showed last."""
+    """Channels that show a fixed count, or without one the last count."""
 
     def begin(self) -> None:
-        """Find the channels."""
+        """Find the rows of the channels."""
         rows, defect = self.robot.rows, self.defect
         self._rows: dict[int, float] = {rows[name]: math.nan for name in defect.signals}
         self._rows |= {rows[name]: value for name, value in defect.raw.items()}
         self._held: dict[int, float] = {}
 
     def frame(self, now: float, board: int, first: int, counts: Counts) -> Counts | None:
-        """Let the channels show what they are stuck at."""
+        """Replace the counts of the stuck channels."""
         mine = [row for row in self._rows if first <= row < first + len(counts)]
         if not mine:
             return counts
@@ -77,21 +77,21 @@ class StuckSensor(Effect):
 
 
 class ZeroJump(Sudden):
-    """Channels whose zero moves by some counts."""
+    """Channels whose zero shifts by some counts."""
 
     def strike(self, now: float) -> None:
-        """Move the zeros."""
+        """Shift the zeros."""
         for signal, counts in self.defect.raw.items():
             self.robot.shift(signal, counts)
 
 
 class SilentBay(Effect):
-    """Nothing is published or echoed any more, and motors move on their own."""
+    """A bay that publishes and echoes nothing, while motors move without a command."""
 
     _wander = -math.inf
 
     def step(self, now: float) -> Incident | None:
-        """Give a motor a duty that nobody asked for, now and then."""
+        """Give a motor a random duty from time to time."""
         if self.active(now) and now >= self._wander:
             self._wander = now + _WANDER_EVERY_S
             duties = self.robot.physics.duties
@@ -100,11 +100,11 @@ class SilentBay(Effect):
         return None
 
     def frame(self, now: float, board: int, first: int, counts: Counts) -> Counts | None:
-        """Let no frame come."""
+        """Lose every frame."""
         return None if self.active(now) else counts
 
     def delivery(self, now: float) -> tuple[bool, bool]:
-        """Let nothing arrive."""
+        """Lose every array and echo."""
         arrives = not self.active(now)
         return arrives, arrives
 
@@ -113,28 +113,28 @@ class LostMessages(Effect):
     """A share of messages is lost; of two in a row one always arrives (thesis 4-2-2)."""
 
     def begin(self) -> None:
-        """Begin with nothing lost."""
+        """Begin with no losses."""
         self._loss = Loss(self.defect.share, True, self.rng)
 
     def frame(self, now: float, board: int, first: int, counts: Counts) -> Counts | None:
-        """Let the frame come, or lose it."""
+        """Return the counts, or lose the frame at random."""
         return counts if self._loss.arrives("frame") else None
 
     def delivery(self, now: float) -> tuple[bool, bool]:
-        """Lose the array or its echo now and then."""
+        """Lose the array or its echo at random."""
         arrives = self._loss.arrives("array")
         return arrives, arrives and self._loss.arrives("echo")
 
 
 class StaleRepeats(Effect):
-    """Boards that say the same again for a while."""
+    """Boards that repeat their last values for a time."""
 
     def begin(self) -> None:
-        """Begin with nothing said."""
+        """Begin without remembered values."""
         self._last: dict[int, Counts] = {}
 
     def frame(self, now: float, board: int, first: int, counts: Counts) -> Counts | None:
-        """Return what the board said last."""
+        """Return the board's last counts while the defect is active."""
         if self.defect.boards and board not in self.defect.boards:
             return counts
         if self.active(now) and board in self._last:
@@ -144,43 +144,43 @@ class StaleRepeats(Effect):
 
 
 class FirmwareReset(Sudden):
-    """All setpoints are zero and counters that count from power-on begin again."""
+    """A reset of the boards: all setpoints are zero, and counters restart from zero."""
 
     def strike(self, now: float) -> Incident:
-        """Start the boards again."""
+        """Restart the boards."""
         self.robot.restart()
         return Incident("boards_restarted")
 
 
 class ControllerReset(Sudden):
-    """The controller of the link starts again by itself; once it is set up, setpoints are zero."""
+    """A reset of the link's controller; after its set-up all setpoints are zero."""
 
     def strike(self, now: float) -> Incident:
-        """Say that it does, and that it takes `lasting`."""
+        """Return the restart, which takes `lasting`."""
         return Incident("controller_restarted", now + self.defect.lasting)
 
 
 class ControllerHang(Sudden):
-    """For a while the controller of the link neither hears nor says anything; motors go on."""
+    """A controller of the link that neither receives nor sends for a time; motors go on."""
 
     _until = -math.inf
 
     def strike(self, now: float) -> Incident:
-        """Begin the silence, which has no end unless `lasting` gives one."""
+        """Begin the silence, which lasts for ever without `lasting`."""
         self._until = now + (self.defect.lasting or math.inf)
         return Incident("controller_hangs", self._until)
 
     def frame(self, now: float, board: int, first: int, counts: Counts) -> Counts | None:
-        """Let no frame come."""
+        """Lose every frame during the silence."""
         return counts if now >= self._until else None
 
     def delivery(self, now: float) -> tuple[bool, bool]:
-        """Let nothing arrive."""
+        """Lose every array and echo during the silence."""
         return now >= self._until, now >= self._until
 
 
 class StrayMotion(Sudden):
-    """A motor that nobody asked moves."""
+    """A motor that moves without a command."""
 
     def strike(self, now: float) -> Incident:
         """Give one motor a duty."""
@@ -206,23 +206,21 @@ KINDS: Mapping[str, Callable[[Defect, Electronics, np.random.Generator], Effect]
 
 
 def named(names: Sequence[str], defects: Mapping[str, Defect], seed: int) -> list[AtWork]:
-    """Return the defects of these names, each with its own source of chance.
+    """Return the defects with these names, each with its own random numbers.
 
     Raises:
-        UsageError: There is no defect of that name; suggests the nearest.
+        UsageError: There is no such defect; the message suggests the nearest.
     """
     found: list[AtWork] = []
     for number, name in enumerate(names):
         if name not in defects:
-            near = nearest(name, defects)
-            hint = f"; did you mean '{near}'?" if near else ""
-            raise UsageError(f"there is no defect '{name}'{hint}")
+            raise UsageError(f"there is no defect '{name}'; {meant(name, defects)}")
         found.append((defects[name], np.random.default_rng((seed, number))))
     return found
 
 
 def put_to_work(defects: Sequence[AtWork], robot: Electronics) -> tuple[Effect, ...]:
-    """Give the robot these defects; return them at work."""
+    """Make these defects act on the robot; return them."""
     effects = tuple(KINDS[defect.kind](defect, robot, rng) for defect, rng in defects)
     for effect in effects:
         effect.begin()

@@ -1,4 +1,4 @@
-"""The compiled part of the sensors: quantities become raw counts, with seeded noise."""
+"""The compiled part of the sensors: converts quantities to raw counts, with seeded noise."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import numpy as np
 from pirate_sm.simulation.arrays import Floats, Words
 from pirate_sm.simulation.machine_code import compiled
 
-# Columns of `channels`: count = gain * quantity + offset + noise, its absolute value if so asked.
+# Columns of `channels`: count = gain * quantity + offset + noise; `absolute` takes its magnitude.
 SOURCE, GAIN, OFFSET, SIGMA, ABSOLUTE = range(5)
 CHANNEL_COLUMNS = 5
 
 
 @compiled
 def _gauss(rng: Words) -> float:
-    """Draw one nearly normal number (splitmix64, sum of four uniforms)."""
+    """Draw one approximately normal number (splitmix64, sum of four uniforms)."""
     rng[0] += np.uint64(0x9E3779B97F4A7C15)
     z = rng[0]
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
@@ -30,13 +30,13 @@ def _gauss(rng: Words) -> float:
 def digitize(
     channels: Floats, first: int, last: int, quantities: Floats, counts: Floats, rng: Words
 ) -> None:
-    """Write fresh counts of the channels from `first` to before `last` to `counts`.
+    """Write fresh counts of the channels from `first` to before `last` into `counts`.
 
     Args:
         channels: `(channels, CHANNEL_COLUMNS)`.
         first: First channel to read.
         last: Channel after the last one to read.
-        quantities: As `physics.QuantityLayout` lays them out, SI.
+        quantities: Quantities in the layout of `physics.QuantityLayout`, SI.
         counts: `(channels,)`; changed.
         rng: `(1,)`, the generator's state; changed.
     """

@@ -1,4 +1,4 @@
-"""The boards of a simulated robot: setpoints reach motors, quantities become raw counts."""
+"""The boards of a simulated robot: setpoints become duties, quantities become raw counts."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ _SPONTANEOUS_DUTY = 0.3
 
 
 class Electronics:
-    """Boards between the wire and the motors and sensors of a chain.
+    """The boards between the wire and the motors and sensors of a chain.
 
     Args:
-        chain: What moves.
-        routes: Where the setpoint of each slot goes.
+        chain: The moving parts.
+        routes: The route of each slot's setpoint.
         sensors: The channels of the boards.
         physics: Moves the chain.
-        seed: Of the noise.
+        seed: Seed of the noise.
 
     Attributes:
-        boards: Boards that report, in the order in which they do.
-        rows: Row of the channel table by the name of the signal.
-        counts: Raw count of every channel when it was last read.
+        boards: Boards that report, in the order of their reports.
+        rows: Row in the channel table, by signal.
+        counts: Last raw count of every channel.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class Electronics:
         digitizing.digitize(self._channels, first, last, self._quantities, self.counts, self._rng)
 
     def refusal(self, values: Sequence[float]) -> str:
-        """Return why the setpoints cannot be taken; empty when they can."""
+        """Return why the setpoints are rejected; empty if they are accepted."""
         if len(values) != len(self._routes):
             return f"{len(values)} values for {len(self._routes)} slots"
         for index, (route, value) in enumerate(zip(self._routes, values, strict=True)):
@@ -77,7 +77,7 @@ class Electronics:
                 self.physics.turn_roll_to(value)
 
     def cut(self, values: Iterable[float]) -> list[float]:
-        """Return the setpoints, each cut to what its slot can take."""
+        """Return the setpoints, each clipped to the limits of its slot."""
         pairs = zip(self._routes, values, strict=True)
         return [min(max(value, route.low), route.high) for route, value in pairs]
 
@@ -86,13 +86,13 @@ class Electronics:
         self.physics.duties[:] = 0.0
 
     def twitch(self, rng: np.random.Generator) -> None:
-        """Give one motor a duty that nobody asked for."""
+        """Give one motor a random duty without a command."""
         driven = sorted({route.motor for route in self._routes if route.motor >= 0})
         duty = rng.uniform(-_SPONTANEOUS_DUTY, _SPONTANEOUS_DUTY)
         self.physics.duties[driven[int(rng.integers(len(driven)))]] = duty
 
     def restart(self) -> None:
-        """Start the boards again: duties are zero, the roll joint stays, encoders begin at zero."""
+        """Restart the boards: zero duties, the roll joint as it is, encoders from zero."""
         self.rest()
         self.physics.turn_roll_to(self.physics.rolls()[0])
         for row in self._showing(("wheel", "roll"), range(self.chain.nodes)):
@@ -101,16 +101,16 @@ class Electronics:
             self._channels[row, digitizing.OFFSET] = -counts
 
     def mute_wheel(self, wheel: int) -> None:
-        """Let every channel about a wheel show zero."""
+        """Make every channel of a wheel show zero."""
         rows = self._showing(("wheel", "turned", "drive"), (wheel,))
         self._channels[rows, digitizing.GAIN : digitizing.SIGMA + 1] = 0.0
 
     def shift(self, signal: str, counts: float) -> None:
-        """Let the channel of a signal be off by so many counts more."""
+        """Add this many counts to the offset of the signal's channel."""
         self._channels[self.rows[signal], digitizing.OFFSET] += counts
 
     def _showing(self, quantities: Sequence[str], wheels: Iterable[int]) -> list[int]:
-        """Return the rows of channels that show one of the quantities of one of the wheels."""
+        """Return the rows of channels that measure one of the quantities of one of the wheels."""
         sources = {self._layout.at(name, wheel) for wheel in wheels for name in quantities}
         column = self._channels[:, digitizing.SOURCE].tolist()
         return [row for row, source in enumerate(column) if int(source) in sources]

@@ -1,4 +1,4 @@
-"""What only a simulation knows of a robot."""
+"""The true state of a simulated robot."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pirate_sm.model.true_position import Truth
 
 @dataclass(frozen=True, kw_only=True)
 class FullTruth(Truth):
-    """What only a simulation knows, beside what a view shows.
+    """The true state: positions for views, and quantities that only a simulation knows.
 
     Attributes:
-        arcs_m: Place of each wheel along the pipe.
-        bends_rad: Angle at each wheel between the links that meet there.
-        torques_nm: What the bend joint at each wheel bears; 0 where there is none.
+        arcs_m: Position of each wheel along the pipe.
+        bends_rad: Angle at each wheel between its two links.
+        torques_nm: Torque in the bend joint at each wheel; 0 without a joint.
         gone: Whether the robot has left the pipe for good.
     """
 

@@ -1,4 +1,4 @@
-"""Which messages are lost."""
+"""Random loss of messages."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ import numpy as np
 
 
 class Loss:
-    """Decides which messages arrive.
+    """Decides at random which messages arrive.
 
     Args:
-        share: Of messages lost.
-        never_two: Whether of two consecutive messages of one kind one always arrives.
-        rng: Source of chance.
+        share: Share of lost messages.
+        never_two: Whether one of two consecutive messages of a kind always arrives.
+        rng: Random numbers.
     """
 
     def __init__(self, share: float, never_two: bool, rng: np.random.Generator) -> None:
-        # After a loss one always arrives, so of the others more must be lost.
+        # After a loss one message always arrives, so more of the others must be lost.
         self._share = share / (1.0 - share) if never_two else share
         self._never_two = never_two
         self._rng = rng
         self._just_lost: set[Hashable] = set()
 
     def arrives(self, kind: Hashable) -> bool:
-        """Return whether the next message of this kind does."""
+        """Return whether the next message of this kind arrives."""
         if self._share == 0.0:
             return True
         if kind in self._just_lost:

@@ -1,4 +1,4 @@
-"""Functions compiled to machine code that is kept on disk, and made anew where it is damaged."""
+"""Compiles functions to machine code, keeps it on disk, and recompiles it if it is damaged."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ _F = TypeVar("_F", bound=Callable[..., Any])
 
 
 def compiled(function: _F) -> _F:
-    """The function is compiled on its first call, and its machine code kept on disk.
+    """Return a function that is compiled on its first call, with its machine code kept on disk.
 
-    numba keeps it beside the function's file or else in the user's cache folder; where neither
-    can be written to, each process compiles for itself.
+    numba keeps it beside the function's file or else in the user's cache folder. If neither is
+    writable, each process compiles for itself.
     """
     try:
         dispatcher = numba.njit(cache=True, error_model="numpy")(function)
@@ -25,9 +25,9 @@ def compiled(function: _F) -> _F:
 
 
 def is_kept(function: Callable[..., Any]) -> bool:
-    """Whether a compiled function can run at once; otherwise its first call takes seconds.
+    """Return whether a compiled function can run at once; if not, its first call takes seconds.
 
-    Looks for machine code for this processor in numba's cache, which has no public way to ask.
+    This reads numba's cache for machine code of this processor, as numba has no public call for it.
     """
     dispatcher: Any = function
     if dispatcher.signatures:
@@ -41,10 +41,10 @@ def is_kept(function: Callable[..., Any]) -> bool:
 
 
 def _forgive_damage(dispatcher: Any) -> None:
-    """Machine code that cannot be read back is dropped and made again.
+    """Drop machine code that cannot be loaded, so that it is compiled again.
 
-    numba itself takes a file that cannot be read for a fault of the program: one that was cut
-    short, by a full disk say, would stop this run and all later ones.
+    numba itself raises for an unreadable file. A file cut short, by a full disk for example, would
+    stop this run and all later ones.
     """
     cache = getattr(dispatcher, "_cache", None)
     load = getattr(cache, "load_overload", None)
@@ -57,7 +57,7 @@ def _forgive_damage(dispatcher: Any) -> None:
         except Exception:  # unpickling damaged code can raise anything
             try:
                 cache.flush()
-            except OSError:  # it cannot be written: do without
+            except OSError:  # it cannot be written either
                 cache.disable()
             return None
 

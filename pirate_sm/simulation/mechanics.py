@@ -1,4 +1,4 @@
-"""The moving parts of a robot, as its profile describes them: a chain of wheels, links, joints."""
+"""The moving parts of a robot, from its profile: a chain of wheels, links and joints."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from dataclasses import dataclass
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
 
-# Assumed, as nobody measured it: enough to let a free bend joint swing once.
+# Assumed, not measured: enough damping that a free bend joint swings once.
 JOINT_DAMPING_NMS_RAD = 0.02
 
 
 @dataclass(frozen=True)
 class WheelBody:
-    """A wheel on a node of the chain and its geared motor.
+    """A wheel at a node of the chain, with its geared motor.
 
     Attributes:
-        mass_kg: Of the wheel alone.
-        motor_link: Index of the link that its motor sits on, one of its two neighbours.
-        rate_rad_s: Speed without load at full duty; 0 for a wheel without a working motor.
-        stall_nm: Torque at which a driven wheel stands still.
+        mass_kg: Mass of the wheel alone.
+        motor_link: Index of the link that carries its motor, one of its two neighbours.
+        rate_rad_s: No-load speed at full duty; 0 for a wheel without a working motor.
+        stall_nm: Stall torque of the driven wheel.
         hold_nm: Torque that turns it against its gearbox at duty 0.
-        dead_drag_nm: Torque with which it drags once its motor has failed.
+        dead_drag_nm: Drag torque after its motor has failed.
     """
 
     mass_kg: float
@@ -35,7 +35,7 @@ class WheelBody:
 
 @dataclass(frozen=True)
 class LinkBody:
-    """A rigid link; half its mass goes to each end (modules are point masses, thesis 3-4)."""
+    """A rigid link; half its mass is at each end (modules are point masses, thesis 3-4)."""
 
     length_m: float
     mass_kg: float
@@ -46,9 +46,9 @@ class JointBody:
     """A bend joint: a self-locking motor behind a series spring.
 
     Attributes:
-        stiffness_nm_rad: Of the spring at the joint.
-        rate_rad_s: Speed without load at full duty; 0 for a joint without a motor.
-        stall_nm: Torque at which it stands still at full duty.
+        stiffness_nm_rad: Stiffness of the spring at the joint.
+        rate_rad_s: No-load speed at full duty; 0 for a joint without a motor.
+        stall_nm: Stall torque at full duty.
         stop_rad: End stops at plus and minus this angle.
         friction_nm: Dry friction in the joint.
         damping_nms_rad: Viscous friction in the joint.
@@ -64,19 +64,19 @@ class JointBody:
 
 @dataclass(frozen=True)
 class ChainBody:
-    """The whole chain, front to rear.
+    """The whole chain, from front to rear.
 
     Attributes:
-        wheels: Wheels, on the nodes.
-        links: Links between neighbouring wheels, one fewer.
-        joints: Joint at each wheel by index; a wheel without one stays rigid.
-        wheel_index: Index of each wheel by its name.
-        joint_index: Index of the wheel that each bend joint sits at, by the joint's name.
-        wheel_radius_m: Of every wheel.
-        half_thickness_m: Of the links' bodies.
-        roll_link: Link with a roll joint inside, -1 without.
-        roll_rate_rad_s: Speed of the roll joint without load.
-        roll_stall_nm: Torque at which its motor stands still.
+        wheels: Wheels, at the nodes.
+        links: Links between neighbouring wheels, one fewer than wheels.
+        joints: Joint at each wheel, by index; a wheel without one is rigid.
+        wheel_index: Index of each wheel by name.
+        joint_index: Index of the wheel at each bend joint, by the joint's name.
+        wheel_radius_m: Radius of every wheel.
+        half_thickness_m: Half the thickness of the links' bodies.
+        roll_link: Index of the link with the roll joint, -1 without.
+        roll_rate_rad_s: No-load speed of the roll joint.
+        roll_stall_nm: Stall torque of its motor.
     """
 
     wheels: tuple[WheelBody, ...]
@@ -102,10 +102,10 @@ class ChainBody:
 
 
 def needed(value: float | None, motor: str, field: str) -> float:
-    """Return a number of a motor that only a simulator needs.
+    """Return a motor's number that only a simulator needs.
 
     Raises:
-        UsageError: The profile does not give it.
+        UsageError: The profile does not have it.
     """
     if value is None:
         raise UsageError(f"motors.{motor} needs {field} to be simulated")
@@ -116,7 +116,7 @@ def chain_of(profile: Profile) -> ChainBody:
     """Return the chain that the profile describes.
 
     Raises:
-        UsageError: The profile lacks a number that only a simulator needs; says which.
+        UsageError: The profile lacks a number that only a simulator needs.
     """
     body = profile.body
     wheels = {wheel.name: i for i, wheel in enumerate(body.wheels)}

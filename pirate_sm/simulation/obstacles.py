@@ -1,4 +1,4 @@
-"""What stands in a robot's way besides the walls: obstacles, and bends that it cannot take."""
+"""Obstacles in the pipe, and bends that the robot cannot take."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import Physics, QuantityLayout
 
 _PUSHED_WITHIN_M = 0.0005
-# A wheel is this wide; a part turned farther out of a bend's plane catches on the mitre.
+# Width of a wheel; a part turned farther out of a bend's plane catches on the mitre.
 _OUT_OF_PLANE_RAD = math.radians(10.0)
 
 
 @dataclass(frozen=True)
 class Obstacle:
-    """Something in the pipe.
+    """An obstacle in the pipe.
 
     Attributes:
-        arc_m: Where it stands.
-        from_s: When it is put there; only while no part of the robot is in that place.
+        arc_m: Its position along the pipe.
+        from_s: When it appears; later if a part of the robot is in its place.
         lasting_s: How long it withstands a push; infinite for a wall.
     """
 
@@ -33,13 +33,13 @@ class Obstacle:
 
 
 class Obstacles:
-    """Puts obstacles in the robot's way, one at a time, and takes them away again.
+    """Puts obstacles in the robot's way, one at a time, and removes them again.
 
     Args:
         physics: Moves the robot.
-        chain: What it moves.
-        route: Where it moves.
-        obstacles: What is put there.
+        chain: The moving parts.
+        route: The pipe.
+        obstacles: The obstacles.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class Obstacles:
         self._reported: set[float] = set()
 
     def step(self, now_s: float, cycle_s: float) -> FaultReport | None:
-        """Move obstacles to where they should be now; return the fault of an impassable bend."""
+        """Update the obstacles; return the fault of an impassable bend, if any."""
         rolls = self._physics.rolls()
         _, ahead, behind = rolls
         in_plane = abs(ahead) < _OUT_OF_PLANE_RAD and abs(behind) < _OUT_OF_PLANE_RAD
@@ -89,7 +89,7 @@ class Obstacles:
             self._physics.unblock()
 
     def _out_of_plane(self, rolls: Sequence[float], arcs: Sequence[float]) -> FaultReport | None:
-        """Stop a part that is not in the plane of the bend it comes to; return the fault."""
+        """Stop a part that is out of the plane of the bend ahead of it; return the fault."""
         split = self._chain.roll_link
         for part in (1, 2):
             off = math.remainder(rolls[part], 2.0 * math.pi)
@@ -98,7 +98,7 @@ class Obstacles:
             wheels = [i for i in range(self._chain.nodes) if (i <= split) == (part == 1)]
             for number, crossing in enumerate(self._route.crossings_m, start=1):
                 piece = self._route.pieces[number - 1]
-                assert piece.bend is not None  # a crossing is where a piece with a bend ends
+                assert piece.bend is not None  # a crossing is the end of a piece with a bend
                 reach = piece.bend.taken_m(piece.diameter_m) + self._chain.wheel_radius_m
                 near = [i for i in wheels if abs(arcs[i] - crossing) < reach + 0.005]
                 if near and (crossing not in self._reported):

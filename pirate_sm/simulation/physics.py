@@ -1,7 +1,7 @@
-"""What the simulation asks of a physics, whichever it is: duties go in, quantities come out.
+"""The protocol of a physics: duties go in, quantities come out.
 
-The electronics, the defects and the surroundings of a simulated robot know the physics by this
-protocol only. Places are points of space; a planar physics gives z = 0.
+The electronics, the defects and the surroundings of a simulated robot use only this protocol.
+Positions are points in space; a planar physics has z = 0.
 """
 
 from __future__ import annotations
@@ -25,42 +25,43 @@ SINGLE = ("roll", "roll_current", "acc_x", "acc_y", "acc_z", "mag_x", "mag_y", "
 
 @dataclass(frozen=True)
 class QuantityLayout:
-    """Where each quantity of a chain of so many wheels stands in a physics' array of quantities.
+    """The layout of the quantities of a chain of wheels in a physics' array.
 
-    Per wheel: `bend` the angle of the joint at that wheel, `bend_torque` the torque that it bears,
-    `bend_current` its motor's share of the stall current; `wheel` the wheel's angle, `turned` the
-    filtered difference of it, `drive` the torque of its motor; `press` the normal force of the
-    walls, `grip` the force along them, `arc` the place along the pipe. Of the robot: `roll` the
-    angle of the roll joint, `roll_current` its motor's share of the stall current, `acc_x` ..
-    `mag_z` what an inertial unit feels along forward, side B and up. SI units.
+    Per wheel: `bend`, the angle of the joint at that wheel; `bend_torque`, its torque;
+    `bend_current`, its motor's share of the stall current; `wheel`, the wheel's angle; `turned`,
+    the filtered difference of this angle; `drive`, the torque of its motor; `press`, the normal
+    force of the walls; `grip`, the force along them; `arc`, the position along the pipe. For the
+    robot: `roll`, the angle of the roll joint; `roll_current`, its motor's share of the stall
+    current; `acc_x` .. `mag_z`, what an inertial unit measures along forward, side B and up. SI
+    units.
     """
 
     wheels: int
 
     @property
     def size(self) -> int:
-        """How many numbers there are."""
+        """Number of values in the array."""
         return len(PER_WHEEL) * self.wheels + len(SINGLE)
 
     def at(self, quantity: str, wheel: int = 0) -> int:
-        """Return the index of a quantity, for those per wheel of the given wheel."""
+        """Return the index of a quantity; for a quantity per wheel, that of the given wheel."""
         if quantity in PER_WHEEL:
             return PER_WHEEL.index(quantity) * self.wheels + wheel
         return len(PER_WHEEL) * self.wheels + SINGLE.index(quantity)
 
     def block(self, quantity: str) -> slice:
-        """Return where the values of all wheels stand."""
+        """Return the slice with the values of all wheels."""
         return slice(self.at(quantity), self.at(quantity) + self.wheels)
 
 
 @dataclass(frozen=True)
 class StartPose:
-    """How the robot stands when the run begins.
+    """The pose of the robot at the start of the run.
 
     Attributes:
-        places: Middle of each wheel, m.
+        places: Centre of each wheel, m.
         bends_rad: Angle of the joint at each wheel.
-        motors_rad: Motor side of each of these joints, off by what the spring is wound up.
+        motors_rad: Motor-side angle of each of these joints; the difference winds up the spring.
         roll_rad: Roll of the whole robot against the plane of the pipe.
     """
 
@@ -71,9 +72,9 @@ class StartPose:
 
 
 class Physics(Protocol):
-    """A robot's chain in a pipe, moved by whole cycles of the bus.
+    """A robot's chain in a pipe, advanced by whole cycles of the bus.
 
-    Nothing of it is global: any number may be alive at once. Equal calls give equal quantities to
+    Nothing is global, so any number of them can exist at once. Equal calls give equal quantities to
     the last bit.
     """
 
@@ -81,41 +82,41 @@ class Physics(Protocol):
     def duties(self) -> Floats:
         """Duties in force, `(2 * wheels,)`: of the joint at each wheel, then of each wheel.
 
-        The array is the same for as long as the physics lives; others write to it.
+        This is one array as long as the physics exists; others write to it.
         """
 
     @property
     def quantities(self) -> Floats:
         """Quantities after the last cycle, laid out by :class:`QuantityLayout`; it may be longer.
 
-        The array is the same for as long as the physics lives, and holds the quantities of the
-        start pose before the first cycle. Once nothing moves any more, others write to it.
+        This is one array as long as the physics exists. Before the first cycle it holds the
+        quantities of the start pose. After the robot has left the pipe, others write to it.
         """
 
     def turn_roll_to(self, angle_rad: float) -> None:
-        """Give the roll joint a new target."""
+        """Set a new target for the roll joint."""
 
     def advance(self) -> None:
-        """Let one cycle pass."""
+        """Simulate one cycle."""
 
     def places(self) -> Sequence[Vector]:
-        """Return where the middle of each wheel is, m."""
+        """Return the centre of each wheel, m."""
 
     def rolls(self) -> Sequence[float]:
-        """Return the angle of the roll joint, then the roll of the part ahead and behind, rad."""
+        """Return the angle of the roll joint, then the roll of the parts ahead and behind, rad."""
 
     def block(self, wheel: int, arc_m: float, ahead: bool) -> None:
-        """Put an obstacle in the way of one wheel; `ahead`: the wheel is before it."""
+        """Put an obstacle in the way of one wheel; `ahead`: the obstacle is ahead of the wheel."""
 
     def unblock(self) -> None:
-        """Take the obstacle away."""
+        """Remove the obstacle."""
 
     def disable_wheel(self, wheel: int, drag_nm: float) -> None:
-        """Let a wheel turn by its motor no more, and drag with this torque."""
+        """Disable a wheel's motor and make the wheel drag with this torque."""
 
     def stiffen_joint(self, wheel: int, friction_nm: float) -> None:
-        """Give the joint at a wheel so much dry friction."""
+        """Set the dry friction of the joint at a wheel."""
 
 
 MakePhysics: TypeAlias = Callable[[ChainBody, Route, Friction, StartPose, float], Physics]
-"""Puts a chain into a pipe, with a friction and in a start pose; the last is the cycle, s."""
+"""Makes a physics from a chain, a route, friction, the start pose and the cycle, s."""

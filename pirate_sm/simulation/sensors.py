@@ -1,4 +1,4 @@
-"""The channels of a robot's boards: which quantity each shows, and in how many counts."""
+"""The channels of a robot's boards: the quantity that each measures, and its scale in counts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pirate_sm.simulation.physics import QuantityLayout
 
 
 class BoardChannels(NamedTuple):
-    """A board that reports, and which rows of the channel table are its own."""
+    """A board that reports, and its rows in the channel table."""
 
     board: int
     first: int
@@ -30,9 +30,9 @@ class Sensors:
     """The channel table of a robot.
 
     Attributes:
-        boards: Boards that report, in the order in which they do.
-        channels: `(channels, digitizing.CHANNEL_COLUMNS)`, boards one after the other.
-        rows: Row of the channel table by the name of the signal.
+        boards: Boards that report, in the order of their reports.
+        channels: `(channels, digitizing.CHANNEL_COLUMNS)`, one board after the other.
+        rows: Row in the channel table, by signal.
     """
 
     boards: tuple[BoardChannels, ...]
@@ -41,10 +41,10 @@ class Sensors:
 
 
 def sensors_of(profile: Profile, chain: ChainBody) -> Sensors:
-    """Return the channels of all boards that are fitted.
+    """Return the channels of all fitted boards.
 
     Raises:
-        UsageError: The profile lacks a number that only a simulator needs; says which.
+        UsageError: The profile lacks a number that only a simulator needs.
     """
     table: list[tuple[float, ...]] = []
     rows: dict[str, int] = {}

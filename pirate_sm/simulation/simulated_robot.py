@@ -1,7 +1,7 @@
-"""A simulated robot in its surroundings, moved by whole cycles of the bus.
+"""A simulated robot in its surroundings, advanced by whole cycles of the bus.
 
 One board reports per cycle, in turn, as on the real link (thesis section 4-2). The simulator's
-backend and the emulated bay both stand on it.
+backend and the emulated bay both use it.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ from pirate_sm.simulation.sensors import BoardChannels, sensors_of
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter, surroundings_of
 
 _TOUCHING_N = 0.05
-# How often, in cycles, it is looked whether the robot has left the pipe.
+# Cycles between two checks whether the robot has left the pipe.
 _GONE_EVERY = 16
-# Beyond this distance from the pipe's open end, a robot that has left it lies somewhere.
+# Beyond this distance from the pipe's open end, the robot counts as gone.
 _GONE_M = 0.4
 
 
 class Turn(NamedTuple):
-    """What one cycle reads.
+    """The channels that one cycle reads.
 
     Attributes:
-        board: Of which board.
-        first: First row of the channel table that is read; likewise ``last``, excluded.
+        board: The board.
+        first: First row of the channel table; ``last`` is the row after the last.
     """
 
     board: BoardChannels
@@ -49,20 +49,20 @@ class Turn(NamedTuple):
 
     @property
     def channel(self) -> int:
-        """Number of the first channel read, in its board."""
+        """Number of the first channel within its board."""
         return self.first - self.board.first
 
 
 class SimulatedRobot:
-    """A robot in a pipe that exists only in here.
+    """A simulated robot in a pipe.
 
     Args:
-        profile: The robot.
-        pipe: Where it is.
-        physics: Makes what moves it.
-        seed: Of everything that is random; equal seeds give equal runs.
-        start_values: Setpoints of the configuration that it starts in, one per slot, for a start
-            with clamped parts; None for a straight robot.
+        profile: The robot's profile.
+        pipe: The pipe.
+        physics: Makes the physics that moves the robot.
+        seed: Seed of all random numbers; equal seeds give equal runs.
+        start_values: Setpoints of the configuration at the start, one per slot, for a start with
+            clamped parts; None for a straight robot.
         jitter: How far start, friction and diameter may differ from the files.
         defects: Names of the profile's defects to switch on.
         more_defects: Further defects.
@@ -72,8 +72,8 @@ class SimulatedRobot:
         gone: Whether it has left the pipe for good.
 
     Raises:
-        UsageError: It does not fit: the robot into the pipe, the pipe into itself, a defect's
-            name to the profile.
+        UsageError: The robot does not fit into the pipe, the pipe intersects itself, or the
+            profile has no such defect.
     """
 
     def __init__(
@@ -110,12 +110,12 @@ class SimulatedRobot:
         self._start_m = self._middle()
 
     def hold(self) -> None:
-        """Drive the joints with the duties that the start pose was wound up with."""
+        """Drive the joints with the duties of the start pose."""
         for motor, duty in self._start_duties.items():
             self._physics.duties[motor] = duty
 
     def turns(self, one_value: bool) -> tuple[Turn, ...]:
-        """Return what the cycles read in turn: a board each, or one value each."""
+        """Return the turns of the cycles: a board each, or one value each."""
         boards = self.electronics.boards
         if not one_value:
             return tuple(Turn(each, each.first, each.last) for each in boards)
@@ -124,7 +124,7 @@ class SimulatedRobot:
         )
 
     def step(self, now_s: float, turn: Turn) -> Sequence[Incident]:
-        """Let a cycle pass and read the turn's channels; return what has happened to the boards."""
+        """Simulate a cycle and read the turn's channels; return incidents on the boards."""
         self._cycles += 1
         self._time_s += self._cycle_s
         if not self.gone:
@@ -133,30 +133,30 @@ class SimulatedRobot:
         return self.strike(now_s) if self._effects else ()
 
     def strike(self, now_s: float) -> Sequence[Incident]:
-        """Let the defects act on the robot at this time; return what has happened."""
+        """Let the defects act on the robot; return the incidents."""
         incidents = [effect.step(now_s) for effect in self._effects]
         return [incident for incident in incidents if incident is not None]
 
     @property
     def due_s(self) -> float:
-        """When the next defect acts all at once; infinite where none will."""
+        """When the next defect strikes; infinite if none will."""
         return min((effect.due_s for effect in self._effects), default=math.inf)
 
     def meet_obstacles(self) -> FaultReport | None:
-        """Let the robot meet what stands in its way after a cycle; return an impassable bend."""
+        """Apply the obstacles after a cycle; return the fault of an impassable bend, if any."""
         fault = self._obstacles.step(self._time_s, self._cycle_s)
         if self._cycles % _GONE_EVERY == 0 and not self.gone:
             self._look_whether_gone()
         return fault
 
     def read(self, now_s: float, turn: Turn) -> list[float] | None:
-        """Return the counts of the turn's channels; None where a defect swallows them."""
+        """Return the counts of the turn's channels; None if a defect loses them."""
         first = turn.board.first
         counts = self.frame(now_s, turn.board)
         return counts[turn.first - first : turn.last - first] if counts is not None else None
 
     def frame(self, now_s: float, board: BoardChannels) -> list[float] | None:
-        """Return the counts of a board's channels; None where a defect swallows them."""
+        """Return the counts of a board's channels; None if a defect loses them."""
         counts: list[float] | None = self.electronics.counts[board.first : board.last].tolist()
         for effect in self._effects:
             if counts is None:
@@ -165,7 +165,7 @@ class SimulatedRobot:
         return counts
 
     def delivery(self, now_s: float) -> tuple[bool, bool]:
-        """Return whether defects let an array reach the boards, and let its echo go."""
+        """Return whether defects let an array arrive, and its echo."""
         arrives = echoes = True
         for effect in self._effects:
             delivered, answered = effect.delivery(now_s)
@@ -173,12 +173,12 @@ class SimulatedRobot:
         return arrives, echoes
 
     def set_values(self, values: Sequence[float]) -> None:
-        """Put the setpoints in force, cut to what each slot can take."""
+        """Put the setpoints in force, clipped to the limits of their slots."""
         self.electronics.set_values(self.electronics.cut(values))
 
     @property
     def truth(self) -> FullTruth:
-        """Where the robot really is."""
+        """The robot's true position and state."""
         return FullTruth(
             wheels=self.wheels,
             wheel_radius_m=self._chain.wheel_radius_m,
@@ -194,27 +194,27 @@ class SimulatedRobot:
 
     @property
     def wheels(self) -> tuple[tuple[float, float], ...]:
-        """Place of each wheel in the drawing of the pipe, m: of the truth what costs little."""
+        """Position of each wheel in the drawing of the pipe, m; cheaper than ``truth``."""
         return tuple((x, y) for x, y, _ in self._physics.places())
 
     @property
     def arcs_m(self) -> list[float]:
-        """Place of each wheel along the pipe: of the truth what a detector needs often."""
+        """Position of each wheel along the pipe, m; cheaper than ``truth``, for detectors."""
         found: list[float] = self._arcs.tolist()
         return found
 
     @property
     def crossings_m(self) -> tuple[float, ...]:
-        """Where the axes of the pipe cross, along the pipe."""
+        """Where the axes of the pipe cross, m along the pipe."""
         return self._route.crossings_m
 
     @property
     def duties(self) -> tuple[float, ...]:
-        """Duties in force, of the joints at each wheel, then of the wheels."""
+        """Duties in force: of the joints at each wheel, then of the wheels."""
         return tuple(self._physics.duties.tolist())
 
     def values(self, quantity: str) -> list[float]:
-        """Return a quantity of every wheel after the last cycle, see `physics.QuantityLayout`."""
+        """Return a quantity of every wheel after the last cycle; see `physics.QuantityLayout`."""
         found: list[float] = self._physics.quantities[self._layout.block(quantity)].tolist()
         return found
 
@@ -223,11 +223,11 @@ class SimulatedRobot:
         return sum(arcs) / len(arcs)
 
     def _look_whether_gone(self) -> None:
-        """Let a robot far outside the pipe come to rest; nothing moves any more."""
+        """Bring a robot that is far outside the pipe to rest, with zero torques and speeds."""
         arcs = self.arcs_m
         self.gone = max(-max(arcs), min(arcs) - self._route.length_m) >= _GONE_M
         if self.gone:
-            # It lies on the floor: the accelerometer feels its weight, whichever way it lies.
+            # It lies on the floor: the accelerometer measures its weight, in any pose.
             for axis, value in (("acc_x", 0.0), ("acc_y", 0.0), ("acc_z", GRAVITY_M_S2)):
                 self._physics.quantities[self._layout.at(axis)] = value
 
@@ -235,7 +235,7 @@ class SimulatedRobot:
 def _joint_duties(
     chain: ChainBody, routes: Sequence[SlotRoute], values: Sequence[float] | None
 ) -> dict[int, float]:
-    """Return the duties among these setpoints that bend joints have, by the wheel of the joint."""
+    """Return the duties of bend joints among these setpoints, by the wheel of the joint."""
     if values is None:
         return {}
     return {

@@ -1,4 +1,4 @@
-"""Where the wheels of a robot stand and how its springs are wound up when a run begins."""
+"""The pose of a robot at the start of a run: wheel positions, and how springs are wound up."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from pirate_sm.simulation.physics import StartPose
 def stand(
     chain: ChainBody, route: Route, arc_m: float, duties: Mapping[int, float], roll_rad: float = 0.0
 ) -> StartPose:
-    """Return how the robot stands in a straight piece of the pipe.
+    """Return the pose of the robot in a straight piece of the pipe.
 
     Args:
-        chain: The robot.
-        route: Where it is.
-        arc_m: Place of the first wheel along the pipe.
-        duties: Duty that each bend joint was wound up with, by the wheel it sits at; empty for
-            a robot that is straight and unclamped.
+        chain: The moving parts.
+        route: The pipe.
+        arc_m: Position of the first wheel along the pipe.
+        duties: Duty of each bend joint that is wound up, by its wheel; empty for a straight,
+            unclamped robot.
         roll_rad: Roll of the whole robot against the plane of the pipe.
 
     Raises:
-        UsageError: It does not fit there; says why.
+        UsageError: It does not fit there; the message says why.
     """
     held = {wheel: duty for wheel, duty in sorted(duties.items()) if duty != 0.0}
     piece = route.piece_at(arc_m)
@@ -60,10 +60,10 @@ def stand(
 
 
 def _first_side(held: Mapping[int, float]) -> float:
-    """Return 1 where the first wheel presses on side A, -1 where on side B.
+    """Return 1 if the first wheel presses on side A, -1 if on side B.
 
-    Joints alternate: that of an odd wheel with a negative duty has its V open to side B. The
-    strongest duty is that of a clamp; a part that bends is pushed with less, to either side.
+    Joints alternate: with a negative duty, the V of an odd wheel's joint is open to side B. The
+    strongest duty is that of a clamp; a bending part is pushed with less, to either side.
     """
     if not held:
         return 1.0

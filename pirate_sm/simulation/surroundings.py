@@ -1,4 +1,4 @@
-"""What a robot starts in: a pipe, its friction, obstacles, and the pose that it stands in."""
+"""The surroundings of a run: a pipe, its friction, obstacles, and the robot's start pose."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from pirate_sm.simulation.start_pose import stand
 
 @dataclass(frozen=True)
 class Jitter:
-    """How far a run may differ from its files; each is drawn evenly between minus and plus.
+    """How far a run may differ from its files; each value is drawn uniformly within plus and minus.
 
     Attributes:
-        start_m: Place of the robot along the pipe.
-        friction: Share of both friction coefficients.
+        start_m: Position of the robot along the pipe.
+        friction: Both friction coefficients, as a share.
         diameter_m: Inner diameter.
     """
 
@@ -38,7 +38,7 @@ NO_JITTER = Jitter()
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What a run starts with."""
+    """The surroundings and the pose at the start of a run."""
 
     route: Route
     friction: Friction
@@ -55,19 +55,19 @@ def surroundings_of(
     jitter: Jitter,
     rng: np.random.Generator,
 ) -> Surroundings:
-    """Draw a run's own numbers and return what it starts with.
+    """Draw a run's random deviations and return its surroundings.
 
     Args:
-        profile: Of the robot.
-        chain: The same robot's moving parts.
-        pipe: Where it starts.
-        duties: Duty that each bend joint is wound up with, by the wheel it sits at; empty for a
-            robot that is straight and unclamped.
+        profile: The robot's profile.
+        chain: The robot's moving parts.
+        pipe: The pipe.
+        duties: Duty of each bend joint that is wound up, by its wheel; empty for a straight,
+            unclamped robot.
         jitter: How far the numbers may differ from the files.
-        rng: Source of chance.
+        rng: Random numbers.
 
     Raises:
-        UsageError: The robot does not fit into the pipe, or the pipe into itself.
+        UsageError: The robot does not fit into the pipe, or the pipe intersects itself.
     """
     start, friction, diameter = rng.uniform(-1.0, 1.0, 3).tolist()
     route = Route(pipe.network(pipe.diameter + diameter * jitter.diameter_m))

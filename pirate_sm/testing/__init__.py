@@ -1,6 +1,6 @@
-"""Contracts that hold a backend or a detector to what the rest of the package relies on.
+"""Test contracts: what every backend and every detector must do.
 
-A package that adds one derives a test class, and pytest finds the tests in it:
+To test your own, derive a class, and pytest finds the tests in it:
 
     from pirate_sm.testing import BackendContract, Candidate
 

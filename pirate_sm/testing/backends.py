@@ -1,4 +1,4 @@
-"""What every backend must do, whatever is behind it."""
+"""The tests that every backend must pass."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ from pirate_sm.runtime.trigger_script import TriggerScript
 MOST_CALLS = 10_000
 
 Values = tuple[float, ...]
-Told = list[tuple[float, Event]]
+Reported = list[tuple[float, Event]]
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A way to make a backend, and what to try it with.
+    """A backend's factory, and data to test it with.
 
     Attributes:
-        make: Makes one that has not been opened, from a seed; equal seeds give equal ones.
-        still: An array of setpoints with which the robot stays where it is.
-        moving: Another array of setpoints, with which something moves.
+        make: Makes an unopened backend from a seed; equal seeds give equal backends.
+        still: An array of setpoints that moves nothing.
+        moving: Another array of setpoints, which moves the robot.
         mission: A mission that succeeds on the backend.
-        places: Returns where the robot of a backend is, m; empty: nobody knows.
+        places: Returns the position of the backend's robot, m; empty if unknown.
     """
 
     make: Callable[[int], Backend]
@@ -46,20 +46,20 @@ class Candidate:
 
 
 class BackendContract:
-    """Tests that every backend must pass; a class derived from it gives the candidate."""
+    """Tests of a backend; a derived class gives the candidate in a fixture."""
 
     @pytest.fixture
     def candidate(self) -> Candidate:
-        """Return what is to be tested."""
+        """Return the candidate to test."""
         raise NotImplementedError("a class derived from BackendContract needs a fixture candidate")
 
     @pytest.fixture
     def backend(self, candidate: Candidate) -> Backend:
-        """Return a backend that has not been opened."""
+        """Return an unopened backend."""
         return candidate.make(0)
 
-    def test_it_says_what_it_is(self, backend: Backend) -> None:
-        """A name, how commands are completed and whether time passes by itself are known."""
+    def test_it_describes_itself(self, backend: Backend) -> None:
+        """A backend has a name, a way of completion and a flag for real time."""
         assert backend.name
         assert backend.completion in get_args(Completion)
         assert backend.real_time in (True, False)
@@ -70,63 +70,65 @@ class BackendContract:
         """Opening a backend and letting time pass moves no robot and gives no result."""
         backend.open()
         before = candidate.places(backend)
-        told = run_until(backend, 3.0)
+        reported = run_until(backend, 3.0)
 
-        assert results(told) == {}
+        assert results(reported) == {}
         for place, now in zip(before, candidate.places(backend), strict=True):
             assert dist(place, now) < 1e-4
 
-    def test_an_array_meets_exactly_one_fate(self, candidate: Candidate, backend: Backend) -> None:
-        """Each array gets one result, however much time passes."""
-        backend.open()
-        told: Told = []
-        for number in range(1, 6):
-            backend.submit(number, candidate.moving)
-            told += run_until(backend, number * 2.0)
-
-        assert results(told) == dict.fromkeys(range(1, 6), 1)
-
-    def test_arrays_in_quick_succession_meet_one_fate_each_and_the_last_is_not_superseded(
+    def test_each_array_gets_exactly_one_result(
         self, candidate: Candidate, backend: Backend
     ) -> None:
-        """Only an array that a newer one has overtaken may be superseded."""
+        """Each array gets one result, however much time passes."""
+        backend.open()
+        reported: Reported = []
+        for number in range(1, 6):
+            backend.submit(number, candidate.moving)
+            reported += run_until(backend, number * 2.0)
+
+        assert results(reported) == dict.fromkeys(range(1, 6), 1)
+
+    def test_arrays_in_quick_succession_get_one_result_each_and_the_last_is_not_superseded(
+        self, candidate: Candidate, backend: Backend
+    ) -> None:
+        """Each array gets one result, and only an older one may be ``superseded``."""
         backend.open()
         for number in range(1, 4):
             backend.submit(number, candidate.moving if number % 2 else candidate.still)
-        told = run_until(backend, 3.0)
+        reported = run_until(backend, 3.0)
 
-        fates = dict(fates_of(told))
-        assert results(told) == {1: 1, 2: 1, 3: 1}
-        assert fates[3] != "superseded"
+        statuses = dict(statuses_of(reported))
+        assert results(reported) == {1: 1, 2: 1, 3: 1}
+        assert statuses[3] != "superseded"
 
     def test_a_newer_array_is_accepted_after_one_that_it_may_supersede(
         self, candidate: Candidate, backend: Backend
     ) -> None:
-        """Of two arrays at once the first is sent before the second, or never."""
+        """Of two arrays at once, the first is sent before the second or never."""
         backend.open()
         backend.submit(1, candidate.moving)
         backend.submit(2, candidate.still)
 
-        fates = fates_of(run_until(backend, 3.0))
+        statuses = statuses_of(run_until(backend, 3.0))
 
-        assert fates in (
+        assert statuses in (
             [(1, "accepted"), (2, "accepted")],
             [(1, "superseded"), (2, "accepted")],
         )
 
-    def test_of_a_stream_none_is_accepted_after_a_newer_one(
+    def test_no_array_of_a_stream_is_accepted_after_a_newer_one(
         self, candidate: Candidate, backend: Backend
     ) -> None:
-        """Each array of a stream meets one fate, and the newest is accepted in the end."""
+        """Each array of a stream gets one result, and the newest is accepted in the end."""
         backend.open()
-        told: Told = []
+        reported: Reported = []
         for number in range(1, 41):
             backend.submit(number, candidate.moving if number % 2 else candidate.still)
-            told += run_until(backend, number * 0.016)
-        told += run_until(backend, 3.0)
+            reported += run_until(backend, number * 0.016)
+        reported += run_until(backend, 3.0)
 
-        accepted = [number for number, status in fates_of(told) if status == "accepted"]
-        assert results(told) == dict.fromkeys(range(1, 41), 1)
+        accepted = [number for number, status in statuses_of(reported) if status == "accepted"]
+        assert results(reported) == dict.fromkeys(range(1, 41), 1)
         assert accepted == sorted(accepted)
         assert accepted[-1] == 40
 
@@ -136,13 +138,13 @@ class BackendContract:
         """An array that is submitted twice gets two results."""
         backend.open()
         backend.submit(1, candidate.moving)
-        told = run_until(backend, 2.0)
+        reported = run_until(backend, 2.0)
         backend.submit(1, candidate.moving)
-        told += run_until(backend, 4.0)
+        reported += run_until(backend, 4.0)
 
-        assert results(told) == {1: 2}
+        assert results(reported) == {1: 2}
 
-    def test_a_result_comes_even_if_one_asks_without_a_limit(
+    def test_a_result_ends_an_advance_without_a_limit(
         self, candidate: Candidate, backend: Backend
     ) -> None:
         """A result does not wait for the end of an infinite ``advance``."""
@@ -170,7 +172,7 @@ class BackendContract:
             assert now_s <= reached_s <= until_s
             now_s = reached_s
 
-    def test_time_asked_for_that_has_passed_already_stands_still(self, backend: Backend) -> None:
+    def test_a_limit_in_the_past_changes_nothing(self, backend: Backend) -> None:
         """A limit in the past is no error, and nothing happens then."""
         backend.open()
         run_until(backend, 1.0)
@@ -180,17 +182,17 @@ class BackendContract:
         assert (now_s, list(events)) == (1.0, [])
 
     def test_equal_seeds_give_equal_events(self, candidate: Candidate) -> None:
-        """A run can be repeated to the bit."""
-        told = []
+        """Equal seeds give equal runs, to the bit."""
+        reported = []
         for _ in range(2):
             backend = candidate.make(7)
             opened = list(backend.open())
             backend.submit(1, candidate.moving)
             first = run_until(backend, 2.0)
             backend.submit(2, candidate.still)
-            told.append((opened, first, run_until(backend, 4.0)))
+            reported.append((opened, first, run_until(backend, 4.0)))
 
-        assert repr(told[0]) == repr(told[1])
+        assert repr(reported[0]) == repr(reported[1])
 
     def test_it_may_be_closed_at_any_time_and_more_than_once(self, candidate: Candidate) -> None:
         """Closing never raises, also before opening and with an array on its way."""
@@ -202,7 +204,7 @@ class BackendContract:
         backend.close()
         backend.close()
 
-    def test_a_closed_one_takes_nothing_more_and_can_be_closed_again(
+    def test_a_closed_backend_refuses_arrays_and_can_be_closed_again(
         self, candidate: Candidate, backend: Backend
     ) -> None:
         """An array for a closed backend is an error."""
@@ -213,7 +215,7 @@ class BackendContract:
         backend.close()
 
     def test_a_mission_runs_on_it_to_its_end(self, candidate: Candidate) -> None:
-        """The engine and the loop can use it."""
+        """A mission runs on the backend and succeeds."""
         backend, loaded = candidate.make(0), candidate.mission
         nominal = backend.completion == "nominal"
         engine = Engine(loaded.robot, loaded.program, nominal=nominal)
@@ -224,23 +226,25 @@ class BackendContract:
         assert (result.ended.outcome, result.exit_code) == ("succeeded", 0), result.ended.message
 
 
-def run_until(backend: Backend, until_s: float) -> Told:
-    """Return everything that is said up to this time, however often one must ask."""
-    told: Told = []
+def run_until(backend: Backend, until_s: float) -> Reported:
+    """Return all events up to this time, with their times."""
+    reported: Reported = []
     for _ in range(MOST_CALLS):
         now_s, events = backend.advance(until_s)
         assert now_s <= until_s
-        told += [(now_s, event) for event in events]
+        reported += [(now_s, event) for event in events]
         if now_s >= until_s and not events:
-            return told
+            return reported
     raise AssertionError(f"{until_s} s are never reached")
 
 
-def results(told: Sequence[tuple[float, Event]]) -> Counter[int]:
-    """Return how many results each array has got."""
-    return Counter(number for number, _ in fates_of(told))
+def results(reported: Sequence[tuple[float, Event]]) -> Counter[int]:
+    """Return how many results each array got."""
+    return Counter(number for number, _ in statuses_of(reported))
 
 
-def fates_of(told: Sequence[tuple[float, Event]]) -> list[tuple[int, str]]:
-    """Return what became of each array, in the order of the results."""
-    return [(each.setpoint_id, each.status) for _, each in told if isinstance(each, SubmitResult)]
+def statuses_of(reported: Sequence[tuple[float, Event]]) -> list[tuple[int, str]]:
+    """Return the id and status of each result, in order."""
+    return [
+        (each.setpoint_id, each.status) for _, each in reported if isinstance(each, SubmitResult)
+    ]

@@ -1,4 +1,4 @@
-"""What every detector must do, however it knows its words."""
+"""The tests that every detector must pass."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from pirate_sm.wiring import Order, Prepared, prepare
 
 @dataclass(frozen=True)
 class Subject:
-    """A detector's factory, and what to try it with.
+    """A detector's factory, and data to test it with.
 
     Attributes:
-        make: The factory, as the entry point's plugin has it.
-        mission: A mission, in the robot and the pipe of which the detector stands.
-        backend: Name of the backend that the mission runs on: ``sim`` or ``trace``.
-        argument: What stands after a colon behind the detector's name; None without.
-        words: Whether the mission must hear at least one word.
+        make: The factory, as in the plugin of the entry point.
+        mission: A mission; the detector is made for its robot and its pipe.
+        backend: Backend that the mission runs on: ``sim`` or ``trace``.
+        argument: The text after the colon in the detector's name; None without a colon.
+        words: Whether the mission must receive at least one word.
     """
 
     make: MakeDetector
@@ -40,7 +40,7 @@ class Subject:
 
 @dataclass
 class _Heard:
-    """A companion around another one: it checks what that one says and when."""
+    """Wraps a companion and checks what it reports, and when."""
 
     inner: Companion
     words: Sequence[str]
@@ -73,7 +73,7 @@ class _Heard:
 
 
 class _NoTime:
-    """A clock on which waiting takes no time; for companions that listen to a person."""
+    """A clock on which waiting takes no time, for companions that listen to a person."""
 
     def __init__(self) -> None:
         self._now_s = 0.0
@@ -86,28 +86,28 @@ class _NoTime:
 
 
 class DetectorContract:
-    """Tests that every detector must pass; a class derived from it gives the subject."""
+    """Tests of a detector; a derived class gives the subject in a fixture."""
 
     @pytest.fixture
     def subject(self) -> Subject:
-        """Return what is to be tested."""
+        """Return the subject to test."""
         raise NotImplementedError("a class derived from DetectorContract needs a fixture subject")
 
-    def test_it_says_who_it_is(self, subject: Subject) -> None:
-        """It has a name, and it is made without opening anything."""
+    def test_it_has_a_name(self, subject: Subject) -> None:
+        """A detector has a name, and making it opens nothing."""
         _, found = made(subject)
         assert found.kind
 
     def test_a_mission_hears_words_that_the_robot_knows_at_times_that_go_on(
         self, subject: Subject
     ) -> None:
-        """What it says has a meaning for the robot, and mission time never stands still."""
+        """Its words exist in the robot's profile, and mission time never stands still."""
         said = heard(subject, *made(subject))
 
         assert said or not subject.words, "no word was said"
 
     def test_it_can_begin_again_for_another_mission(self, subject: Subject) -> None:
-        """One that counts from the beginning of a mission can be restarted at any time."""
+        """A detector that counts from the start of a mission can be restarted at any time."""
         ready, found = made(subject)
         for companion in found.companions:
             if isinstance(companion, Counting):
@@ -119,7 +119,7 @@ class DetectorContract:
 
 
 def made(subject: Subject) -> tuple[Prepared, Detecting]:
-    """Return a run of the mission and the detector for it, made as a run makes it."""
+    """Return a run of the mission and its detector, made as a run makes it."""
     loaded = subject.mission
     ready = prepare(Order(loaded.documents[0].name, subject.backend), loaded)
     profile, robot = loaded.loaded_robot.profile, loaded.robot
@@ -128,7 +128,7 @@ def made(subject: Subject) -> tuple[Prepared, Detecting]:
 
 
 def heard(subject: Subject, ready: Prepared, found: Detecting) -> list[Event]:
-    """Return what the detector says in the run."""
+    """Return the events of the detector in the run."""
     words = subject.mission.robot.detector_words
     watched = [_Heard(companion, words) for companion in found.companions]
     with ExitStack() as stack:

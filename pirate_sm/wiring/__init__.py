@@ -1,4 +1,4 @@
-"""Puts mission, engine, backend and detector together: the only place that picks a backend."""
+"""Puts mission, engine, backend and detector together; the only place that picks a backend."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 from pirate_sm.detectors.registry import Asked, Detecting, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Wait
-from pirate_sm.errors import BackendError, PirateError, UsageError
+from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.registry import Registry
@@ -20,14 +20,15 @@ BACKENDS: Registry[MakeBackend] = Registry(
     "backend",
     "pirate_sm.backends",
     {name: f"pirate_sm.wiring.{name}:BACKEND" for name in ("serial", "sim", "trace")},
+    returns=Equipment,
 )
 
 
 def load(order: Order) -> LoadedMission:
-    """Read the files that the order names.
+    """Read the files of the order.
 
     Raises:
-        LoadError: Everything that is wrong with them.
+        LoadError: The files have errors; it lists all of them.
         UsageError: An argument does not fit.
     """
     return load_mission(
@@ -43,18 +44,18 @@ def load(order: Order) -> LoadedMission:
 def prepare(
     order: Order, loaded: LoadedMission | None = None, say: Say = lambda text: None
 ) -> Prepared:
-    """Return mission, engine and backend, ready to run; nothing has moved.
+    """Return mission, engine and backend, ready to run, without moving anything.
 
     Args:
-        order: What is wanted.
-        loaded: What :func:`load` made of it, where that has been done before.
-        say: Takes what a person should know while this takes longer than a moment.
+        order: The options of the run.
+        loaded: The result of :func:`load`, if it was called before.
+        say: Takes messages about steps that take longer than a moment.
 
     Raises:
-        LoadError: Everything that is wrong with the files.
+        LoadError: The files have errors; it lists all of them.
         UsageError: An argument does not fit, or an optional part is not installed.
         CheckError: The mission is refused.
-        BackendError: The backend is another package's, which has a fault.
+        BackendError: A backend of another package has failed.
     """
     make = BACKENDS.find(order.backend)
     loaded = loaded or load(order)
@@ -62,7 +63,7 @@ def prepare(
         from pirate_sm.checking.gate import pass_or_raise
 
         pass_or_raise(loaded)
-    made = _made(make, order, loaded, say)
+    made = make(order, loaded, say)
     loaded = made.loaded or loaded
     found = _detecting(order, loaded, made)
     nominal = made.backend.completion == "nominal"
@@ -81,27 +82,13 @@ def prepare(
     )
 
 
-def _made(make: MakeBackend, order: Order, loaded: LoadedMission, say: Say) -> Equipment:
-    """Return what the backend's factory makes; a fault of another package's says whose it is."""
-    package = BACKENDS.package_of(order.backend)
-    try:
-        return make(order, loaded, say)
-    except Exception as error:
-        if isinstance(error, PirateError) or not package:
-            raise
-        what = f"{type(error).__name__}: {error}"
-        raise BackendError(
-            f"the backend '{order.backend}' of package {package} fails: {what}"
-        ) from error
-
-
 def _detecting(order: Order, loaded: LoadedMission, made: Equipment) -> Detecting:
-    """Return who says the detector's words."""
+    """Return the detector of the run."""
     if made.usual_detector is None:
         if order.detector is not None or order.start_at_m is not None:
             raise UsageError(
                 f"the backend {order.backend} takes no detector and no place to start at",
-                option_hint=" (--detector, --start-at)",
+                hint=Hint(" (--detector, --start-at)", " (detector, start_at_m)"),
             )
         return Detecting("none")
     profile, robot = loaded.loaded_robot.profile, loaded.robot
@@ -110,10 +97,10 @@ def _detecting(order: Order, loaded: LoadedMission, made: Equipment) -> Detectin
 
 
 def again(prepared: Prepared, loaded: LoadedMission) -> Prepared:
-    """Return another mission on the same open backend; the robot is where the last one left it.
+    """Return another mission on the same open backend, with the robot where the last one left it.
 
     Raises:
-        UsageError: It is a mission for another robot.
+        UsageError: The mission is for another robot.
     """
     before = prepared.loaded
     if loaded.loaded_robot.folder != before.loaded_robot.folder:
@@ -121,7 +108,7 @@ def again(prepared: Prepared, loaded: LoadedMission) -> Prepared:
         raise UsageError(f"{loaded.mission.mission} is for {loaded.robot.name}, this is {name}")
     order = replace(prepared.order, mission=loaded.mission.mission)
     loaded = prepared.adapted(loaded)
-    # The robot stays in the pipe that it is in, whatever the mission was written for.
+    # The robot stays in the same pipe, whatever pipe the mission names.
     program = replace(loaded.program, diameter_m=before.program.diameter_m)
     loaded = replace(loaded, program=program, pipe=before.pipe, pipe_name=before.pipe_name)
     engine = Engine(loaded.robot, loaded.program, nominal=prepared.engine.nominal)

@@ -1,4 +1,4 @@
-"""What a backend's factory returns, and what a run is made of."""
+"""The equipment that a backend's factory returns, and the prepared run."""
 
 from __future__ import annotations
 
@@ -18,30 +18,28 @@ if TYPE_CHECKING:
     from pirate_sm.backends.serial.health import LinkHealth
 
 Say = Callable[[str], None]
-"""Takes what a person should know while something takes longer than a moment."""
+"""Takes messages about steps that take longer than a moment."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Equipment:
-    """A backend that has not been opened, with all that belongs to it.
+    """An unopened backend and everything that belongs to it.
 
     Attributes:
         backend: The backend.
-        loaded: The mission, where the backend changes it (a robot's zeros); None: as it was loaded.
-        companions: Who must be beside the mission for this backend.
-        notices: What a person must know before they see the run.
-        usual_detector: Who says the detector's words where nobody is asked for; None: this backend
-            takes no detector at all.
-        places: Where the bends and the wheels really are along the pipe, for a detector; None
-            where nobody knows.
-        truth: Where the robot really is, for backends that know.
-        wheels: The same of its wheels alone, in the plane of the pipe, m, for whoever asks often.
-        link: How the link is, where there is one.
-        parting: What a person must do once the run has ended; empty: nothing.
-        confirmation: What a person must agree to before anything moves; empty: nothing.
+        loaded: The mission, if the backend changes it (a robot's zeros); None: as it was loaded.
+        companions: The companions that this backend needs.
+        notices: What a person must know before the run.
+        usual_detector: The default detector; None: this backend takes no detector.
+        places: True positions of bends and wheels along the pipe, for a detector; None if unknown.
+        truth: Returns the robot's true state, on backends that know it.
+        wheels: Returns only the wheels of it, in the plane of the pipe, m, for frequent calls.
+        link: Returns the state of the link, if there is one.
+        parting: Returns what a person must do after the run; empty if nothing.
+        confirmation: What a person must confirm before anything moves; empty if nothing.
         attended: Whether a companion answers the mission's questions.
-        adapted: Returns another mission for the same robot as the backend changes every mission
-            (a robot's zeros).
+        adapted: Returns another mission for the same robot, with the backend's changes (a robot's
+            zeros).
     """
 
     backend: Backend
@@ -60,10 +58,10 @@ class Equipment:
 
 
 class MakeBackend(Protocol):
-    """What the entry point of a backend makes it with; see ``docs/extending.md``."""
+    """The factory in a backend's entry point; see ``docs/extending.md``."""
 
     def __call__(self, order: Order, loaded: LoadedMission, say: Say) -> Equipment:
-        """Return the backend that the order wants, not opened; nothing has moved.
+        """Return the order's backend, unopened, without moving anything.
 
         Raises:
             UsageError: The order does not fit the backend, or something is not installed.
@@ -73,11 +71,11 @@ class MakeBackend(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Prepared(Equipment):
-    """Everything that a run needs; nothing has moved.
+    """Everything that a run needs, before anything has moved.
 
     Attributes:
-        reckoned: Where a detector takes the robot to be, where one does; None before it knows.
-        detector: Who says the detector's words; ``operator`` still wants a keyboard.
+        reckoned: Returns the detector's estimate of the position, if it has one; None if unknown.
+        detector: Name of the detector; ``operator`` still needs a keyboard.
     """
 
     order: Order

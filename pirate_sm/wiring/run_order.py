@@ -1,17 +1,20 @@
-"""What somebody wants to be run: every option of a run, as the user gave it."""
+"""The options of a run, as the user gave them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from pirate_sm.errors import Hint
 from pirate_sm.model.trace_script import Happening
 from pirate_sm.runtime.trigger_script import Firing
+
+USE_TRACE = Hint(": use --backend trace", ": use backend='trace'")
 
 
 @dataclass(frozen=True)
 class Order:
-    """What somebody wants to be run, in their own words.
+    """The options of a run, as the user gave them.
 
     Attributes:
         mission: Name of a shipped mission, or the path of a file.
@@ -19,22 +22,22 @@ class Order:
         robot: Name or path, in place of the mission's own; likewise ``pipe``.
         settings: Values of parameters, as text.
         start_phase: The phase to begin with, in place of the mission's own.
-        states: State names by region that the robot is in, in place of the mission's own.
-        seed: Of everything random.
-        start_jitter_m: How far a simulated robot may start from its place; likewise
-            ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
-        defects: Known defects that the simulated robot has.
-        firings: What a trace fires instead of the first trigger of each wait.
-        course: What happens in a trace, everything and in order.
+        states: The robot's states at the start, by region, in place of the mission's own.
+        seed: Seed of all random numbers.
+        start_jitter_m: How far a simulated robot may start from its position; likewise
+            ``diameter_jitter_m`` for the pipe, and ``friction_jitter`` as a share.
+        defects: Defects of the simulated robot.
+        firings: Triggers that a trace fires instead of the first trigger of each wait.
+        course: All events of a trace, in order.
         detector: Name of the detector with its argument, ``odometry`` or ``socket:ADDRESS``;
-            None for what is usual on the backend.
-        start_at_m: Where odometry takes the first wheel to begin, in place of the pipe's own.
-        port: Where the real robot is, a device or a URL of pyserial; ``baud`` in place of the
-            robot's own rate.
-        guard_for_s: How long a guardian goes on without us if the robot does not confirm its stop;
-            None: the usual time.
-        calibration: Whether the joint zeros of the real robot are subtracted, where it has any.
-        check: Whether a mission with something certainly wrong is refused.
+            None for the backend's default.
+        start_at_m: Position of the first wheel at the start of odometry, in place of the pipe's.
+        port: Port of the real robot, a device or a URL of pyserial; ``baud`` in place of the
+            profile's rate.
+        guard_for_s: How long a guardian goes on without the runner if the robot does not confirm
+            its stop; None: the default.
+        calibration: Whether the joint zeros of the real robot are subtracted, if it has any.
+        check: Whether a mission with a certain error is refused.
     """
 
     mission: str

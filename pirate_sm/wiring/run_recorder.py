@@ -1,4 +1,4 @@
-"""Records a prepared run: the header, what viewers see, the recorder with its file."""
+"""Records a prepared run: the header, the viewers' messages, the recorder with its file."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     from pirate_sm.recording.write.side_channel import SideChannel
 
 LIVE_S = 0.1
-"""So often viewers that look on get something new."""
+"""Interval at which connected viewers get new data."""
 
 
 def run_header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
-    """Return what the recording of a run begins with.
+    """Return the header of a run's recording.
 
     Args:
         prepared: The run.
-        factor: Mission seconds per second of the wall.
+        factor: Mission seconds per second of the wall clock.
         began: When the run began.
     """
     from pydantic_core import to_jsonable_python
@@ -51,7 +51,7 @@ def run_header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
 
 
 def shown_to_viewers(prepared: Prepared, state: EngineState | None) -> ViewerSnapshot | None:
-    """Return what viewers are shown of this moment; None before the engine has started."""
+    """Return the present state for viewers; None before the engine has started."""
     from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
 
     if state is None:
@@ -67,12 +67,12 @@ class RunRecorder:
 
     Args:
         prepared: The first run.
-        header: What was run.
-        file: Where to; None: only viewers that look on get anything.
-        live: Serves viewers while the run goes on; None: nobody looks on.
+        header: The header of the recording.
+        file: The recording; None: only connected viewers get data.
+        live: Serves viewers during the run; None: there are none.
 
     Attributes:
-        recorder: The tap that keeps every step.
+        recorder: The tap that records every step.
         side: The channel to viewers.
     """
 
@@ -100,12 +100,12 @@ class RunRecorder:
         )
 
     def follow(self, prepared: Prepared, state: Callable[[], EngineState | None]) -> None:
-        """Show a run to viewers, and record its state now and then."""
+        """Show a run to viewers, and record its state at intervals."""
         self.recorder.follow(state)
         self.side.follow(lambda: shown_to_viewers(prepared, state()))
 
     def close(self, path: Path | None, *, wanted: bool = True) -> None:
-        """Finish the recording; remove its file where nothing was recorded or nobody wants it."""
+        """Finish the recording; remove its file if it is empty or not wanted."""
         self.recorder.close()
         if path is not None and not (self.recorder.begun and wanted):
             with suppress(OSError):
@@ -113,10 +113,10 @@ class RunRecorder:
 
 
 def new_recording(path: Path, header: RunHeader) -> RecordingFile:
-    """Return a new recording with its beginning written; where that fails no file is left.
+    """Return a new recording with its header written; leave no file if that fails.
 
     Raises:
-        FileExistsError: The file is there already.
+        FileExistsError: The file exists already.
         OSError: It cannot be written.
     """
     from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
@@ -133,10 +133,10 @@ def new_recording(path: Path, header: RunHeader) -> RecordingFile:
 
 
 def requested_recording(path: Path, header: RunHeader) -> RecordingFile:
-    """Return a new recording at a path that was asked for.
+    """Return a new recording at a path that the user gave.
 
     Raises:
-        RecordingError: It is there already, or cannot be written.
+        RecordingError: The file exists already or cannot be written.
     """
     try:
         return new_recording(path, header)

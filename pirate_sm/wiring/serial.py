@@ -1,32 +1,31 @@
-"""Makes the backend ``serial``: the real robot, or an emulated one, behind a serial port."""
+"""Makes the backend ``serial``: a real or an emulated robot behind a serial port."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.registry import Plugin
 from pirate_sm.runtime.backend_links import Holder, Messenger
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
-from pirate_sm.wiring.run_order import Order
+from pirate_sm.wiring.run_order import USE_TRACE, Order
 
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
-    """Return the link to the robot at the order's port; the port is not opened.
+    """Return the link to the robot at the order's port, without opening the port.
 
     Raises:
         UsageError: There is no port, or an option is for another backend.
     """
     if not order.port:
-        hint = ": --port /dev/ttyACM0, or a pyserial URL"
-        raise UsageError("the backend serial needs a port", option_hint=hint)
+        or_url = "or a pyserial URL"
+        hint = Hint(f": --port /dev/ttyACM0, {or_url}", f": port='/dev/ttyACM0', {or_url}")
+        raise UsageError("the backend serial needs a port", hint=hint)
     if order.defects:
         raise UsageError("a real robot has the defects that it has: only the backend sim takes any")
     if order.firings or order.course:
-        raise UsageError(
-            "triggers can be fired in a trace only", option_hint=": use --backend trace"
-        )
+        raise UsageError("triggers can be fired in a trace only", hint=USE_TRACE)
     from pirate_sm.backends.serial.assembly import STAY_S, read_plan, serial_backend
 
     loaded, notices = calibrated(order, loaded)
@@ -48,9 +47,9 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
 
 
 def calibrated(order: Order, loaded: LoadedMission) -> tuple[LoadedMission, tuple[str, ...]]:
-    """Return the mission with the joint zeros of its robot, and a line that says so.
+    """Return the mission with the joint zeros of its robot, and a notice about them.
 
-    It is returned as it was, without a line, where the order wants no zeros or there are none.
+    Without zeros, or if the order does not want them, the mission is unchanged, without a notice.
     """
     from pirate_sm.loading.robot.calibration_files import newest_calibration, summary, with_zeros
 
@@ -61,4 +60,4 @@ def calibrated(order: Order, loaded: LoadedMission) -> tuple[LoadedMission, tupl
     return replace(loaded, robot=robot), (summary(calibration),)
 
 
-BACKEND: Plugin[MakeBackend] = Plugin("the real robot, at the port given with --port", make)
+BACKEND: Plugin[MakeBackend] = Plugin("the real robot, at a serial port", make)

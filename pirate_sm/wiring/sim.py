@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pirate_sm.detectors.registry import Places
 from pirate_sm.engine.robot.robot_state import at_rest_in
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.registry import Plugin
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
-from pirate_sm.wiring.run_order import Order
+from pirate_sm.wiring.run_order import USE_TRACE, Order
 
 COMPILING = (
     "Compiling the simulator to machine code for this processor, so that it runs hundreds of "
@@ -16,23 +16,21 @@ COMPILING = (
 )
 
 _COMPILED = {"llvmlite", "numba", "numpy"}
-"""What the extra `sim` installs."""
+"""The packages that the extra `sim` installs."""
 
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
-    """Return the simulator with the robot where the mission begins.
+    """Return the simulator with the robot at the mission's start.
 
     Raises:
         UsageError: There is no pipe, an option is for another backend, or the extra ``sim`` is not
             installed.
     """
     if loaded.pipe is None:
-        message = "the mission names no pipe to simulate"
-        raise UsageError(message, option_hint=": give one with --pipe NAME")
+        hint = Hint(": give one with --pipe NAME", ": give one with pipe='NAME'")
+        raise UsageError("the mission names no pipe to simulate", hint=hint)
     if order.firings or order.course:
-        raise UsageError(
-            "triggers can be fired in a trace only", option_hint=": use --backend trace"
-        )
+        raise UsageError("triggers can be fired in a trace only", hint=USE_TRACE)
     try:
         from pirate_sm.backends.simulated import SimulatorBackend
         from pirate_sm.simulation.surroundings import Jitter
@@ -64,10 +62,10 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
 
 
 def start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
-    """Return setpoints that hold a simulated robot where its mission says it is; None at its rest.
+    """Return setpoints that hold a simulated robot in its start configuration; None at rest.
 
-    Only joints of held parts are driven. A part that is bending is not in a bend yet: pushed in a
-    straight pipe it would lever the held part off the wall before the first command.
+    Only joints of held parts are driven. A bending part is not in a bend yet: pushed in a straight
+    pipe it would lever the held part off the wall before the first command.
     """
     configuration, robot = loaded.program.start_configuration, loaded.robot
     if configuration == robot.table.initial:

@@ -1,34 +1,35 @@
-"""Makes the backend ``trace``: nothing moves, a script or the first trigger decides."""
+"""Makes the backend ``trace``: nothing moves; a script or each wait's first trigger decides."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import replace
 
 from pirate_sm.backends.trace import IDEAL, SCRIPTED, TraceBackend, Verdicts
 from pirate_sm.engine.mission.program import Wait
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.trace_script import resolve_course
 from pirate_sm.registry import Plugin
 from pirate_sm.runtime.course_player import CoursePlayer, longest_s
 from pirate_sm.runtime.trace_repeats import LoopWatch
 from pirate_sm.runtime.trigger_script import Firing, TriggerScript
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 from pirate_sm.wiring.run_order import Order
 
+USE_SIM = Hint(": use --backend sim", ": use backend='sim'")
+
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
-    """Return a trace, with who fires triggers in it.
+    """Return a trace, with the companions that fire triggers in it.
 
     Raises:
-        UsageError: An option is for another backend, or nothing waits for what shall be fired.
+        UsageError: An option is for another backend, or no wait has a trigger to be fired.
     """
     if order.defects:
-        raise UsageError("a defect needs a robot that moves", option_hint=": use --backend sim")
+        raise UsageError("a defect needs a robot that moves", hint=USE_SIM)
     if order.detector is not None or order.start_at_m is not None:
-        raise UsageError("a detector needs a robot that moves", option_hint=": use --backend sim")
+        raise UsageError("a detector needs a robot that moves", hint=USE_SIM)
     if order.course:
         return _course(order, loaded)
     _check_firings(order.firings, loaded)
@@ -38,7 +39,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
 
 
 def _course(order: Order, loaded: LoadedMission) -> Equipment:
-    """Return a trace in which what happens is laid down."""
+    """Return a trace that plays a course of events."""
     if order.firings:
         raise UsageError("a course of events and triggers to fire exclude each other")
     events = resolve_course(order.course, loaded.robot)
@@ -47,7 +48,7 @@ def _course(order: Order, loaded: LoadedMission) -> Equipment:
     verdicts = Verdicts(scripted=True)
     program = loaded.program
     player = CoursePlayer(later, program, verdicts.decide, verdicts.release)
-    # How long commands take in a trace is nothing that a time limit could be held against.
+    # The duration of commands in a trace must not count against a time limit.
     limit_s = program.time_limit_s + longest_s(order.course, loaded.robot, program)
     return Equipment(
         backend=TraceBackend(verdicts, known),
@@ -63,21 +64,13 @@ def _check_firings(firings: tuple[Firing, ...], loaded: LoadedMission) -> None:
     phases = {wait.phase for wait in waits}
     for firing in firings:
         if firing.phase and firing.phase not in phases:
-            raise UsageError(
-                f"no phase '{firing.phase}' waits for anything: {_meant(firing.phase, phases)}"
-            )
+            hint = meant(firing.phase, sorted(phases))
+            raise UsageError(f"no phase '{firing.phase}' waits for anything: {hint}")
         here = [wait for wait in waits if firing.phase in ("", wait.phase)]
         triggers = {trigger.name for wait in here for trigger in wait.triggers} | {"within"}
         if firing.trigger not in triggers:
-            raise UsageError(
-                f"nothing waits for a trigger '{firing.trigger}': "
-                f"{_meant(firing.trigger, triggers)}"
-            )
-
-
-def _meant(word: str, known: Collection[str]) -> str:
-    close = nearest(word, known)
-    return f"did you mean '{close}'?" if close else f"expected {one_of(sorted(known))}"
+            hint = meant(firing.trigger, sorted(triggers))
+            raise UsageError(f"nothing waits for a trigger '{firing.trigger}': {hint}")
 
 
 BACKEND: Plugin[MakeBackend] = Plugin("nothing moves; shows what would be sent", make)

@@ -15,10 +15,10 @@ from typing import NamedTuple
 
 import pytest
 
+from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.protocol import Backend
 from pirate_sm.backends.serial.assembly import read_plan
 from pirate_sm.backends.serial.backend import SerialBackend
-from pirate_sm.backends.serial.guardian.virtual_port import VirtualPort
 from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -10,17 +12,27 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.detectors.registry import DETECTORS
-from pirate_sm.errors import BackendError
+import pirate_sm
+from pirate_sm.backends.protocol import Backend
+from pirate_sm.companion import Companion
+from pirate_sm.detectors.registry import DETECTORS, Asked, Detecting, Places
 from pirate_sm.loading.mission import load_mission
-from pirate_sm.registry import Plugin
+from pirate_sm.model.events import DetectorWord, FaultReport, SensorFrame, SubmitResult
 from pirate_sm.testing import BackendContract, Candidate, DetectorContract, Subject
-from pirate_sm.wiring import BACKENDS, Order, prepare
+from pirate_sm.wiring import BACKENDS, Order
+from pirate_sm.wiring.prepared import Equipment
 
 from .candidates import NEWT, TAKE_HOLD, candidate
 from .installed import EXAMPLE, install, install_metadata
 
 ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "extending.md").read_text("utf-8")
+RAISES = """
+from pirate_sm.registry import Plugin
+def make(*arguments):
+    raise KeyError("rig")
+PART = Plugin("raises", make)
+"""
 
 
 @pytest.fixture(scope="module")
@@ -30,8 +42,11 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     install(EXAMPLE, target)
     (target / "breaks.py").write_text("raise RuntimeError('no licence found')\n")
     (target / "odd.py").write_text("THING = 3\n")
+    (target / "raises.py").write_text(RAISES)
     points = {"broken": "breaks:BACKEND", "odd": "odd:THING", "gone": "nowhere:X", "sim": "odd:X"}
-    install_metadata(target, "pirate-faulty", {"pirate_sm.backends": points})
+    points["raising"] = "raises:PART"
+    groups = {"pirate_sm.backends": points, "pirate_sm.detectors": {"raising": "raises:PART"}}
+    install_metadata(target, "pirate-faulty", groups)
     return target
 
 
@@ -98,24 +113,46 @@ def test_what_a_package_adds_is_listed_and_what_is_wrong_with_another_is_told(si
     assert "pirate-faulty" in lines["broken"]
     assert "RuntimeError: no licence found" in lines["broken"]
     assert "No module named 'nowhere'" in lines["gone"]
-    assert "is a int, expected" in lines["odd"]
+    assert "is of type int, expected" in lines["odd"]
     assert {"sim", "serial", "trace"} <= lines.keys()
     assert "the name is taken" in result.stdout
 
 
 @pytest.mark.parametrize(
-    ("backend", "why"),
+    ("option", "name", "code", "why"),
     [
-        ("broken", "pirate-faulty: breaks:BACKEND fails with RuntimeError: no licence found"),
-        ("slow_lime", "did you mean 'slow_line'"),
+        ("--backend", "broken", 2, "breaks:BACKEND fails with RuntimeError: no licence found"),
+        ("--backend", "gone", 2, "nowhere:X fails with ModuleNotFoundError: No module named"),
+        ("--backend", "odd", 2, "odd:THING is of type int, expected a pirate_sm.registry.Plugin"),
+        ("--backend", "raising", 3, "raises:PART fails with KeyError: 'rig'"),
+        ("--detector", "raising", 3, "raises:PART fails with KeyError: 'rig'"),
     ],
 )
-def test_a_backend_that_cannot_be_had_moves_nothing(site: Path, backend: str, why: str) -> None:
-    result = pirate(site, "run", "mitre_bend", "--backend", backend)
+def test_a_faulty_package_is_named_with_its_entry_point_and_nothing_moves(
+    site: Path, option: str, name: str, code: int, why: str
+) -> None:
+    result = pirate(site, "run", "mitre_bend", option, name)
+
+    part = option.removeprefix("--")
+    whose = f"the {part} '{name}' cannot be used: package pirate-faulty: "
+    assert (result.returncode, result.stdout) == (code, "")
+    assert result.stderr.startswith(f"{whose}{why}")
+    assert "Traceback" not in result.stderr
+
+
+def test_the_api_names_a_faulty_package_in_the_same_words(example: Path) -> None:
+    with pytest.raises(pirate_sm.UsageError, match="pirate-faulty: odd:THING is of type int"):
+        pirate_sm.run("mitre_bend", "odd")
+    for options in ({"backend": "raising"}, {"detector": "raising"}):
+        with pytest.raises(pirate_sm.BackendError, match="raises:PART fails with KeyError"):
+            pirate_sm.run("mitre_bend", **options)  # type: ignore[arg-type]
+
+
+def test_a_backend_that_is_misspelt_is_suggested(site: Path) -> None:
+    result = pirate(site, "run", "mitre_bend", "--backend", "slow_lime")
 
     assert result.returncode == 2
-    assert why in result.stderr
-    assert "Traceback" not in result.stderr
+    assert "did you mean 'slow_line'" in result.stderr
 
 
 def test_an_option_that_a_detector_refuses_is_told(site: Path) -> None:
@@ -124,13 +161,36 @@ def test_an_option_that_a_detector_refuses_is_told(site: Path) -> None:
     assert (result.returncode, result.stderr.strip()) == (2, "expected clock:SECONDS")
 
 
-def test_a_factory_of_another_package_that_breaks_is_named(
-    example: Path, monkeypatch: pytest.MonkeyPatch
+def test_the_tests_in_the_documentation_pass_as_they_are_written(
+    site: Path, tmp_path: Path
 ) -> None:
-    def broken(order: object, loaded: object, say: object) -> None:
-        raise KeyError("rig")
+    block = re.search(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    assert block is not None
+    (tmp_path / "test_contract.py").write_text(block[1], "utf-8")
 
-    monkeypatch.setattr("pirate_example.slow_line.BACKEND", Plugin("breaks", broken))
+    result = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(site)])},
+        check=False,
+    )
 
-    with pytest.raises(BackendError, match="'slow_line' of package pirate-example fails: KeyError"):
-        prepare(Order(str(NEWT / "patrol.yaml"), "slow_line"))
+    assert result.returncode == 0, result.stdout
+    assert int(result.stdout.split(" passed")[0].split()[-1]) > 25
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        *(Backend, Equipment, SubmitResult, SensorFrame, FaultReport, Candidate),
+        *(Companion, Asked, Detecting, Places, DetectorWord, Subject),
+    ],
+)
+def test_the_documentation_explains_every_member_of_the_types_that_it_names(kind: type) -> None:
+    members = {*dir(kind), *inspect.get_annotations(kind)} - {*dir(tuple)}
+    code = " ".join(re.findall(r"`([^`\n]+)`", PAGE))
+
+    assert re.search(rf"\b{kind.__name__}\b", code)
+    assert [m for m in members if m[0] != "_" and not re.search(rf"\b{m}\b", code)] == []

@@ -56,7 +56,7 @@ def make(tmp_path: Path) -> Iterator[Make]:
 class TestOverAPty(BackendContract):
     # Only time that is made up stands still while nobody asks, and passes in no time.
     test_time_neither_goes_back_nor_past_what_was_asked = None  # type: ignore[assignment]
-    test_time_asked_for_that_has_passed_already_stands_still = None  # type: ignore[assignment]
+    test_a_limit_in_the_past_changes_nothing = None  # type: ignore[assignment]
     test_equal_seeds_give_equal_events = None  # type: ignore[assignment]
 
     @pytest.fixture

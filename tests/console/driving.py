@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Coroutine
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
@@ -13,6 +13,7 @@ from typing import Any
 
 from textual.pilot import Pilot
 from textual.widgets import OptionList
+from textual.worker import WorkerCancelled
 
 from pirate_sm.console.app import Console
 from pirate_sm.console.mission_list import without_mission
@@ -99,7 +100,9 @@ class Operator:
         if not self.app.is_running:
             return
         self.app.show()
-        await self.app.workers.wait_for_complete()
+        while running := [each for each in self.app.workers if each.is_running]:
+            with suppress(WorkerCancelled):  # a newer look at the same thing has replaced it
+                await running[0].wait()
         await self.pilot.pause()
         self.app.show_words(self.latest)
         await self.pilot.pause()

@@ -51,7 +51,7 @@ def until(what: Callable[[], object], within_s: float) -> None:
 def drive(session: OperatorSession) -> None:
     until(lambda: session.latest.state is not None, 20.0)
     for command in ("ClampFront", "ClampRear", "DriveForward"):
-        session.tell(OperatorCommand(command))
+        session.give_event(OperatorCommand(command))
         name = f"{command} done"
         until(
             lambda name=name: any(name in each.line.text for each in session.latest.story.recent),

@@ -72,16 +72,21 @@ def test_after_a_stop_the_run_that_was_begun_is_left_and_not_the_one_that_waits(
     assert read_recording(left).complete
 
 
+async def clamp_in_a_second_run(me: Operator) -> None:
+    """The first run is stopped after 20 s; by hand the robot clamps in the next one."""
+    me.wait(20.0)
+    me.session.stop()
+    me.wait(1.0)
+    me.until(lambda: me.latest.state is not None and me.latest.state.look is None)
+    me.session.tell(OperatorCommand("ClampFront"))
+    me.until(lambda: me.states[2] == "FrontClampedRearRelaxed")
+    await leave(me)
+
+
 def test_the_duration_of_a_later_run_is_its_own(runs: Path) -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend", backend="trace"), keep=keep) as me:
-            me.wait(20.0)
-            me.session.stop()
-            me.wait(1.0)
-            me.until(lambda: me.latest.state is not None and me.latest.state.look is None)
-            me.session.tell(OperatorCommand("ClampFront"))
-            me.until(lambda: me.states[2] == "FrontClampedRearRelaxed")
-            await leave(me)
+            await clamp_in_a_second_run(me)
 
     played(story)
     (left,) = runs.glob("*.mcap")
@@ -103,13 +108,7 @@ def later(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
 
     async def story() -> None:
         async with operator(with_mission("mitre_bend"), keep=keep) as me:
-            me.wait(20.0)
-            me.session.stop()
-            me.wait(1.0)
-            me.until(lambda: me.latest.state is not None and me.latest.state.look is None)
-            me.session.tell(OperatorCommand("ClampFront"))
-            me.until(lambda: me.states[2] == "FrontClampedRearRelaxed")
-            await leave(me)
+            await clamp_in_a_second_run(me)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(RUNS_VARIABLE, str(folder))

@@ -323,7 +323,9 @@ def test_a_real_robot_is_asked_for_first_if_nothing_has_moved_yet() -> None:
         async with operator(mission) as me:
             await me.look()
             assert me.latest.state.mission.paused
-            me.session.tell(OperatorCommand("Brake"))  # as nobody at the console has asked for it
+            me.session.give_event(
+                OperatorCommand("Brake")
+            )  # as nobody at the console has asked for it
             me.wait(2.0)
             await listed(me)
             await choose(me, "bend")

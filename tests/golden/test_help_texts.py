@@ -34,3 +34,12 @@ def test_the_stored_text_is_as_the_options_are(
 
 def test_there_is_no_text_of_a_command_that_is_not() -> None:
     assert {file.name for file in FOLDER.iterdir()} == {help_name(line.split()) for line in LINES}
+
+
+@pytest.mark.parametrize("line", ["pirate", "pirate new"])
+def test_the_summary_of_every_command_fits_into_its_line(line: str) -> None:
+    text = (FOLDER / help_name(line.split())).read_text("utf-8")
+    summaries = text.partition("Commands:\n")[2].splitlines()
+
+    assert len(summaries) > 1
+    assert [each for each in summaries if each.endswith(("...", "…"))] == []

@@ -2,20 +2,32 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import BackendError, UsageError
 from pirate_sm.registry import Plugin, Registry
 
 FIRST = Plugin("ours", lambda: 1)
-MODULE = "from pirate_sm.registry import Plugin\nTHING = Plugin('theirs', lambda: 2)\n"
+MODULE = """
+from pirate_sm.errors import UsageError
+from pirate_sm.registry import Plugin
+def refusing():
+    raise UsageError("not today")
+THING = Plugin('theirs', lambda: 2)
+RAISES = Plugin('theirs', lambda: {}['rig'])
+LEAVES = Plugin('theirs', lambda: exit('gone'))
+REFUSES = Plugin('theirs', refusing)
+RETURNS = Plugin('theirs', lambda: 'two')
+CALLS = Plugin('theirs', 3)
+"""
 
 
 @pytest.fixture
-def registry() -> Registry[object]:
-    return Registry("thing", "pirate_sm.test_things", {"first": f"{__name__}:FIRST"})
+def registry() -> Registry[Callable[[], int]]:
+    return Registry("thing", "pirate_sm.test_things", {"first": f"{__name__}:FIRST"}, int)
 
 
 def installed(folder: Path, package: str, points: dict[str, str]) -> None:
@@ -29,7 +41,7 @@ def installed(folder: Path, package: str, points: dict[str, str]) -> None:
 
 
 def test_ours_are_found_without_a_search_through_what_is_installed(
-    registry: Registry[object], monkeypatch: pytest.MonkeyPatch
+    registry: Registry[Callable[[], int]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def searched(**groups: str) -> None:
         raise AssertionError("metadata was read")
@@ -53,13 +65,13 @@ def test_a_list_of_ours_loads_neither_the_simulator_nor_the_serial_link() -> Non
 
 
 def test_another_package_adds_a_name(
-    registry: Registry[object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    registry: Registry[Callable[[], int]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     installed(tmp_path, "their-things", {"second": "theirs:THING"})
     monkeypatch.syspath_prepend(str(tmp_path))
 
     assert registry.names == ["first", "second"]
-    assert registry.find("second")() == 2  # type: ignore[operator]
+    assert registry.find("second")() == 2
     assert registry.package_of("second") == "their-things"
     assert registry.package_of("first") == ""
     assert [(each.name, each.about) for each in registry.listed()] == [
@@ -69,7 +81,7 @@ def test_another_package_adds_a_name(
 
 
 def test_our_names_cannot_be_taken_and_of_two_others_the_first_package_has_it(
-    registry: Registry[object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    registry: Registry[Callable[[], int]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     installed(tmp_path, "zebra", {"first": "theirs:THING", "second": "nowhere:THING"})
     installed(tmp_path, "ant", {"second": "theirs:THING"})
@@ -82,7 +94,45 @@ def test_our_names_cannot_be_taken_and_of_two_others_the_first_package_has_it(
 
 
 def test_a_name_that_is_not_there_is_refused_with_what_was_meant(
-    registry: Registry[object],
+    registry: Registry[Callable[[], int]],
 ) -> None:
-    with pytest.raises(UsageError, match=r"--thing frist: .* did you mean 'first'"):
+    with pytest.raises(UsageError, match="there is no thing 'frist'; did you mean 'first'"):
         registry.find("frist")
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("RAISES", "fails with KeyError: 'rig'"),
+        ("LEAVES", "fails with SystemExit: gone"),
+        ("RETURNS", "returns a value of type str, expected int"),
+        ("CALLS", "fails with TypeError: 'int' object is not callable"),
+    ],
+)
+def test_what_goes_wrong_in_another_package_names_it_and_its_entry_point(
+    registry: Registry[Callable[[], int]],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    name: str,
+    why: str,
+) -> None:
+    installed(tmp_path, "their-things", {"second": f"theirs:{name}"})
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "theirs", raising=False)
+
+    with pytest.raises(BackendError) as caught:
+        registry.find("second")()
+
+    whose = "the thing 'second' cannot be used: package their-things: theirs"
+    assert str(caught.value) == f"{whose}:{name} {why}"
+
+
+def test_what_another_package_refuses_is_said_in_its_words(
+    registry: Registry[Callable[[], int]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    installed(tmp_path, "their-things", {"second": "theirs:REFUSES"})
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "theirs", raising=False)
+
+    with pytest.raises(UsageError, match=r"^not today$"):
+        registry.find("second")()

@@ -14,19 +14,20 @@ from pirate_sm.model.profile import Profile
 from pirate_sm.rosserial.messages import read_messages, serial_of
 
 STAY_S = 600.0
-"""How long a guardian goes on without a runner if nobody says: time to come and cut the power."""
+"""How long a guardian goes on without a runner by default: enough time to cut the power."""
 
 
 def read_plan(folder: Path, profile: Profile, robot: RobotSpec) -> LinkPlan:
-    """Return the robot's link plan, from its profile and its message texts.
+    """Return the robot's link plan, made from its profile and its message definitions.
 
     Args:
-        folder: The robot's, with its message texts.
-        profile: The robot.
-        robot: The same, as the engine runs it.
+        folder: The robot's folder, with its message definitions.
+        profile: The robot's profile.
+        robot: The robot as the engine runs it.
 
     Raises:
-        UsageError: It has no serial link, or its texts do not fit; or a library is missing.
+        UsageError: The profile has no serial link, the definitions do not fit it, or a library is
+            missing.
     """
     serial = serial_of(profile)
     messages = read_messages(folder / serial.messages, serial, len(profile.slots))
@@ -34,13 +35,14 @@ def read_plan(folder: Path, profile: Profile, robot: RobotSpec) -> LinkPlan:
 
 
 def guarded_port(plan: LinkPlan, url: str, baud: int | None, stay_s: float = STAY_S) -> GuardedPort:
-    """Return the port, not open yet, which a guardian will own.
+    """Return a port, still closed, that a guardian will own.
 
     Args:
-        plan: The robot on its wire.
+        plan: The robot's link plan.
         url: A device such as ``/dev/ttyACM0``, or any URL of pyserial.
-        baud: In place of the robot's own rate.
-        stay_s: How long the guardian goes on without us if the robot does not confirm its stop.
+        baud: Baud rate in place of the profile's.
+        stay_s: How long the guardian goes on without a runner if the robot does not confirm its
+            stop.
 
     Raises:
         UsageError: pyserial is missing, which the guardian needs.
@@ -60,7 +62,7 @@ def guarded_port(plan: LinkPlan, url: str, baud: int | None, stay_s: float = STA
 def serial_backend(
     plan: LinkPlan, url: str, baud: int | None, stay_s: float = STAY_S
 ) -> SerialBackend:
-    """Return the robot on this port, which a guardian will own; arguments as above.
+    """Return the serial backend on this port, which a guardian will own; arguments as above.
 
     Raises:
         UsageError: pyserial is missing, which the guardian needs.

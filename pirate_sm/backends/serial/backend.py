@@ -1,4 +1,4 @@
-"""The serial backend: an exchange on a port, in the time of the port's clock."""
+"""The serial backend: an exchange on a port, timed by the port's clock."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from pirate_sm.model.events import Event, SensorFrame
 from pirate_sm.model.fault_codes import BuiltInFault
 
 ANSWER_WITHIN_S = 6.0
-"""Beyond the boot loader's time; with every second frame lost that is enough."""
+"""Longer than a boot loader runs, and long enough even if every second frame is lost."""
 
 SENSORS_WITHIN_S = 3.0
 _LOOK_UP_S = 0.1
 _FLUSH_WITHIN_S = 0.8
 _RESET_SHOWS_S = SILENT_AFTER_S + 0.1
-"""A silence of this length has been noticed by then: the robot is away."""
+"""A silence of this length has been noticed by then, and the link counts as away."""
 
 
 class SerialBackend:
-    """The backend whose world is the robot at the other end of a serial port.
+    """Runs the robot at the other end of a serial port.
 
     Args:
-        plan: The robot on its wire.
-        port: Where it is.
-        baud: Of the line.
+        plan: The robot's link plan.
+        port: The port that the robot is connected to.
+        baud: Baud rate of the line.
 
     Attributes:
-        exchange: What has been said and done on the link.
-        confirmed: Whether what was to be in force when it was closed has been confirmed to be.
+        exchange: The driver of the link.
+        confirmed: Whether, when the backend was closed, the robot had confirmed the last array.
     """
 
     name = "serial"
@@ -57,7 +57,7 @@ class SerialBackend:
         self._baud = baud or plan.serial.baud
         self._begin()
         self._time = MissionTime()
-        self._told = False
+        self._was_away = False
         self._trips = 0
         self._events: list[Event] = []
         self._open = False
@@ -75,7 +75,7 @@ class SerialBackend:
         """Open the port, learn the topics, and return what every board measures; nothing moves.
 
         Raises:
-            BackendError: One sentence that says what to do.
+            BackendError: The robot cannot be reached; the message says what to do.
         """
         if self._closed:
             raise BackendError("the port has been closed")
@@ -101,7 +101,7 @@ class SerialBackend:
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
         """Run until an event, until ``until_s`` or for a tenth of a second; return time and events.
 
-        While the link is silent mission time stands still: no deadline passes, nothing goes on.
+        While the link is silent, mission time stands still and no deadline passes.
         """
         if self._closed or not self._open:
             raise BackendError("the port is closed")
@@ -132,7 +132,7 @@ class SerialBackend:
             with suppress(BackendError):
                 self._flush()
             self.confirmed = self.exchange.settled and stopped.confirmed
-            # To a rosserial device only, and to none that is still to confirm something.
+            # Only to a rosserial device, and to none that still has to confirm an array.
             if self.exchange.conversation.frames and stopped.confirmed:
                 with suppress(BackendError):
                     self._pump.put(self.exchange.conversation.farewell())
@@ -142,7 +142,7 @@ class SerialBackend:
     # --- beyond it --------------------------------------------------------------------------
 
     def hold(self, values: tuple[float, ...], seeking: Collection[int] = ()) -> None:
-        """Set the array that the guardian sends, with the safe state's zeros, if this process dies.
+        """Set the safe array, which the guardian sends if this process dies.
 
         Args:
             values: The safe array.
@@ -152,15 +152,15 @@ class SerialBackend:
 
     @property
     def health(self) -> LinkHealth:
-        """The state of the link now, in numbers."""
+        """Return the present state of the link in numbers."""
         return health_of(self.exchange, self.port.now())
 
     def parting(self) -> str:
-        """Return what a person must do after it was closed; empty: nothing."""
+        """Return what a person must do after the port was closed; empty if nothing."""
         return self.port.remark()
 
     def remark(self) -> str:
-        """Return what a person must know now, once; else empty."""
+        """Return what a person must know now; each remark is returned once, else empty."""
         if about_the_port := self.port.remark():
             return about_the_port
         trips = self.exchange.counts.trips
@@ -170,8 +170,8 @@ class SerialBackend:
                 "the robot's dead man's switch had stopped what moved, for no setpoints arrived; "
                 f"they are sent again ({trips} time{'s' if trips > 1 else ''} so far)"
             )
-        told, self._told = self._told, self.exchange.outage is not None
-        if told or not self._told:
+        was_away, self._was_away = self._was_away, self.exchange.outage is not None
+        if was_away or not self._was_away:
             return ""
         within_s = self.plan.away_s
         return (
@@ -201,15 +201,15 @@ class SerialBackend:
                 )
 
     def _hear_sensors(self) -> list[Event]:
-        """Return the last frame of every board, and a fault for boards that do not report.
+        """Return the last frame of every board, and a fault for each board that does not report.
 
         Raises:
-            BackendError: None says anything.
+            BackendError: No board reports.
         """
         exchange, boards = self.exchange, set(self.plan.channels)
         give_up_s = self.port.now() + SENSORS_WITHIN_S
         frames: dict[int, SensorFrame] = {}
-        told: list[Event] = []
+        faults: list[Event] = []
         while not boards <= frames.keys() and self.port.now() < give_up_s:
             self._pump.turn(give_up_s)
             for event in exchange.take():
@@ -221,14 +221,14 @@ class SerialBackend:
         if boards and silent == boards:
             raise BackendError(no_sensors(self.plan.serial.advice.no_sensors))
         if silent:
-            told.append(BuiltInFault.SENSOR_SILENT.report(mute(self.plan.modules, silent)))
-        return [*frames.values(), *told]
+            faults.append(BuiltInFault.SENSOR_SILENT.report(mute(self.plan.modules, silent)))
+        return [*frames.values(), *faults]
 
     def _flush(self) -> None:
-        """Wait until the last array is confirmed, else write the safe one once more.
+        """Wait until the last array is confirmed; otherwise write the safe array once more.
 
-        The robot must report once more too: one that was reset a moment ago has forgotten what it
-        confirmed. While it is away, being reset or without its cable, it is waited for.
+        The robot must also report once more, because a robot that was just reset has forgotten what
+        it confirmed. If it is away, being reset or unplugged, wait for it.
         """
         exchange, now = self.exchange, self.port.now()
         began_s, patient_s, give_up_s = now, now + self.plan.away_s, now + _FLUSH_WITHIN_S

@@ -1,4 +1,4 @@
-"""The state of the link in numbers, for a person to follow."""
+"""The state of the link in numbers, for people."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ class LinkHealth(NamedTuple):
     """What has happened on the link so far, and its state now.
 
     Attributes:
-        received: Frames that came; ``damaged`` of them were of no use, among them echoes of
-            something else than was written.
-        written: Arrays that were written; ``repeated`` of them once more.
+        received: Frames received. ``damaged`` is how many of them were unusable, including echoes
+            of values that were not written.
+        written: Arrays written; ``repeated`` is how many of them were repeats.
         dropped_bytes: Bytes that belonged to no frame.
-        round_trip_s: What the last echo has taken; NaN before the first one.
-        silent_s: How long nothing has come; 0 while all is well.
-        trouble: What is wrong now, in words; empty: nothing.
-        patience_s: How much longer it is waited for; 0 while all is well.
+        round_trip_s: Time from the last writing to its echo; NaN before the first echo.
+        silent_s: How long nothing has been received; 0 while the link works.
+        trouble: The present problem in words; empty if none.
+        patience_s: How much longer the mission waits for the link; 0 while it works.
         stopped: Whether the robot has confirmed that it stopped, or has not been moved.
-        trips: How often the firmware's dead man's switch has tripped, as far as was heard.
+        trips: How often the firmware's dead man's switch has tripped, as far as reported.
     """
 
     received: int

@@ -1,4 +1,4 @@
-"""Move bytes between an exchange and its port, and open a port again that was lost."""
+"""Moves bytes between an exchange and its port, and reopens a lost port."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ _SAMPLE_BYTES = 4096
 
 
 class LinkPump:
-    """Writes what is due to the port and gives the exchange what comes.
+    """Writes due bytes to the port and passes received ones to the exchange.
 
     Args:
-        port: Where the robot is.
-        exchange: What is said on it.
+        port: The robot's port.
+        exchange: The driver of the link.
 
     Attributes:
-        sample: The last bytes that came before the topics were known, to tell what is wrong.
+        sample: The last bytes received before the topics were known, for error messages.
     """
 
     def __init__(self, port: Port, exchange: Exchange) -> None:
@@ -38,7 +38,7 @@ class LinkPump:
         return self._lost_s < inf
 
     def take(self) -> list[Event]:
-        """Return what has happened since the last call, oldest first."""
+        """Return the events since the last call, oldest first."""
         faults, self._faults = self._faults, []
         return [*faults, *self._exchange.take()]
 
@@ -96,7 +96,7 @@ class LinkPump:
             self._exchange.lost(reason, now)
 
     def _retry(self, now: float) -> None:
-        """Try to open a lost port; the exchange then asks for topics and sends the array."""
+        """Try to reopen a lost port; the exchange then asks for topics and sends the array."""
         if now < self._retry_s:
             return
         self._retry_s = now + _REOPEN_EVERY_S

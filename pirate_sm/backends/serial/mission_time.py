@@ -8,10 +8,10 @@ from pirate_sm.backends.serial.link.exchange import Exchange
 
 
 class MissionTime:
-    """Counts mission time by the clock of the port.
+    """Derives mission time from the port's clock.
 
     Attributes:
-        now_s: Mission time reached.
+        now_s: Mission time, s.
     """
 
     def __init__(self) -> None:
@@ -21,18 +21,18 @@ class MissionTime:
         self._late = False
 
     def begin(self, now: float) -> None:
-        """Let mission time begin at this time of the clock."""
+        """Start mission time at this time of the clock."""
         self._zero_s = now
 
     def deadline_s(self, until_s: float, look_up_s: float) -> float:
-        """Return until when to wait by the clock: for a mission time, or for ``look_up_s``."""
+        """Return the time of the clock until which to wait: a mission time, or ``look_up_s``."""
         return look_up_s if self._held_s < inf else min(self._zero_s + until_s, look_up_s)
 
     def follow(self, exchange: Exchange, now: float) -> None:
         """Stop mission time while the mission is held.
 
-        It catches up with a silence that was none, but for what this program stood still for in it,
-        and leaves out one that is reported as a fault.
+        After a brief silence it catches up, except for the time in which this program stood still.
+        It leaves out a silence that is reported as a fault.
         """
         outage = exchange.outage
         self._zero_s += exchange.take_left_out_s()
@@ -49,11 +49,11 @@ class MissionTime:
         """Advance mission time to this time of the clock, at most to ``until_s``.
 
         Returns:
-            Whether events of this moment may be reported; else mission time still catches up.
+            Whether events may be reported now; if not, mission time is still catching up.
         """
         running_s = min(now, self._held_s)
         now_s = running_s - self._zero_s
-        # Not `now_s` alone, which rounding may leave a hair before `until_s`.
+        # `now_s` alone is not enough: rounding may leave it just below `until_s`.
         self.now_s = max(self.now_s, min(now_s, until_s))
         if running_s >= self._zero_s + until_s:
             self.now_s = until_s

@@ -1,6 +1,6 @@
-"""Decides how a silent link is brought back to a known state, or when it is given up.
+"""Decides how a silent link is brought back to a known state, and when it is given up.
 
-Pure: what is heard goes in with the time, what is wanted and what has come of it come out.
+Pure: received frames and the time go in, requests and verdicts come out.
 """
 
 from __future__ import annotations
@@ -13,33 +13,33 @@ from pirate_sm.model.events import FaultReport, SensorFrame
 from pirate_sm.model.fault_codes import BuiltInFault
 
 BRIEF = 0.75
-"""Share of ``silent_after``: shorter silences that end by themselves are none."""
+"""Share of ``silent_after``: a shorter silence that ends by itself is no outage."""
 
 _UNCONFIRMED = "does not confirm the safe setpoints"
 _BOARDS_WITHIN_S = 1.0
 _SAFE_AGAIN_S = 0.1
 _IN_ALL = 3
-"""Times the budget: a controller that comes back and goes away again and again is given up."""
+"""Times the budget after which a controller that comes and goes again and again is given up."""
 
 
 @dataclass
 class Outage:
-    """What is known of a silence, during which the mission is held.
+    """A silence during which the mission is held.
 
     Attributes:
-        heard_s: When the last frame before it had come.
+        heard_s: When the last frame before it came.
         since_s: Since when the mission is held.
         sign_s: The last sign of life.
-        gone: Why the port went away; empty where it did not.
+        gone: Why the port went away; empty if it did not.
         anew: Whether the controller had to be asked anew.
         answered_s: When it first spoke again; infinite before.
         back_s: Since when it speaks again; infinite before, and while it is silent once more.
-        silence_s: How long it did not.
+        silence_s: How long it was silent.
         safe_s: When the safe array was confirmed since; infinite before.
-        stopped: Whether it has been confirmed at all.
+        stopped: Whether the safe array has been confirmed at all.
         wrote_s: When the safe array was last written.
-        missing: Boards that have reported before and not since.
-        frames: What boards have reported since, the last of each.
+        missing: Boards that reported before the silence but not since.
+        frames: The last frame of each board since.
     """
 
     heard_s: float
@@ -62,13 +62,13 @@ class Outage:
         return self.back_s < inf
 
     def relapse(self) -> None:
-        """Note that it has fallen silent again: nothing that was known of it holds."""
+        """Handle a relapse: the controller is silent again, and what was known no longer holds."""
         self.back_s = self.safe_s = inf
         self.wrote_s = -inf
         self.frames.clear()
 
     def return_(self, now: float, boards: Set[int], safe_needed: bool) -> None:
-        """Note that the controller speaks again; its boards and the safe array are awaited."""
+        """Handle the controller's return; its boards and the safe array are awaited."""
         self.back_s = now
         self.answered_s = min(self.answered_s, now)
         self.silence_s = self.silence_s or now - self.heard_s
@@ -76,28 +76,28 @@ class Outage:
         self.missing = set(boards)
 
     def confirm(self, now: float) -> None:
-        """Note that the safe array is in force."""
+        """Handle that the safe array is in force."""
         if self.back:
             self.safe_s, self.stopped = min(self.safe_s, now), True
 
     @property
     def dumb(self) -> bool:
-        """Whether it answers but nothing comes from any board."""
+        """Whether the controller answers but no board reports."""
         return bool(self.missing) and not self.frames
 
     def report(self, frame: SensorFrame) -> None:
-        """Take in what a board has measured since the controller speaks again."""
+        """Take in a board's frame since the controller's return."""
         self.frames[frame.board] = frame
         self.missing.discard(frame.board)
 
 
 class Recovery:
-    """Decides what becomes of an outage.
+    """Decides how an outage ends.
 
     Args:
-        brief_s: A silence that ends by itself before is none.
-        within_s: After the last sign of life the link must be back within so long.
-        advice: What a person can do when no board reports.
+        brief_s: A shorter silence that ends by itself is no outage.
+        within_s: How long after the last sign of life the link may take to return.
+        advice: What a person can do when no board reports, from the profile.
     """
 
     def __init__(self, brief_s: float, within_s: float, advice: str) -> None:
@@ -106,20 +106,20 @@ class Recovery:
         self._within_s = within_s
 
     def is_brief(self, outage: Outage, awake_s: float) -> bool:
-        """Return whether this was only a silence too short to matter.
+        """Return whether the silence was too short to be an outage.
 
         Args:
-            outage: What is known of it.
-            awake_s: How long it was while this program was awake.
+            outage: The silence.
+            awake_s: How long it lasted while this program was awake.
         """
         return not (outage.gone or outage.anew) and awake_s < self.brief_s
 
     def wants_safe(self, outage: Outage, now: float) -> bool:
-        """Return whether the safe array is to be written now."""
+        """Return whether the safe array is due to be written."""
         return outage.back and outage.safe_s == inf and now >= outage.wrote_s + _SAFE_AGAIN_S
 
     def due_s(self, outage: Outage) -> float:
-        """Return when there is something to do or to decide, if nothing is heard before."""
+        """Return when there is something to do or to decide, if nothing comes before."""
         if not outage.back:
             dumb_s = outage.answered_s + self._within_s if outage.dumb else inf
             return min(self.gives_up_s(outage), dumb_s)
@@ -130,10 +130,10 @@ class Recovery:
         return outage.safe_s + _BOARDS_WITHIN_S if outage.missing else -inf
 
     def verdict(self, outage: Outage, now: float, stopped: bool) -> FaultReport | None:
-        """Return the fault that the outage has been, once that is clear; else None.
+        """Return the fault that the outage turned out to be; None while that is not clear.
 
         Args:
-            outage: What is known of it.
+            outage: The outage.
             now: The time.
             stopped: Whether there was a safe array to be confirmed.
         """
@@ -148,7 +148,7 @@ class Recovery:
         return self._recovered(outage, stopped)
 
     def gives_up_s(self, outage: Outage) -> float:
-        """Return when a silence that goes on is given up as the loss of the link."""
+        """Return when a lasting silence is given up as a lost link."""
         return min(outage.sign_s + self._within_s, outage.since_s + _IN_ALL * self._within_s)
 
     def _given_up(self, outage: Outage, now: float) -> FaultReport:
@@ -182,9 +182,9 @@ class Recovery:
 
 
 def was_reset(silence_s: float) -> str:
-    """Return a sentence on what has happened to a controller that speaks again.
+    """Return the sentence about a controller that speaks again.
 
-    Whether the answer to our question made it speak or it went on by itself cannot be told where
-    answers are lost; and what a reset asks for is right after any silence.
+    Where answers get lost, nobody can know whether the controller spoke because it was asked or of
+    its own accord. What a reset requires is right after any silence.
     """
     return f"the robot's controller said nothing for {silence_s:.1f} s, it was reset or hung"

@@ -1,6 +1,6 @@
-"""Every code that a finding can have: what it means, why it matters and how it is mended.
+"""The catalogue of finding codes: what each means, why it matters and how to mend it.
 
-The entries stand in the YAML files beside this one, a file for each group.
+The entries are in the YAML files in this folder, one file for each group.
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ _FILES = (
 
 
 class Entry(Frozen):
-    """What is to be known of one code.
+    """The description of one code.
 
     Attributes:
-        severity: The one that its findings have unless the check could not decide.
+        severity: The severity of its findings, unless the check could not decide.
         title: What is wrong, in one line.
         why: Why it matters.
         mend: How it is usually mended.
-        wrong: A short example of it.
-        right: The same without the fault.
-        allowable: Whether a comment can allow it; None: as its group says.
+        wrong: A short example with the fault.
+        right: The same example without the fault.
+        allowable: Whether a comment can allow it; None for the value of its group.
     """
 
     severity: Literal["error", "warning"]
@@ -53,12 +53,12 @@ class Entry(Frozen):
 
 
 class Group(Frozen):
-    """Codes that belong together.
+    """A group of related codes.
 
     Attributes:
         group: Its title.
-        about: What they have in common.
-        allowable: Whether comments can allow them: not what keeps a file from being used.
+        about: A description of the group.
+        allowable: Whether comments can allow them; not for faults that prevent the use of a file.
     """
 
     group: str
@@ -69,26 +69,26 @@ class Group(Frozen):
 
 @cache
 def groups() -> tuple[Group, ...]:
-    """Return every group with its entries, those of missions first."""
+    """Return all groups with their entries, missions first."""
     files = [_HERE / f"{name}.yaml" for name in _FILES]
     return tuple(validate(read_document(file, file.name), Group) for file in files)
 
 
 @cache
 def entries() -> Mapping[str, Entry]:
-    """Return every entry by its code."""
+    """Return all entries by their codes."""
     return {code: entry for group in groups() for code, entry in group.codes.items()}
 
 
 def entry_of(code: str) -> Entry:
-    """Return the entry of a code; where there is none, one that only names the code."""
+    """Return the entry of a code; for an unknown code, one that only contains the code."""
     return entries().get(code) or Entry(
         severity="error", title=code, why="", mend="", wrong="", right=""
     )
 
 
 def nearest_code(word: str) -> str | None:
-    """Return the code that a misspelt one most likely stands for, if one is close."""
+    """Return the code that a misspelt one most likely means, None without a similar one."""
     return nearest(word, entries())
 
 

@@ -1,1 +1,1 @@
-"""What one version of a mission can do and another cannot."""
+"""Compare the possible behaviour of two versions of a mission."""

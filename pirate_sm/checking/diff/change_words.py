@@ -1,4 +1,4 @@
-"""Words for what differs between two versions of a mission."""
+"""The wording of differences between two versions of a mission."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pirate_sm.checking.exploring.exploration import WITHIN
 
 
 def trigger_words(name: str, trigger: Trigger) -> str:
-    """Return what ends a wait and where it leads."""
+    """Return what ends a wait, and its target."""
     return f"{cause(name, trigger)}, which leads to {quoted(trigger.go)}"
 
 
@@ -35,14 +35,14 @@ def names_of_ends(names: frozenset[str]) -> str:
 
 
 def handling(go: str) -> str:
-    """Return what becomes of a fault."""
+    """Return the handling of a fault."""
     if not go:
         return "stops the mission"
     return "is only told" if go == IGNORED else f"leads to '{go}'"
 
 
 def way_words(way: Success) -> str:
-    """Return how much must happen on a way."""
+    """Return the number of commands and events on a path to success."""
     return f"{_count(way.commands, 'command')} and {_count(way.events, 'event')}"
 
 

@@ -1,4 +1,4 @@
-"""What one version of a mission can do and another cannot, whatever their texts look like."""
+"""Compare what two versions of a mission can do, independently of their texts."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ About: TypeAlias = Literal[
 
 
 @dataclass(frozen=True)
-class Change:
-    """One difference.
+class BehaviourChange:
+    """One difference in behaviour.
 
     Attributes:
-        text: The same as a sentence.
-        phase: Where it is, in the names of the new version; empty where it is everywhere.
-        name: What it is about.
-        before: How it was; ``after`` how it is now. Empty where there was or is none.
+        text: The difference as a sentence.
+        phase: The phase, by its new name; empty if the difference is not in one phase.
+        name: Name of the part that differs.
+        before: The old behaviour; ``after``: the new one. Empty if there is none.
     """
 
     kind: Kind
@@ -54,30 +54,30 @@ class Change:
 
 
 @dataclass(frozen=True)
-class Difference:
-    """Everything that differs.
+class MissionDifference:
+    """All differences between two versions.
 
     Attributes:
-        cut_off: Versions with too much to look at: there may be more.
+        cut_off: Versions that were too large to explore; there may be more differences.
     """
 
-    changes: tuple[Change, ...]
+    changes: tuple[BehaviourChange, ...]
     cut_off: tuple[Literal["old", "new"], ...] = ()
 
     @property
     def same(self) -> bool:
-        """Whether both versions can do the same, as far as is known."""
+        """Return whether no difference is known."""
         return all(each.kind == "renamed" for each in self.changes)
 
-    def of(self, kind: Kind) -> tuple[Change, ...]:
+    def of(self, kind: Kind) -> tuple[BehaviourChange, ...]:
         """Return the changes of one kind."""
         return tuple(each for each in self.changes if each.kind == kind)
 
 
-def compare(old: Abilities, new: Abilities) -> Difference:
-    """Return what the new version can do and the old one cannot, and the other way round.
+def compare(old: Abilities, new: Abilities) -> MissionDifference:
+    """Return the differences in behaviour between the old and the new version.
 
-    A phase or an end that has another name and is the same otherwise has been renamed.
+    A phase or an end that differs only in its name counts as renamed.
     """
     phases, ends = renamed(old.phases, new.phases), renamed(old.outcomes, new.outcomes)
     renamings = [
@@ -98,24 +98,24 @@ def compare(old: Abilities, new: Abilities) -> Difference:
         *renamings,
     ]
     cut_off: list[Literal["old", "new"]] = ["old"] if not old.complete else []
-    return Difference(tuple(changes), tuple(cut_off + (["new"] if not new.complete else [])))
+    return MissionDifference(tuple(changes), tuple(cut_off + (["new"] if not new.complete else [])))
 
 
-def _renaming(about: About, before: str, after: str) -> Change:
+def _renaming(about: About, before: str, after: str) -> BehaviourChange:
     thing = "phase" if about == "phase" else "end"
     text = f"the {thing} '{before}' is called '{after}' now"
-    return Change("renamed", about, text, after, "", before, after)
+    return BehaviourChange("renamed", about, text, after, "", before, after)
 
 
-def _facts(old: Abilities, new: Abilities) -> Iterator[Change]:
+def _facts(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
     for name, after in new.facts.items():
         before = old.facts.get(name, after)
         if before != after:
             text = f"{name}: {after}; before: {before}"
-            yield Change("changed", "fact", text, name, "", before, after)
+            yield BehaviourChange("changed", "fact", text, name, "", before, after)
 
 
-def _phases(old: Abilities, new: Abilities) -> Iterator[Change]:
+def _phases(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
     for kind, name, here, there in _one_sided(old, new, lambda each: each.phases):
         gives = [command for phase, command in here.commands if phase == name]
         elsewhere = {command for _, command in there.commands}
@@ -126,25 +126,25 @@ def _phases(old: Abilities, new: Abilities) -> Iterator[Change]:
             text += f"; it {'gives' if gained else 'gave'} {', '.join(gives)}"
         if alone:
             text += f"; before, nothing gave {alone}" if gained else f"; now nothing gives {alone}"
-        yield Change(kind, "phase", text, name)
+        yield BehaviourChange(kind, "phase", text, name)
 
 
-def _commands(old: Abilities, new: Abilities) -> Iterator[Change]:
+def _commands(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
     for kind, (phase, name), _, there in _one_sided(old, new, lambda each: each.commands):
         if phase not in there.phases:
-            continue  # told with the phase
+            continue  # reported with the phase
         nowhere = all(other != name for _, other in there.commands)
         if kind == "gained":
             text = f"{name} can be given in '{phase}'" + "; before, nothing gave it" * nowhere
         else:
             text = f"{name} is given in '{phase}' no more" + "; now nothing gives it" * nowhere
-        yield Change(kind, "command", text, name, phase)
+        yield BehaviourChange(kind, "command", text, name, phase)
     for (phase, name), before, after in _both(old.commands, new.commands):
         text = f"{name} in '{phase}' is given on other terms: {after}; before: {before}"
-        yield Change("changed", "command", text, name, phase, before, after)
+        yield BehaviourChange("changed", "command", text, name, phase, before, after)
 
 
-def _triggers(old: Abilities, new: Abilities) -> Iterator[Change]:
+def _triggers(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
     old = replace(old, triggers=matched_triggers(old.triggers, new.triggers))
     for kind, (phase, name), here, there in _one_sided(old, new, lambda each: each.triggers):
         if phase not in there.phases:
@@ -153,7 +153,7 @@ def _triggers(old: Abilities, new: Abilities) -> Iterator[Change]:
         text = f"the wait of '{phase}' can end by {said}"
         if kind == "lost":
             text = f"the wait of '{phase}' ends no more by {said}"
-        yield Change(kind, "trigger", text, name, phase)
+        yield BehaviourChange(kind, "trigger", text, name, phase)
     for (phase, name), was, now in _both(old.triggers, new.triggers):
         before, after = trigger_words(name, was), trigger_words(name, now)
         text = f"the wait of '{phase}' ends by {after}; before by {before}"
@@ -162,10 +162,10 @@ def _triggers(old: Abilities, new: Abilities) -> Iterator[Change]:
         elif was.text == now.text:
             what, leads = cause(name, now), quoted(now.go)
             text = f"in '{phase}' {what} leads to {leads}; before to {quoted(was.go)}"
-        yield Change("changed", "trigger", text, name, phase, before, after)
+        yield BehaviourChange("changed", "trigger", text, name, phase, before, after)
 
 
-def _outcomes(old: Abilities, new: Abilities) -> Iterator[Change]:
+def _outcomes(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
     for kind, name, here, _ in _one_sided(old, new, lambda each: each.outcomes):
         said = f", which {outcome_words(here.outcomes[name])}"
         if name == STOPPED:
@@ -173,15 +173,15 @@ def _outcomes(old: Abilities, new: Abilities) -> Iterator[Change]:
         text = f"it can end in {end_words(name)}{said}"
         if kind == "lost":
             text = f"it ends no more in {end_words(name)}{said}"
-        yield Change(kind, "outcome", text, name)
+        yield BehaviourChange(kind, "outcome", text, name)
     for name, was, now in _both(old.outcomes, new.outcomes):
         before, after = outcome_words(was), outcome_words(now)
         text = f"the end '{name}' {after}; before: {before}"
-        yield Change("changed", "outcome", text, name, "", before, after)
+        yield BehaviourChange("changed", "outcome", text, name, "", before, after)
 
 
-def _failures(old: Abilities, new: Abilities) -> Iterator[Change]:
-    """Yield commands whose failure ends otherwise, those together that change alike."""
+def _failures(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
+    """Yield commands whose failure leads to other ends, grouped by equal changes."""
     alike: dict[tuple[str, str], dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
     for (phase, name), was, now in _both(old.failures, new.failures):
         alike[names_of_ends(was), names_of_ends(now)][phase].append(name)
@@ -191,11 +191,13 @@ def _failures(old: Abilities, new: Abilities) -> Iterator[Change]:
                 f"where {' or '.join(names)} fails in '{phase}' and nothing else goes wrong, "
                 f"it ends in {after}; before in {before}"
             )
-            yield Change("changed", "failure", text, ", ".join(names), phase, before, after)
+            yield BehaviourChange(
+                "changed", "failure", text, ", ".join(names), phase, before, after
+            )
 
 
-def _faults(old: Abilities, new: Abilities) -> Iterator[Change]:
-    """Yield faults that lead elsewhere, phases together in which they change alike."""
+def _faults(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
+    """Yield faults with another target, with phases grouped by equal changes."""
     kept = [phase for phase in new.phases if phase in old.phases]
     codes = dict.fromkeys(code for _, code in (*old.faults, *new.faults))
     for code in codes:
@@ -208,26 +210,28 @@ def _faults(old: Abilities, new: Abilities) -> Iterator[Change]:
             where = "" if len(phases) == len(kept) else f" in {quoted(phases)}"
             text = f"the fault {code} {handling(after)}{where}; before: {handling(before)}"
             kind: Kind = "changed" if before and after else "gained" if after else "lost"
-            yield Change(kind, "fault", text, code, ", ".join(phases) * bool(where), before, after)
+            yield BehaviourChange(
+                kind, "fault", text, code, ", ".join(phases) * bool(where), before, after
+            )
 
 
-def _rules(old: Abilities, new: Abilities) -> Iterator[Change]:
+def _rules(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
     for kind, message, _, _ in _one_sided(old, new, lambda each: _in_order(each.broken)):
         text = f"it can come to this: {message}"
         if kind == "lost":
             text = f"it comes to this no more: {message}"
-        yield Change(kind, "rule", text, message)
+        yield BehaviourChange(kind, "rule", text, message)
     for kind, name, _, _ in _one_sided(old, new, lambda each: _in_order(each.rules)):
         text = f"the rule {name} is watched" + " no more" * (kind == "lost")
-        yield Change(kind, "rule", text, name)
+        yield BehaviourChange(kind, "rule", text, name)
 
 
 def _in_order(names: Iterable[str]) -> Mapping[str, None]:
-    """Return the names as keys, in an order that does not change from run to run."""
+    """Return the names as keys, in a reproducible order."""
     return dict.fromkeys(sorted(names))
 
 
-def _success(old: Success | None, new: Success | None) -> Iterator[Change]:
+def _success(old: Success | None, new: Success | None) -> Iterator[BehaviourChange]:
     if old == new:
         return
     if old is None or new is None:
@@ -236,18 +240,18 @@ def _success(old: Success | None, new: Success | None) -> Iterator[Change]:
     else:
         kind, text = "changed", f"success takes at least {way_words(new)}; before {way_words(old)}"
     before, after = (way_words(each) if each else "" for each in (old, new))
-    yield Change(kind, "success", text, "", "", before, after)
+    yield BehaviourChange(kind, "success", text, "", "", before, after)
 
 
 def _one_sided(
     old: Abilities, new: Abilities, part: Callable[[Abilities], Mapping[K, object]]
 ) -> Iterator[tuple[Kind, K, Abilities, Abilities]]:
-    """Yield what only one version has: whether it is gained, its key, who has it, who has not."""
+    """Yield parts of one version only: gained or lost, key, the version with it, the other."""
     before, after = part(old), part(new)
     yield from (("gained", key, new, old) for key in after if key not in before)
     yield from (("lost", key, old, new) for key in before if key not in after)
 
 
 def _both(old: Mapping[K, V], new: Mapping[K, V]) -> Iterator[tuple[K, V, V]]:
-    """Yield what both have and where it differs."""
+    """Yield the keys that both have with different values."""
     return ((key, old[key], new[key]) for key in new if key in old and old[key] != new[key])

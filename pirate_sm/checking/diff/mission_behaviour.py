@@ -1,7 +1,7 @@
-"""What a mission can do: phases, commands, triggers, outcomes, what becomes of failures and faults.
+"""The possible behaviour of a mission: phases, commands, triggers, outcomes, failures, faults.
 
-It is read off an exploration of everything that can happen, so a step that stands in the file and
-whose turn never comes is not among it.
+It is derived from an exploration of everything that can happen, so steps that are never reached
+are not part of it.
 """
 
 from __future__ import annotations
@@ -11,18 +11,18 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 STOPPED = "(safe stop)"
-"""Stands for the safe stop after what nothing handles; no end can be called so."""
+"""Name of the safe stop after an unhandled failure or fault; no end can have this name."""
 
 IGNORED = "(go on)"
-"""Stands beside the phases that faults lead to, for a fault after which the mission goes on."""
+"""In place of a fault's target phase: the mission continues after the fault."""
 
 
 class Trigger(NamedTuple):
-    """What ends a wait.
+    """A trigger of a wait.
 
     Attributes:
-        text: The condition in words.
-        go: Where it leads; more than one where a call is repeated with other values.
+        text: The condition as text.
+        go: Its targets; several if a call is repeated with other values.
     """
 
     text: str
@@ -30,41 +30,40 @@ class Trigger(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """How a mission can end."""
+    """A possible end of a mission."""
 
     succeeds: bool
     message: str
 
 
 class Success(NamedTuple):
-    """The shortest way to an end that succeeds: how much must happen on it."""
+    """The shortest path to an end that succeeds: its numbers of commands and events."""
 
     commands: int
     events: int
 
 
 Given = tuple[str, str]
-"""A phase, and the name of a command that is given in it."""
+"""A phase, and the name of a command in it."""
 
 
 @dataclass(frozen=True)
 class Abilities:
-    """All of it.
+    """The whole possible behaviour of a mission.
 
     Attributes:
-        facts: What a mission has one of: its robot, where it begins, how long it may take.
-        phases: Each phase that can be reached, with what a phase of another name must have in
-            common to be the same.
-        commands: Commands that can be given, with the terms on which they are.
-        triggers: By phase and name those that can fire.
-        outcomes: By the name of the end.
-        failures: How the mission ends where a command fails and nothing else goes wrong: names
-            of ends. Refusals are failures.
-        faults: By phase and code where a fault leads; those not in it stop the mission.
-        broken: Rules that can be violated, each with the command that would do so.
-        rules: Rules that are watched.
-        success: None where there is none.
-        complete: Whether all of it is known; otherwise there was too much to look at.
+        facts: Single properties: the robot, the initial states, the time limit.
+        phases: The reachable phases, with a content for recognising renamed phases.
+        commands: Commands that can be given, with their options.
+        triggers: Triggers that can fire, by phase and name.
+        outcomes: The possible ends, by name.
+        failures: The names of the ends that follow if one command fails and nothing else goes
+            wrong. Refusals are failures.
+        faults: The target of each fault, by phase and code; other faults stop the mission.
+        broken: Rules that can be violated, each with the command that violates it.
+        rules: Rules that are in force.
+        success: The shortest success; None if there is none.
+        complete: Whether the exploration was complete.
     """
 
     facts: Mapping[str, str]

@@ -1,4 +1,4 @@
-"""Read what a mission can do off an exploration of everything that can happen to it."""
+"""Derive the possible behaviour of a mission from an exploration."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pirate_sm.checking.diff.mission_behaviour import (
     Success,
     Trigger,
 )
-from pirate_sm.checking.exploring.exploration import WITHIN, Exploration, Step
+from pirate_sm.checking.exploring.exploration import WITHIN, Exploration, ExploredStep
 from pirate_sm.checking.exploring.exploration_index import Explored, index_exploration
 from pirate_sm.checking.exploring.explore import explore
 from pirate_sm.checking.mission.explore_mission import conditions_of
@@ -30,7 +30,7 @@ _PLACE = re.compile(r" \([^()]*:\d+:\d+\)")
 
 
 def abilities_of(loaded: LoadedMission) -> Abilities:
-    """Explore a mission and return what it can do."""
+    """Explore a mission and return its possible behaviour."""
     program = loaded.program
     found = explore(loaded.robot, program, conditions_of(loaded))
     book, reader = index_exploration(found), _Reader(found)
@@ -66,7 +66,7 @@ def _facts(loaded: LoadedMission) -> dict[str, str]:
 
 
 def _content(loaded: LoadedMission, phase: str) -> Hashable:
-    """Return what a phase does, without the names of phases and ends."""
+    """Return the content of a phase, without the names of phases and ends."""
     program = loaded.program
     return tuple(
         _said(each, loaded.robot)
@@ -94,7 +94,7 @@ def _said(it: steps.Instruction, robot: RobotSpec) -> Hashable:
 
 
 def _terms(it: steps.Do) -> str:
-    """Return how long a command may take, how often it is tried, whether it may be unneeded."""
+    """Return the options of a command: timeout, retries, and whether it may be unneeded."""
     parts = [] if it.timeout_s is None else [f"timeout {it.timeout_s:g} s"]
     parts += [f"retry {it.retries}"] if it.retries else []
     parts += ["unneeded: skip"] if it.skip_unneeded else []
@@ -102,7 +102,7 @@ def _terms(it: steps.Do) -> str:
 
 
 class _Reader:
-    """Reads off an exploration what becomes of commands."""
+    """Derives the results of commands from an exploration."""
 
     def __init__(self, found: Exploration) -> None:
         self._found = found
@@ -112,7 +112,7 @@ class _Reader:
                 self._homes[each.place][home] = _terms(each) if isinstance(each, steps.Do) else ""
 
     def commands(self) -> dict[Given, str]:
-        """Return commands that can be given, with their terms."""
+        """Return the commands that can be given, with their options."""
         terms: dict[Given, set[str]] = defaultdict(set)
         for step in self._found.steps:
             for phase, status in self._statuses(step):
@@ -121,7 +121,7 @@ class _Reader:
         return {given: "; ".join(sorted(said)) for given, said in terms.items()}
 
     def failures(self) -> dict[Given, frozenset[str]]:
-        """Return the ends that are reached after a command has failed, while all else goes well."""
+        """Return the ends that follow the failure of each command if nothing else goes wrong."""
         after = self._ends_after()
         ends: dict[Given, set[str]] = defaultdict(set)
         for step in self._found.steps:
@@ -133,8 +133,8 @@ class _Reader:
                     ends[phase, status.name] |= after[step.target]
         return {given: frozenset(names) for given, names in ends.items()}
 
-    def _statuses(self, step: Step) -> Iterator[tuple[str, CommandStatus]]:
-        """Yield what happens to commands in a step, each with the phase that it stands in."""
+    def _statuses(self, step: ExploredStep) -> Iterator[tuple[str, CommandStatus]]:
+        """Yield the command statuses in a step, each with the phase of the command."""
         at = self._found.nodes[step.source].state.mission.pc if step.source >= 0 else 0
         phase = self._found.program.phase_of[at]
         for effect in step.effects:
@@ -146,7 +146,7 @@ class _Reader:
                 yield phase if phase in homes else next(iter(homes)), effect
 
     def _ends_after(self) -> list[set[str]]:
-        """Return per node the ends that are reached from it while nothing goes wrong."""
+        """Return for each state the ends reached from it while nothing goes wrong."""
         found = self._found
         before: dict[int, list[int]] = defaultdict(list)
         over: dict[str, set[int]] = defaultdict(set)
@@ -166,8 +166,8 @@ class _Reader:
         return after
 
 
-def _ends_of(found: Exploration, step: Step) -> Iterator[tuple[str, str]]:
-    """Yield outcome and name of the end that a step leads to, if it does."""
+def _ends_of(found: Exploration, step: ExploredStep) -> Iterator[tuple[str, str]]:
+    """Yield the outcome and name of the end to which a step leads, if any."""
     ending = found.nodes[step.target].state.mission.ending
     if ending is not None:
         yield ending.outcome, ending.end
@@ -196,7 +196,7 @@ def _triggers(book: Explored, program: Program) -> dict[tuple[str, str], Trigger
 
 
 def _target(program: Program, index: int, name: str) -> str:
-    """Return the whole name of the phase or end that stands there, else the name as written."""
+    """Return the full name of the phase or end at an index, or the name as written."""
     if not 0 <= index < len(program.instructions):
         return name
     match program.instructions[index]:
@@ -237,5 +237,5 @@ def _success(book: Explored) -> Success | None:
     return min(ways, key=lambda way: way.events, default=None)
 
 
-def _given(step: Step) -> int:
+def _given(step: ExploredStep) -> int:
     return sum(isinstance(each, CommandStatus) and each.status == "sent" for each in step.effects)

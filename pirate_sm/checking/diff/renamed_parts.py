@@ -1,4 +1,4 @@
-"""Find the parts of a mission that have another name in the new version and are the same."""
+"""Find the parts of a mission that were only renamed in the new version."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Triggers: TypeAlias = Mapping[tuple[str, str], Trigger]
 
 
 def renamed(old: Mapping[str, Hashable], new: Mapping[str, Hashable]) -> dict[str, str]:
-    """Return new names by old ones, of what is there once before and once after."""
+    """Return new names by old names, for content that occurs once in each version."""
     lost = {name: content for name, content in old.items() if name not in new}
     gained = {name: content for name, content in new.items() if name not in old}
     there, here = Counter(lost.values()), Counter(gained.values())
@@ -26,7 +26,7 @@ def renamed(old: Mapping[str, Hashable], new: Mapping[str, Hashable]) -> dict[st
 
 
 def in_new_names(old: Abilities, names: Mapping[str, str]) -> Abilities:
-    """Return the abilities with phases and ends under their new names."""
+    """Return the behaviour with the new names of phases and ends."""
 
     def new(name: str) -> str:
         return names.get(name, name)
@@ -51,9 +51,9 @@ def in_new_names(old: Abilities, names: Mapping[str, str]) -> Abilities:
 
 
 def matched_triggers(old: Triggers, new: Triggers) -> Triggers:
-    """Return the old triggers under the names of new ones that wait for the same, else as named.
+    """Return the old triggers, renamed to the new triggers that wait for the same.
 
-    A trigger that nobody has named has the name of what it leads to.
+    A trigger without a name of its own has the name of its target.
     """
     alike = {(phase, each.text): (phase, name) for (phase, name), each in new.items()}
     found: dict[tuple[str, str], Trigger] = {}

@@ -1,1 +1,1 @@
-"""Explore everything that can happen to a mission, by running the engine with every choice."""
+"""Explore everything that can happen to a mission, by running the engine with all choices."""

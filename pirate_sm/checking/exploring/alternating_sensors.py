@@ -1,9 +1,9 @@
-"""Find outcomes of waits that need sensors to alternate between values.
+"""Find outcomes of waits that require sensors to alternate between values.
 
-The exploration tells states of a wait apart by which conditions have begun to hold, not by when.
-So it does not see a wait that goes on because first one condition breaks and then another one,
-such as ``known(x)`` and ``not known(x)``, each to be held for 2 s, with ``within`` 3 s. What a
-wait can come to so is worked out here: sensors may change at any time and as often as need be.
+The exploration distinguishes states of a wait by which conditions have become true, not by when.
+It therefore misses a wait that continues because first one condition breaks and then another, such
+as ``known(x)`` and ``not known(x)``, each held for 2 s, with ``within`` 3 s. This module finds such
+outcomes: sensors may change at any time and any number of times.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from pirate_sm.engine.mission.program import TriggerSpec, Wait
 from pirate_sm.engine.state import EngineState
 
 LEAST_RIVALS = 2
-"""Of fewer conditions none has to break in turn: the exploration finds what they lead to."""
+"""Smallest number of conditions that can alternate; the exploration covers fewer."""
 
 
 def lasting(
     wait: Wait, state: EngineState, conditions: Conditions
 ) -> Iterator[tuple[EngineState, float]]:
-    """Yield states just before an outcome of the wait, each with the time at which it comes.
+    """Yield states just before an outcome of the wait, each with the time of the outcome.
 
-    In one of them a condition has been true all the time, or none has, and no other one for as
-    long as it would have to be.
+    In each of them at most one condition has been true all the time, and no other condition has
+    been true for long enough.
 
     Args:
         wait: What waits.
-        state: In which it has just begun to.
+        state: The state in which the wait has just begun.
         conditions: What can be true together.
     """
     limit_s = min([wait.within_s, *(t.after_s for t in wait.triggers if t.after_s is not None)])

@@ -1,4 +1,4 @@
-"""Answers to questions about conditions: what can be true together, and with which values."""
+"""Answers to questions about conditions: which can be true together, with which values."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import NamedTuple, TypeAlias
 from pirate_sm.expressions import tree
 
 Fact: TypeAlias = tuple[tree.Node, bool]
-"""A condition, and whether it is true; false stands for false and for unknown."""
+"""A condition, and whether it is true; false means false or unknown."""
 
 
-class Answer(NamedTuple):
-    """Whether it can be so.
+class PossibleAnswer(NamedTuple):
+    """The answer whether some facts can be true together.
 
     Attributes:
-        sure: False where a *yes* rests on something that is not decided here.
-        numbers: Signals with which it is so; words likewise.
+        sure: False if a *yes* depends on something that is not decided here.
+        numbers: Values of signals for which the facts are true; ``words`` likewise.
     """
 
     possible: bool
@@ -25,8 +25,8 @@ class Answer(NamedTuple):
     words: Mapping[str, str | None] = {}
 
 
-def together(answers: Iterable[Answer]) -> Answer:
-    """Return the answer to several questions that have no signal in common."""
+def together(answers: Iterable[PossibleAnswer]) -> PossibleAnswer:
+    """Return the combined answer to several questions without common signals."""
     numbers: dict[str, float] = {}
     words: dict[str, str | None] = {}
     sure = True
@@ -36,33 +36,33 @@ def together(answers: Iterable[Answer]) -> Answer:
         numbers |= answer.numbers
         words |= answer.words
         sure = sure and answer.sure
-    return Answer(True, sure, numbers, words)
+    return PossibleAnswer(True, sure, numbers, words)
 
 
-class Moment(NamedTuple):
-    """What was answered in one run of a step.
+class StepAnswers(NamedTuple):
+    """The answers given during one run of a step.
 
     Attributes:
-        answer: Whether that can be, how surely, and signals with which it is so.
+        answer: Whether they are possible, how surely, and with which signals.
     """
 
     facts: tuple[Fact, ...]
-    answer: Answer
+    answer: PossibleAnswer
 
 
 Trigger: TypeAlias = tuple[int, int]
-"""Index of a wait, and number of one of its triggers."""
+"""Index of a wait and number of one of its triggers."""
 
 NOWHERE = -1
-"""Stands for the wait of a result that does not wait."""
+"""In place of a wait's index: the result does not wait."""
 
 
 class TooManyQuestionsError(Exception):
-    """A step of the engine asks about more conditions than can be answered together."""
+    """Raised when a step of the engine evaluates too many conditions to answer together."""
 
 
 class Related(NamedTuple):
-    """What has been answered about conditions that share signals, directly or by others.
+    """The answers about conditions that share signals, directly or indirectly.
 
     Attributes:
         facts: Numbers of conditions, and whether they are true.
@@ -70,14 +70,14 @@ class Related(NamedTuple):
 
     names: frozenset[str]
     facts: tuple[tuple[int, bool], ...]
-    answer: Answer
+    answer: PossibleAnswer
 
 
-class Asked(NamedTuple):
-    """What a branch has asked.
+class BranchAnswers(NamedTuple):
+    """The values that a branch's condition has had.
 
     Attributes:
-        moved: Whether it is about a state that is another one than at the start.
+        moved: Whether it depends on a state that differs from the start.
     """
 
     truth: bool

@@ -1,13 +1,13 @@
-"""A program whose conditions ask for their values, so that every possible answer is tried once.
+"""A program whose conditions ask for their values, to try every possible answer once.
 
-The engine runs as it always does. Where it evaluates a condition of the mission, the answer comes
-from a list of choices; by running the same step again with other choices, everything that sensors
-could have said at that moment has been tried. Answers of one moment never contradict each other.
+The engine runs unchanged. When it evaluates a condition of the mission, the answer comes from a
+list of choices. The same step is run again with other choices, until every combination of sensor
+values at that moment has been tried. The answers of one moment are always consistent.
 
-A condition that a wait wants to be held does nothing in the moment in which it becomes true. So it
-is asked about only where the wait goes on, and of several such conditions at most one becomes
-true, with those that it brings along: sensors may change again at the next moment. With twelve of
-them there are thirteen things that can happen instead of 4,096.
+A condition that must be held for a time has no effect at the moment in which it becomes true. It is
+therefore asked only if the wait continues, and at most one such condition, with those that it
+implies, becomes true at a time, because sensors may change again at the next moment. Twelve of them
+give thirteen possible cases instead of 4,096.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from typing import Any, TypeVar
 
 from pirate_sm.checking.exploring.answers import (
     NOWHERE,
-    Answer,
-    Asked,
-    Moment,
+    BranchAnswers,
+    PossibleAnswer,
     Related,
+    StepAnswers,
     TooManyQuestionsError,
     Trigger,
     together,
@@ -33,42 +33,42 @@ from pirate_sm.expressions import Expression, tree
 T = TypeVar("T")
 
 
-_NOTHING_ASKED = Moment((), Answer(True))
+_NOTHING_ASKED = StepAnswers((), PossibleAnswer(True))
 
 MOST_QUESTIONS = 256
-"""About different conditions at one moment; who asks more gets no answer."""
+"""Largest number of different conditions in one step."""
 
 
 class Oracle:
-    """Gives the answers.
+    """Answers the conditions of a program.
 
     Args:
-        conditions: Knows what can be true together.
-        start: The states that the robot begins in.
+        conditions: Decides which conditions can be true together.
+        start: The robot's initial states.
 
     Attributes:
-        branches: By the place of each branch what its condition has been.
+        branches: By the place of each branch the values of its condition.
     """
 
     def __init__(self, conditions: Conditions, start: Sequence[str | None] = ()) -> None:
-        self.branches: dict[str, set[Asked]] = {}
+        self.branches: dict[str, set[BranchAnswers]] = {}
         self._start: Sequence[str | None] = start
         self._conditions = conditions
         self._numbers: dict[tree.Node, int] = {}
         self._nodes: list[tree.Node] = []
         self._names: list[frozenset[str]] = []
-        self._known: dict[Hashable, tuple[Answer, Answer]] = {}
+        self._known: dict[Hashable, tuple[PossibleAnswer, PossibleAnswer]] = {}
         self._given: dict[int, bool] = {}
         self._related: tuple[Related, ...] = ()
         self._choices: list[bool] = []
         self._taken = 0
         self._due: Collection[Trigger] = ()
-        self._held: dict[int, dict[int, None]] = {}  # conditions put off, by their wait
-        self._begun: dict[int, bool] = {}  # what is answered where a condition is put off
+        self._held: dict[int, dict[int, None]] = {}  # postponed conditions, by their wait
+        self._begun: dict[int, bool] = {}  # answers to postponed conditions
         self._words: Sequence[str | None] = ()
 
     def program(self, program: Program) -> Program:
-        """Return the program with conditions that ask for their answers."""
+        """Return the program with its conditions replaced by questions."""
         instructions = tuple(
             self._asking(index, each) if isinstance(each, Branch | Wait) else each
             for index, each in enumerate(program.instructions)
@@ -80,16 +80,16 @@ class Oracle:
         step: Callable[[], T],
         waits: Callable[[T], int] = lambda _: NOWHERE,
         due: Collection[Trigger] = (),
-    ) -> Iterator[tuple[T, Moment]]:
-        """Yield the result of the step for everything that its conditions can be.
+    ) -> Iterator[tuple[T, StepAnswers]]:
+        """Yield the result of the step for every possible combination of its conditions.
 
         Args:
-            step: Is run as often as need be.
-            waits: Index of the wait in which a result waits, or ``NOWHERE``.
-            due: Triggers whose conditions have been held long enough, if they are true now.
+            step: The step, which is run several times.
+            waits: Returns the index of the wait of a result, or ``NOWHERE``.
+            due: Triggers whose conditions have been held long enough if they are still true.
 
         Raises:
-            TooManyQuestionsError: It has too many of them.
+            TooManyQuestionsError: The step evaluates too many conditions.
         """
         self._due = due
         pending: list[list[bool]] = [[]]
@@ -110,16 +110,16 @@ class Oracle:
         self._given, self._related, self._taken, self._held = {}, (), 0, {}
         return step()
 
-    def _moment(self) -> Moment:
+    def _moment(self) -> StepAnswers:
         if not self._given:
             return _NOTHING_ASKED
         facts = tuple((self._nodes[number], truth) for number, truth in self._given.items())
-        return Moment(facts, together(each.answer for each in self._related))
+        return StepAnswers(facts, together(each.answer for each in self._related))
 
     def _beginnings(
         self, step: Callable[[], T], result: T, held: tuple[int, ...]
-    ) -> Iterator[tuple[T, Moment]]:
-        """Yield the result with no condition true that must be held, and with each of them true."""
+    ) -> Iterator[tuple[T, StepAnswers]]:
+        """Yield the result with none of the held conditions true, and with each of them true."""
         choices, given, related, words = self._choices, self._given, self._related, self._words
         seen: set[tuple[bool, ...]] = set()
         for begins in (None, *held):
@@ -143,7 +143,7 @@ class Oracle:
         self._choices = choices
 
     def _take(self, condition: int, words: Sequence[str | None], *, wanted: bool) -> bool:
-        """Fix the answer to a condition and return whether nothing speaks against it."""
+        """Set the answer to a condition, and return whether it is possible."""
         if condition in self._given:
             return self._given[condition] is wanted
         names, facts, kept = self._about(condition)
@@ -169,7 +169,7 @@ class Oracle:
         return it._replace(triggers=triggers)
 
     def _noting(self, asking: Expression, place: str) -> Expression:
-        """Return the condition of a branch, recording its answers."""
+        """Return the condition of a branch, which records its answers."""
         answers = self.branches.setdefault(place, set())
         ask, regions = asking.evaluate, self._conditions.regions(asking.tree)
 
@@ -177,14 +177,14 @@ class Oracle:
             truth = ask(numbers, words)
             start = self._start
             moved = any(words[each] != start[each] for each in regions) if start else False
-            answers.add(Asked(truth is True, moved))
+            answers.add(BranchAnswers(truth is True, moved))
             return truth
 
         object.__setattr__(asking, "evaluate", evaluate)
         return asking
 
     def _expression(self, real: Expression, held: Trigger | None) -> Expression:
-        """Return the condition, asking; ``held`` is the trigger that wants it held."""
+        """Return the asking condition; ``held`` is the trigger that must hold it, if any."""
         asking = Expression(real.text, real.type, real.tree)
         number = self._numbers.setdefault(real.tree, len(self._nodes))
         if number == len(self._nodes):
@@ -202,7 +202,7 @@ class Oracle:
         return asking
 
     def _answer(self, condition: int, words: Sequence[str | None]) -> bool:
-        """Return whether the condition is true now; false stands for unknown too."""
+        """Return whether the condition is true now; false also means unknown."""
         given = self._given.get(condition)
         if given is not None:
             return given
@@ -217,7 +217,7 @@ class Oracle:
     def _about(
         self, condition: int
     ) -> tuple[frozenset[str], tuple[tuple[int, bool], ...], tuple[Related, ...]]:
-        """Return names and facts that have to do with the condition, and what has nothing to."""
+        """Return the names and facts related to the condition, and the unrelated answers."""
         names = self._names[condition]
         touched = [each for each in self._related if each.names & names]
         if not touched:
@@ -232,7 +232,7 @@ class Oracle:
         names: frozenset[str],
         facts: tuple[tuple[int, bool], ...],
         kept: tuple[Related, ...],
-        answer: Answer,
+        answer: PossibleAnswer,
         *,
         truth: bool,
     ) -> None:
@@ -241,8 +241,8 @@ class Oracle:
 
     def _ask(
         self, condition: int, facts: tuple[tuple[int, bool], ...], words: Sequence[str | None]
-    ) -> tuple[Answer, Answer]:
-        """Return whether the condition can be true beside the facts, and whether false."""
+    ) -> tuple[PossibleAnswer, PossibleAnswer]:
+        """Return whether the condition can be true given the facts, and whether it can be false."""
         key = condition, facts, tuple(words[: self._conditions.region_count])
         if key not in self._known:
             node = self._nodes[condition]

@@ -1,4 +1,4 @@
-"""Reduce a condition to the moment in which its wait begins, when nothing has changed yet."""
+"""Reduce a condition to the beginning of its wait, when all changes of signals are 0."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pirate_sm.expressions import tree
 def at_beginning(node: tree.Node, changes: Set[str]) -> tree.Node:
     """Return the condition with 0 for each change of a signal.
 
-    Whether a change is known is left as it is: a signal may be unknown as the wait begins.
+    A test whether a change is known is kept, because a signal may be unknown when the wait begins.
 
     Args:
         node: The condition, or a part of it.

@@ -1,7 +1,7 @@
-"""Decide whether some conditions can be true, and others not, at one moment.
+"""Decide whether some conditions can be true and others false at the same time.
 
-Each signal may have any value of its range, or be unknown; the states of the robot are known.
-What compares two signals, or is not linear, is a free truth of its own: then a *yes* is not sure.
+Each signal may have any value of its range, or be unknown; the states of the robot are known. A
+comparison of two signals or a nonlinear one counts as a free boolean, which makes a *yes* unsure.
 """
 
 from __future__ import annotations
@@ -12,20 +12,20 @@ from functools import lru_cache
 from itertools import product
 from typing import TypeAlias
 
-from pirate_sm.checking.exploring.answers import Answer, Fact, together
+from pirate_sm.checking.exploring.answers import Fact, PossibleAnswer, together
 from pirate_sm.checking.exploring.piecewise_linear import borders, is_linear, samples, signals
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range
 from pirate_sm.engine.robot.chart_table import Configuration
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, Vocabulary, tree
 
 _Values: TypeAlias = tuple[Mapping[str, tuple[float, ...]], Mapping[str, tuple[str | None, ...]]]
-"""Of numeric signals and of words."""
+"""Values of numeric signals, and of words."""
 
 MOST_TESTS = 50_000
-"""Of facts with values; where it would take more, a *yes* is assumed and is not sure."""
+"""Largest number of evaluations; beyond it an unsure *yes* is assumed."""
 
 MOST_ARGUMENTS = 16
-"""Of ``min`` and ``max`` in one comparison; where there are more, it counts as not linear."""
+"""Largest number of ``min`` and ``max`` in a comparison that counts as piecewise linear."""
 
 _TRUTHS = ("true", "false", None)
 
@@ -35,36 +35,36 @@ class Conditions:
 
     Args:
         vocabulary: What conditions know.
-        spans: Range of each numeric signal.
-        regions: How many of the words are states, which are known.
+        spans: The range of each numeric signal.
+        regions: Number of words that are states, which are known.
 
     Attributes:
         vocabulary: What conditions know.
-        region_count: How many of the words are states.
-        tests: How much has been tried so far, for who must come to an end.
+        region_count: Number of words that are states.
+        tests: Number of evaluations so far, for limiting the work.
     """
 
     def __init__(self, vocabulary: Vocabulary, spans: Mapping[str, Range], regions: int) -> None:
         self.vocabulary = vocabulary
         self._spans = spans
         self.region_count = regions
-        self._answers: dict[tuple[tuple[Fact, ...], tuple[str | None, ...]], Answer] = {}
+        self._answers: dict[tuple[tuple[Fact, ...], tuple[str | None, ...]], PossibleAnswer] = {}
         self._seen: dict[tree.Node, tuple[frozenset[str], tuple[int, ...]]] = {}
         self._tried: dict[tuple[tree.Node, ...], _Values] = {}
         self.tests = 0
 
-    def ask(self, facts: Iterable[Fact], states: Sequence[str | None]) -> Answer:
-        """Return whether all facts can hold at once with the regions in these states."""
+    def ask(self, facts: Iterable[Fact], states: Sequence[str | None]) -> PossibleAnswer:
+        """Return whether all facts can be true together with the regions in these states."""
         answers = (self._ask(group, states) for group in self._groups(dict.fromkeys(facts)))
         return together(answers)
 
     def anywhere(self, facts: Sequence[Fact], configurations: Iterable[Configuration]) -> bool:
-        """Return whether all facts can hold at once in one of the configurations."""
+        """Return whether all facts can be true together in one of the configurations."""
         regions = {region for node, _ in facts for region in self.regions(node)}
         asked: set[tuple[str, ...]] = set()
         for states in configurations:
             named = tuple([states[region] for region in regions])
-            if named not in asked:  # else it is the same question
+            if named not in asked:  # skip equal questions
                 asked.add(named)
                 if self.ask(facts, states).possible:
                     return True
@@ -73,7 +73,7 @@ class Conditions:
         return False
 
     def free(self, node: tree.Node) -> frozenset[str]:
-        """Return names of what the condition depends on beside the states."""
+        """Return the names on which the condition depends, other than states."""
         return self._look(node)[0]
 
     def regions(self, node: tree.Node) -> tuple[int, ...]:
@@ -91,7 +91,7 @@ class Conditions:
         return seen
 
     def _groups(self, facts: Iterable[Fact]) -> list[tuple[Fact, ...]]:
-        """Return facts that share signals in groups, each of which is answered by itself."""
+        """Return the facts in groups that share signals; each group is answered separately."""
         groups: list[tuple[frozenset[str], tuple[Fact, ...]]] = []
         for fact in facts:
             names: frozenset[str] = self.free(fact[0])
@@ -105,7 +105,7 @@ class Conditions:
             groups = [*apart, (names, members)]
         return [members for _, members in groups]
 
-    def _ask(self, facts: tuple[Fact, ...], states: Sequence[str | None]) -> Answer:
+    def _ask(self, facts: tuple[Fact, ...], states: Sequence[str | None]) -> PossibleAnswer:
         self.tests += len(facts)
         relevant = {region for node, _ in facts for region in self.regions(node)}
         known = tuple(
@@ -117,8 +117,8 @@ class Conditions:
             answer = self._answers[key] = self._ask_group(facts, known)
         return answer
 
-    def _ask_group(self, facts: tuple[Fact, ...], states: tuple[str | None, ...]) -> Answer:
-        """Return values with which it is so; failing that, whether it is so with free truths."""
+    def _ask_group(self, facts: tuple[Fact, ...], states: tuple[str | None, ...]) -> PossibleAnswer:
+        """Return values that satisfy the facts, or whether free booleans satisfy them."""
         found, tried = self._witness(facts, states)
         if found.possible:
             return found
@@ -132,19 +132,19 @@ class Conditions:
 
     def _witness(
         self, facts: tuple[Fact, ...], states: tuple[str | None, ...], free: int = 0
-    ) -> tuple[Answer, bool]:
-        """Return values with which the facts hold, and whether all that count have been tried.
+    ) -> tuple[PossibleAnswer, bool]:
+        """Return values that satisfy the facts, and whether all relevant values were tried.
 
         Args:
             facts: The facts.
-            states: Of the regions.
-            free: How many free truths follow the words.
+            states: The states of the regions.
+            free: Number of free booleans after the words.
         """
         numeric, verbal = self._values(tuple([node for node, _ in facts]))
         said = [*verbal.values(), *(_TRUTHS for _ in range(free))]
         combinations = math.prod(len(each) for each in (*numeric.values(), *said))
         if combinations * len(facts) > MOST_TESTS:
-            return Answer(True, sure=False), False
+            return PossibleAnswer(True, sure=False), False
         self.tests += combinations * len(facts)
         tests = [(_compiled(node), wanted) for node, wanted in facts]
         order, size = self.vocabulary.numbers, len(self.vocabulary.words)
@@ -160,18 +160,20 @@ class Conditions:
                 texts[spot] = word
             if all((test.evaluate(values, texts) is True) == wanted for test, wanted in tests):
                 numbers = dict(zip(numeric, chosen, strict=True))
-                return Answer(True, True, numbers, dict(zip(verbal, spoken, strict=False))), True
-        return Answer(False), True
+                return PossibleAnswer(
+                    True, True, numbers, dict(zip(verbal, spoken, strict=False))
+                ), True
+        return PossibleAnswer(False), True
 
     def _values(self, nodes: tuple[tree.Node, ...]) -> _Values:
-        """Return what signals are worth trying with, whatever the states are."""
+        """Return the values of signals to try, independently of the states."""
         values = self._tried.get(nodes)
         if values is None:
             values = self._tried[nodes] = self._numeric(nodes), self._verbal(nodes)
         return values
 
     def _numeric(self, nodes: Sequence[tree.Node]) -> dict[str, tuple[float, ...]]:
-        """Return per signal the values that are worth trying; unknown is one of them."""
+        """Return the values to try for each signal, including unknown."""
         marks: dict[str, set[float]] = {}
         for node in nodes:
             for each in tree.walk(node):
@@ -188,7 +190,7 @@ class Conditions:
         }
 
     def _verbal(self, nodes: Sequence[tree.Node]) -> dict[str, tuple[str | None, ...]]:
-        """Return per word that is not a state's, what it can be."""
+        """Return the possible values of each word that is not a state."""
         names = dict.fromkeys(
             each.name
             for node in nodes
@@ -212,14 +214,14 @@ def _compiled(node: tree.Node) -> Expression:
 
 @lru_cache(maxsize=4096)
 def _is_decided(node: tree.Compare) -> bool:
-    """Return whether a comparison changes only where its one signal has a border."""
+    """Return whether a comparison changes only at borders of a single signal."""
     arguments = sum(len(each.arguments) for each in tree.walk(node) if isinstance(each, tree.Call))
     linear = is_linear(node.left) and is_linear(node.right)
     return len(signals(node)) == 1 and linear and arguments <= MOST_ARGUMENTS
 
 
 def _without_opaque(node: tree.Node, opaque: dict[tree.Node, int], first: int) -> tree.Node:
-    """Return the condition with each comparison that is not decided here as a free truth."""
+    """Return the condition with each undecided comparison replaced by a free boolean."""
     match node:
         case tree.Compare():
             if _is_decided(node) or not signals(node):

@@ -1,4 +1,4 @@
-"""All that can happen to a mission, as nodes and the steps between them."""
+"""The result of an exploration: states of a mission and the steps between them."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from pirate_sm.checking.exploring.answers import Asked, Moment
-from pirate_sm.checking.exploring.possible_events import Move
+from pirate_sm.checking.exploring.answers import BranchAnswers, StepAnswers
+from pirate_sm.checking.exploring.possible_events import PossibleEvent
 from pirate_sm.checking.exploring.state_keys import fewest_mishaps
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -15,21 +15,21 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, TriggerFired
 
 BEGINS = "\0begins "
-"""Before the place of a call, in a line of the log that tells that its terms are met."""
+"""Prefix of the log line that marks the beginning of a call, before its place."""
 
 MISHAPS = frozenset({"rejected", "failed", "fault"})
-"""Kinds of moves that nobody plans for."""
+"""Kinds of events that count as mishaps."""
 
 WITHIN = "within"
-"""The name under which the limit of a wait stands among its triggers."""
+"""The trigger name of a wait's time limit."""
 
 
-class Node(NamedTuple):
-    """A state of the engine, reached for the first time.
+class ExploredState(NamedTuple):
+    """A state of the engine when it was first reached.
 
     Attributes:
         step: Index of the step that led here.
-        sure: Whether it is reached without what the check cannot decide.
+        sure: Whether it is reached without undecided assumptions.
     """
 
     state: EngineState
@@ -39,59 +39,59 @@ class Node(NamedTuple):
 
     @property
     def over(self) -> bool:
-        """Whether the run is ending here."""
+        """Return whether the run is ending in this state."""
         return self.state.mission.ended or self.state.mission.ending is not None
 
 
-class Step(NamedTuple):
-    """Something happened.
+class ExploredStep(NamedTuple):
+    """A step between two states.
 
     Attributes:
-        source: Index of the node before, -1 before the start.
-        target: Index of the node after it.
-        effects: What followed, without setpoints.
-        moment: What sensors must have shown.
+        source: Index of the state before; -1 before the start.
+        target: Index of the state after it.
+        effects: The effects, without setpoints.
+        moment: The answers of the conditions.
     """
 
     source: int
     target: int
-    move: Move
+    move: PossibleEvent
     effects: tuple[Effect, ...]
-    moment: Moment
+    moment: StepAnswers
     sure: bool
 
     @property
     def in_vain(self) -> bool:
-        """Whether a wait has lasted too long."""
+        """Return whether a wait has reached its time limit."""
         return any(isinstance(e, TriggerFired) and e.trigger == WITHIN for e in self.effects)
 
     @property
     def went_wrong(self) -> bool:
-        """Whether it is a mishap, or a wait that has lasted too long."""
+        """Return whether it is a mishap, or a wait that has reached its time limit."""
         return self.move.kind in MISHAPS or self.in_vain
 
 
 @dataclass
 class Exploration:
-    """All that can happen.
+    """Everything that can happen to a mission.
 
     Attributes:
-        complete: False when there was too much of it.
-        work: How much of ``MOST_WORK`` it took.
-        branches: By the place of each branch what its condition has been.
+        complete: False if the exploration reached its limits.
+        work: The work done, limited by ``MOST_WORK``.
+        branches: By the place of each branch the values of its condition.
     """
 
     program: Program
     robot: RobotSpec
-    nodes: list[Node] = field(default_factory=list)
-    steps: list[Step] = field(default_factory=list)
+    nodes: list[ExploredState] = field(default_factory=list)
+    steps: list[ExploredStep] = field(default_factory=list)
     complete: bool = True
     work: float = 0.0
-    branches: Mapping[str, set[Asked]] = field(default_factory=dict)
+    branches: Mapping[str, set[BranchAnswers]] = field(default_factory=dict)
     _mishaps: list[int] = field(default_factory=list)
 
-    def path(self, step: int) -> list[Step]:
-        """Return the shortest course of events that ends with this step, from the start on."""
+    def path(self, step: int) -> list[ExploredStep]:
+        """Return the shortest course of events from the start to this step."""
         found = []
         while step >= 0:
             found.append(self.steps[step])
@@ -100,7 +100,7 @@ class Exploration:
         return found[::-1]
 
     def mishaps(self, step: int) -> int:
-        """Return how many things must go wrong, at least, before and in this step."""
+        """Return the smallest number of mishaps up to and including this step."""
         if not self._mishaps:
             self._mishaps = fewest_mishaps([(e.source, e.target, e.went_wrong) for e in self.steps])
         here = self.steps[step]
@@ -108,5 +108,5 @@ class Exploration:
         return before + here.went_wrong
 
     def is_playable(self, step: int) -> bool:
-        """Return whether a course of single events, one after the other, leads there."""
+        """Return whether a course of single events leads to this step."""
         return all(each.move.kind != "lasting" for each in self.path(step))

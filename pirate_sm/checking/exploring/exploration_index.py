@@ -1,4 +1,4 @@
-"""What an exploration has seen at each place of the mission's files."""
+"""An index of an exploration by places in the mission's files."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from pirate_sm.checking.exploring.exploration import BEGINS, Exploration, Step
+from pirate_sm.checking.exploring.exploration import BEGINS, Exploration, ExploredStep
 from pirate_sm.engine.mission.interpreter import ROUND_AND_ROUND
 from pirate_sm.engine.safety import rules
 from pirate_sm.model.effects import (
@@ -20,12 +20,12 @@ from pirate_sm.model.effects import (
 )
 
 WaitKey: TypeAlias = tuple[str, str]
-"""A wait's phase and its place, ``file:line:col``."""
+"""The phase and place of a wait, ``file:line:col``."""
 
 
 @dataclass
 class Visits:
-    """What became of a command or a call each time its turn came; indexes of steps."""
+    """The results of a command or call each time it was reached, as indexes of steps."""
 
     name: str = ""
     given: list[int] = field(default_factory=list)
@@ -36,23 +36,23 @@ class Visits:
 
     @property
     def refused(self) -> list[int]:
-        """Every time it was refused."""
+        """Return all steps in which it was refused."""
         return self.unneeded + self.impossible
 
     @property
     def never_fine(self) -> bool:
-        """Whether it was refused each time that was looked at."""
+        """Return whether it was refused each time it was reached."""
         return bool(self.refused) and not self.given and not self.skipped
 
 
 @dataclass
 class Waiting:
-    """What became of one wait.
+    """The results of one wait.
 
     Attributes:
         armed: Steps in which it began.
-        fired: Per trigger the steps in which it ended the wait.
-        at_once: Per trigger how often it did so in the very moment in which the wait began.
+        fired: For each trigger the steps in which it ended the wait.
+        at_once: For each trigger how often it fired at the very beginning of the wait.
     """
 
     armed: list[int] = field(default_factory=list)
@@ -63,12 +63,12 @@ class Waiting:
 
 @dataclass
 class Explored:
-    """All of it.
+    """The index of an exploration.
 
     Attributes:
-        visits: By ``file:line:col``.
-        broken: Per safety rule's message the first step in which it would be violated.
-        ends: Names of ends, and outcomes of others, with the first step that leads there.
+        visits: Results of commands and calls, by ``file:line:col``.
+        broken: By the message of a safety rule the first step that would violate it.
+        ends: By the name of an end, or by outcome, the first step that leads to it.
     """
 
     found: Exploration
@@ -80,19 +80,19 @@ class Explored:
     round_and_round: list[int] = field(default_factory=list)
 
     def sure(self, step: int) -> bool:
-        """Return whether a step comes about without what the check cannot decide."""
+        """Return whether a step is reached without undecided assumptions."""
         return self.found.steps[step].sure
 
 
 def index_exploration(found: Exploration) -> Explored:
-    """Enter every step of an exploration at its place in the mission and return the index."""
+    """Return the index of all steps of an exploration by their places in the mission."""
     book = Explored(found)
     for number, step in enumerate(found.steps):
         _enter(book, number, step)
     return book
 
 
-def _enter(book: Explored, number: int, step: Step) -> None:
+def _enter(book: Explored, number: int, step: ExploredStep) -> None:
     _waited(book, number, step)
     for effect in step.effects:
         match effect:
@@ -113,7 +113,7 @@ def _enter(book: Explored, number: int, step: Step) -> None:
         _end(book, number, state.ending.outcome, state.ending.end, state.ending.message)
 
 
-def _waited(book: Explored, number: int, step: Step) -> None:
+def _waited(book: Explored, number: int, step: ExploredStep) -> None:
     armed: WaitKey | None = None
     for effect in step.effects:
         match effect:

@@ -1,8 +1,8 @@
 """Explore breadth-first everything that can happen to a mission, with the engine that runs it.
 
-Two states of the engine are one here when the mission and the robot can only go on alike: times
-and numbers of arrays do not count, and of a wait only which of its conditions have begun to hold.
-What is found first is therefore reached by the fewest events.
+Two states of the engine count as equal if mission and robot can only continue in the same way.
+Times and array numbers are ignored, and of a wait only the conditions that have become true count.
+Each state is first found by the smallest number of events.
 """
 
 from __future__ import annotations
@@ -12,14 +12,24 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, isnan
-from typing import Any
+from typing import Any, NamedTuple
 
 from pirate_sm.checking.exploring.alternating_sensors import lasting
-from pirate_sm.checking.exploring.answers import NOWHERE, Moment, TooManyQuestionsError, Trigger
+from pirate_sm.checking.exploring.answers import (
+    NOWHERE,
+    StepAnswers,
+    TooManyQuestionsError,
+    Trigger,
+)
 from pirate_sm.checking.exploring.asking_program import Oracle
 from pirate_sm.checking.exploring.conditions import Conditions
-from pirate_sm.checking.exploring.exploration import BEGINS, Exploration, Node, Step
-from pirate_sm.checking.exploring.possible_events import Move, Moves
+from pirate_sm.checking.exploring.exploration import (
+    BEGINS,
+    Exploration,
+    ExploredState,
+    ExploredStep,
+)
+from pirate_sm.checking.exploring.possible_events import Moves, PossibleEvent
 from pirate_sm.checking.exploring.state_keys import key_of, key_of_wait
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.engine import Engine
@@ -33,14 +43,14 @@ from pirate_sm.model.events import Tick
 MOST_NODES = 50_000
 
 MOST_WORK = 100_000
-"""Of what one exploration may take: steps of the engine, with what they asked and what came of
-them; some seven seconds."""
+"""Limit of the work of one exploration: steps of the engine with their questions and results;
+about seven seconds."""
 
 _EFFECTS_A_STEP = 20
 _TESTS_A_STEP = 20
-"""So many take about as long as a step that has no more to do."""
+"""Number of questions that take about as long as a simple step."""
 
-START = Move("start", Tick(), 0.0)
+START = PossibleEvent("start", Tick(), 0.0)
 
 _QUIET = frozenset({Setpoints, StateChange, WakeAt})
 
@@ -53,18 +63,18 @@ def explore(
     body: RobotState | None = None,
     most_work: float = MOST_WORK,
 ) -> Exploration:
-    """Try everything that can happen to the mission once, unless that is too much.
+    """Return everything that can happen to the mission, up to the limits.
 
-    What is sure is explored first, so that nothing is called unsure that also comes about
-    without what cannot be decided.
+    Sure steps are explored first, so that a state counts as unsure only if it cannot be reached
+    without undecided assumptions.
 
     Args:
         robot: The robot.
         program: The mission.
-        conditions: What can be true together.
-        most: Nodes after which it is cut off.
-        body: What the robot has been commanded to before; None: it is where the program begins.
-        most_work: What it may take, likewise.
+        conditions: Decides which conditions can be true together.
+        most: Largest number of states.
+        body: The robot's commanded state; None for the program's initial configuration.
+        most_work: Largest amount of work.
     """
     oracle = Oracle(conditions, robot.table.configurations[program.start_configuration])
     program = _telling(replace(program, time_limit_s=inf, most_phases=inf))
@@ -83,7 +93,7 @@ def explore(
 
 
 def _telling(program: Program) -> Program:
-    """Return the program with a log line where a call begins, which nothing else would show."""
+    """Return the program with a log line at the beginning of each call, to make it visible."""
     instructions = [*program.instructions]
     said: list[tuple[Say, int]] = []
     for index, each in enumerate(program.instructions):
@@ -98,6 +108,16 @@ def _telling(program: Program) -> Program:
     )
 
 
+class _Arrival(NamedTuple):
+    """Where a step of the engine has come to: the node before, what happened, what came of it."""
+
+    source: int
+    move: PossibleEvent
+    state: EngineState
+    effects: tuple[Effect, ...]
+    moment: StepAnswers
+
+
 @dataclass
 class _Walk:
     engine: Engine
@@ -110,9 +130,7 @@ class _Walk:
     _sure: deque[int] = field(default_factory=deque)
     _unsure: deque[int] = field(default_factory=deque)
     _outlasted: set[Any] = field(default_factory=set)
-    _held_back: list[tuple[int, Move, EngineState, tuple[Effect, ...], Moment]] = field(
-        default_factory=list
-    )
+    _held_back: list[_Arrival] = field(default_factory=list)
 
     def begin(self, body: RobotState | None) -> None:
         self._try(-1, START, partial(self.engine.start, body=body))
@@ -124,14 +142,14 @@ class _Walk:
             elif self._held_back:
                 held, self._held_back = self._held_back, []
                 for arrival in held:
-                    self._enter(*arrival, False)
+                    self._enter(arrival, sure=False)
             elif self._unsure:
                 self._leave(self._unsure.popleft())
             elif not self._outlast():
                 return
 
     def _outlast(self) -> bool:
-        """Try sensors that alternate, and return whether a wait has come to something new."""
+        """Try alternating sensors, and return whether a wait has led to a new state."""
         steps = len(self.found.steps) + len(self._held_back)
         fired: dict[Any, set[str]] = defaultdict(set)
         for done in self.found.steps:
@@ -145,7 +163,7 @@ class _Walk:
                 continue
             self._outlasted.add(key)
             for state, at_s in lasting(it, node.state, self.moves.conditions):
-                move = Move("lasting", Tick(), at_s)
+                move = PossibleEvent("lasting", Tick(), at_s)
                 step = partial(self.engine.step, state, move.event, at_s)
                 self._try(index, move, step, _due(it, state, at_s), fired[key])
         return len(self.found.steps) + len(self._held_back) > steps
@@ -163,30 +181,30 @@ class _Walk:
             self._try(index, move, partial(self.engine.step, state, move.event, move.at_s), due)
 
     def _wait_of(self, state: EngineState) -> Wait | None:
-        """Return the wait that it has come to."""
+        """Return the wait that the state is in, None without one."""
         it = self.engine.program.instructions[state.mission.pc]
         return it if state.mission.begun and isinstance(it, Wait) else None
 
     def _waits(self, result: tuple[EngineState, tuple[Effect, ...]]) -> int:
-        """Return index of the wait that it has come to."""
+        """Return the index of the wait that a result is in, or ``NOWHERE``."""
         return NOWHERE if self._wait_of(result[0]) is None else result[0].mission.pc
 
     def _try(
         self,
         source: int,
-        move: Move,
+        move: PossibleEvent,
         step: Callable[[], tuple[EngineState, tuple[Effect, ...]]],
         due: Collection[Trigger] = (),
         known: Collection[str] | None = None,
     ) -> None:
-        """Enter the results of a step of the engine, as far as they are not too much.
+        """Record the results of a step of the engine, up to the limits.
 
         Args:
-            source: Index of the node before.
-            move: What happens.
-            step: What the engine does then.
+            source: Index of the state before.
+            move: The event.
+            step: The step of the engine.
             due: Triggers that fire if their condition is still true.
-            known: If given, a result counts only where a trigger has fired that is not one of them.
+            known: If given, only results count in which a trigger outside of these has fired.
         """
         conditions, tests = self.moves.conditions, self.moves.conditions.tests
         try:
@@ -194,7 +212,7 @@ class _Walk:
                 if known is None or any(
                     isinstance(each, TriggerFired) and each.trigger not in known for each in effects
                 ):
-                    self._arrive(source, move, state, effects, moment)
+                    self._arrive(_Arrival(source, move, state, effects, moment))
                 more = (conditions.tests - tests) / _TESTS_A_STEP
                 tests = conditions.tests
                 self.found.work += 1 + len(effects) / _EFFECTS_A_STEP + more
@@ -204,45 +222,31 @@ class _Walk:
         except TooManyQuestionsError:
             self.found.complete = False
 
-    def _arrive(
-        self,
-        source: int,
-        move: Move,
-        state: EngineState,
-        effects: tuple[Effect, ...],
-        moment: Moment,
-    ) -> None:
-        sure = moment.answer.sure and (source < 0 or self.found.nodes[source].sure)
-        if sure:
-            self._enter(source, move, state, effects, moment, sure)
-        else:  # until all that is sure is known
-            self._held_back.append((source, move, state, effects, moment))
+    def _arrive(self, it: _Arrival) -> None:
+        if it.moment.answer.sure and (it.source < 0 or self.found.nodes[it.source].sure):
+            self._enter(it, sure=True)
+        else:  # postponed until all sure steps are known
+            self._held_back.append(it)
 
-    def _enter(
-        self,
-        source: int,
-        move: Move,
-        state: EngineState,
-        effects: tuple[Effect, ...],
-        moment: Moment,
-        sure: bool,
-    ) -> None:
-        told = tuple([effect for effect in effects if type(effect) not in _QUIET])
+    def _enter(self, it: _Arrival, *, sure: bool) -> None:
+        told = tuple([effect for effect in it.effects if type(effect) not in _QUIET])
         fresh = len(self.found.nodes)
-        target = self._known.setdefault(key_of(state), fresh)
-        if target == source and not told:
+        target = self._known.setdefault(key_of(it.state), fresh)
+        if target == it.source and not told:
             return
         if target == fresh:
             if target >= self.most:
                 self.found.complete = False
                 return
-            self.found.nodes.append(Node(state, move.at_s, len(self.found.steps), sure))
+            self.found.nodes.append(
+                ExploredState(it.state, it.move.at_s, len(self.found.steps), sure)
+            )
             (self._sure if sure else self._unsure).append(target)
-        self.found.steps.append(Step(source, target, move, told, moment, sure))
+        self.found.steps.append(ExploredStep(it.source, target, it.move, told, it.moment, sure))
 
 
 def _due(wait: Wait, state: EngineState, now: float) -> Collection[Trigger]:
-    """Return triggers that fire now if their condition is still true."""
+    """Return the triggers that fire now if their condition is still true."""
     mission = state.mission
     return [
         (mission.pc, number)

@@ -1,4 +1,4 @@
-"""Find where a comparison of one signal with numbers changes: kinks and roots of linear pieces."""
+"""Find where a comparison of one signal changes: kinks and roots of piecewise linear terms."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from pirate_sm.checking.exploring.signal_ranges import Range
 from pirate_sm.expressions import tree
 
 _FAR = 1e9
-"""Stands for infinity where a range has no end; no signal of a robot comes near, in SI."""
+"""Bound of an unlimited range; no signal of a robot comes near it in SI units."""
 
 
 def signals(node: tree.Node) -> tuple[str, ...]:
-    """Return the names of the numeric signals in a node, each once, in the order of the text."""
+    """Return the distinct names of the numeric signals in a node, in the order of the text."""
     found = (each for each in tree.walk(node) if isinstance(each, tree.Signal))
     return tuple(dict.fromkeys(each.name for each in found if each.kind == "number"))
 
 
 def is_linear(node: tree.Node) -> bool:
-    """Return whether a number is made of its signals piece by linear piece."""
+    """Return whether a number is a piecewise linear function of its signals."""
     match node:
         case tree.Arithmetic("*", left, right):
             linear = not (signals(left) and signals(right))
@@ -33,7 +33,7 @@ def is_linear(node: tree.Node) -> bool:
 
 
 def value(node: tree.Node, x: float) -> float:
-    """Return the number with its one signal at ``x``."""
+    """Return the value of a number whose only signal is ``x``."""
     match node:
         case tree.Number(number):
             return number
@@ -66,7 +66,7 @@ def _arithmetic(operator: tree.ArithmeticOperator, left: float, right: float) ->
 
 
 def _kinks(node: tree.Node, span: Range) -> set[float]:
-    """Return where the slope of the number may change."""
+    """Return the points at which the slope of the number may change."""
     found: set[float] = set()
     for child in tree.children(node):
         found |= _kinks(child, span)
@@ -80,7 +80,7 @@ def _kinks(node: tree.Node, span: Range) -> set[float]:
 
 
 def _roots(node: tree.Node, kinks: Iterable[float], span: Range) -> set[float]:
-    """Return where the number is 0, exactly, between the kinks that are known."""
+    """Return the roots of the number between the given kinks."""
     points = sorted({max(span.low, -_FAR), min(span.high, _FAR), *kinks})
     found = set()
     for a, b in pairwise(points):
@@ -96,18 +96,18 @@ def _roots(node: tree.Node, kinks: Iterable[float], span: Range) -> set[float]:
 
 @lru_cache(maxsize=4096)
 def borders(compare: tree.Compare, span: Range) -> frozenset[float]:
-    """Return values of the one signal at which the comparison may change."""
+    """Return the values of the only signal at which the comparison may change."""
     difference = tree.Arithmetic("-", compare.left, compare.right)
     kinks = _kinks(difference, span)
     found = kinks | _roots(difference, kinks, span)
     for side, other in ((compare.left, compare.right), (compare.right, compare.left)):
         if isinstance(side, tree.Signal) and not signals(other):
-            found.add(value(other, 0.0))  # without the rounding of an interpolation
+            found.add(value(other, 0.0))  # avoids the rounding of an interpolation
     return frozenset(found)
 
 
 def samples(marks: Iterable[float], span: Range) -> tuple[float, ...]:
-    """Return one value on each border, one on either side of it, inside the range."""
+    """Return each border and a value on either side of it, within the range."""
     inside = sorted({mark for mark in marks if span.low <= mark <= span.high})
     low, high = max(span.low, -_FAR), min(span.high, _FAR)
     if not inside:
@@ -119,5 +119,5 @@ def samples(marks: Iterable[float], span: Range) -> tuple[float, ...]:
 
 
 def _step(near: float) -> float:
-    """Return a step beyond the outermost border that stays a sensible value."""
+    """Return a step beyond the outermost border of suitable size."""
     return max(abs(near), 0.1)

@@ -1,4 +1,4 @@
-"""List what can happen next: an event for each thing that robot, sensors or operator can do."""
+"""List the events that robot, sensors or operator can cause next."""
 
 from __future__ import annotations
 
@@ -19,20 +19,19 @@ Kind: TypeAlias = Literal[
 
 NOT_DONE = "not done in time"
 UNSAID = "so the check"
-"""Message of a fault that denies nothing: no rule of the robot says which part it is about."""
+"""Message of a fault without a rule of the robot, which therefore denies no clamp."""
 
 REFUSED = "the backend refused the setpoints"
 
 
-class Move(NamedTuple):
-    """One thing that happens.
+class PossibleEvent(NamedTuple):
+    """One possible event.
 
     Attributes:
-        kind: ``time`` lets the next deadline come, at which a command counts as done;
-            ``sensors`` lets them show something else; ``lasting`` is time in which they show now
-            this and now that, so that a wait goes on.
-        event: What the engine is told.
-        at_s: When.
+        kind: ``time``: the next deadline comes, at which a command counts as done. ``sensors``: the
+            signals change. ``lasting``: the signals alternate for a time, so that a wait continues.
+        event: The event for the engine.
+        at_s: Time of the event.
         word: The operator's answer, or the fault's code.
     """
 
@@ -46,12 +45,12 @@ _Situation: TypeAlias = tuple[tuple[HandlerSpec, ...], tuple[str | None, ...], f
 
 
 class Moves:
-    """Knows what can happen in a state.
+    """Lists the possible events of a state.
 
     Args:
-        robot: Whose faults they are.
-        program: Where the mission is.
-        conditions: Knows whether a fault's rule can hold.
+        robot: The robot with its faults.
+        program: The mission.
+        conditions: Decides whether a fault's rule can be true.
     """
 
     def __init__(self, robot: RobotSpec, program: Program, conditions: Conditions) -> None:
@@ -61,17 +60,17 @@ class Moves:
         self._messages: dict[tuple[str, tuple[str | None, ...]], tuple[str, ...]] = {}
         self._reports: dict[_Situation, tuple[FaultReport, ...]] = {}
 
-    def of(self, state: EngineState, now: float) -> Iterator[Move]:
-        """Yield everything that can happen next, in the order of the engine."""
+    def of(self, state: EngineState, now: float) -> Iterator[PossibleEvent]:
+        """Yield all events that can happen next, in the order of the engine."""
         mission, body = state.mission, state.robot
         if body.flight is not None:
             number = body.flight.setpoint_id
-            yield Move("accepted", SubmitResult(number, "accepted"), now)
+            yield PossibleEvent("accepted", SubmitResult(number, "accepted"), now)
             if body.flight.purpose == "gate":
-                yield Move("rejected", SubmitResult(number, "rejected", REFUSED), now)
+                yield PossibleEvent("rejected", SubmitResult(number, "rejected", REFUSED), now)
         elif body.motion is not None and mission.diverting is None:
-            yield Move("time", Tick(), state.wake_at_s)
-            yield Move("failed", CommandFailed(NOT_DONE), now)
+            yield PossibleEvent("time", Tick(), state.wake_at_s)
+            yield PossibleEvent("failed", CommandFailed(NOT_DONE), now)
         if mission.diverting is not None:
             return
         if mission.begun:
@@ -79,25 +78,25 @@ class Moves:
         if not mission.handling:
             yield from self._faults(state, now)
 
-    def _spoken(self, state: EngineState, now: float) -> Iterator[Move]:
-        """Yield what a wait or a question listens to."""
+    def _spoken(self, state: EngineState, now: float) -> Iterator[PossibleEvent]:
+        """Yield the events for which a wait or a question waits."""
         it = self._program.instructions[state.mission.pc]
         if isinstance(it, Wait):
             if any(trigger.condition is not None for trigger in it.triggers):
-                yield Move("sensors", Tick(), now)
+                yield PossibleEvent("sensors", Tick(), now)
             for trigger in it.triggers:
                 if trigger.answer:
-                    yield Move("answer", Answer(trigger.answer), now, trigger.answer)
+                    yield PossibleEvent("answer", Answer(trigger.answer), now, trigger.answer)
         elif isinstance(it, Question):
             for choice, _ in it.choices:
-                yield Move("answer", Answer(choice), now, choice)
+                yield PossibleEvent("answer", Answer(choice), now, choice)
         else:
             return
         if not isinf(state.wake_at_s):
-            yield Move("time", Tick(), state.wake_at_s)
+            yield PossibleEvent("time", Tick(), state.wake_at_s)
 
-    def _faults(self, state: EngineState, now: float) -> Iterator[Move]:
-        """Yield one fault for each handler that can be needed, and for each clamp it denies."""
+    def _faults(self, state: EngineState, now: float) -> Iterator[PossibleEvent]:
+        """Yield one fault for each handler that can be needed and each clamp that it denies."""
         robot = self._robot
         situation = (
             self._program.handlers[state.mission.pc],
@@ -107,7 +106,7 @@ class Moves:
         if situation not in self._reports:
             self._reports[situation] = tuple(self._needed(*situation))
         for report in self._reports[situation]:
-            yield Move("fault", report, now, report.code)
+            yield PossibleEvent("fault", report, now, report.code)
 
     def _needed(
         self,
@@ -115,7 +114,7 @@ class Moves:
         states: tuple[str | None, ...],
         clamped: frozenset[int],
     ) -> Iterator[FaultReport]:
-        """Yield the faults that can come up, one for each place and clamps that it leads to."""
+        """Yield the possible faults, one for each target and set of denied clamps."""
         known = set()
         seen = set()
         for handler in handlers:
@@ -125,14 +124,14 @@ class Moves:
             for message in self.messages(handler, states):
                 denied = self._robot.denied_by_report(handler.code, message) & clamped
                 if (handler.go, denied) in known or (handler.go is None and not denied):
-                    continue  # it would change nothing, or nothing else than another fault
+                    continue  # without effect, or with the same effect as another fault
                 known.add((handler.go, denied))
                 yield FaultReport(handler.code, message if denied else UNSAID)
 
     def messages(self, handler: HandlerSpec, states: tuple[str | None, ...]) -> tuple[str, ...]:
-        """Return the words with which the fault can come up in these states, by one rule each.
+        """Return the messages with which rules can raise the fault in these states.
 
-        What no rule tells always can.
+        A fault without a rule is always possible.
         """
         key = handler.code, states
         if key not in self._messages:

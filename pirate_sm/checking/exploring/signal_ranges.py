@@ -1,4 +1,4 @@
-"""Derive the range of each signal from end stops, the wire and geometry."""
+"""Derive the range of each signal from end stops, the wire format and geometry."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _COUNTS = 2**15
 
 
 class Range(NamedTuple):
-    """The least and the largest value in SI."""
+    """The smallest and the largest value in SI units."""
 
     low: float = -inf
     high: float = inf
@@ -25,7 +25,7 @@ ANYTHING = Range()
 
 
 def ranges(profile: model.Profile, robot: RobotSpec) -> Mapping[str, Range]:
-    """Return the range of each numeric signal; one that is not in it can be anything."""
+    """Return the ranges of numeric signals; a signal without one is unlimited."""
     names = robot.vocabulary.numbers
     found: dict[str, Range] = {}
     for board in robot.boards.values():

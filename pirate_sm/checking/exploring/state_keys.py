@@ -1,4 +1,4 @@
-"""Keys that are equal for states that can only go on alike, and the mishaps before a state."""
+"""Keys for equivalent states of an exploration, and the number of mishaps before a state."""
 
 from __future__ import annotations
 
@@ -11,50 +11,38 @@ from pirate_sm.engine.state import EngineState
 
 
 def key_of(state: EngineState) -> Any:
-    """Return what of a state decides how it can go on."""
+    """Return a key that is equal for states that can only continue in the same way."""
     mission, body = state.mission, state.robot
     flight, motion = body.flight, body.motion
-    if mission.diverting is not None:  # where the fault came up matters no more
+    robot = (
+        (body.configuration, body.marks, body.values, body.seeking),
+        flight and (flight.purpose, flight.values),
+        motion and (motion.command, motion.stage, isnan(motion.accepted_s)),
+        state.rules,
+    )
+    if mission.diverting is not None:  # the place of the fault is irrelevant now
         where = mission.diverting.go, mission.diverting.go_name, mission.stopped, mission.handling
-        return (
-            where,
-            body.configuration,
-            body.marks,
-            body.values,
-            body.seeking,
-            flight and (flight.purpose, flight.values),
-            motion and (motion.command, bool(motion.place), motion.stage, isnan(motion.accepted_s)),
-            state.rules,
-        )
+        return where, motion and bool(motion.place), robot
     return (
-        mission.pc,
-        mission.begun,
-        mission.tries,
-        mission.handling,
+        (mission.pc, mission.begun, mission.tries, mission.handling, mission.ended),
         mission.result.done if mission.result else None,
         tuple(map(isnan, mission.since)),
         mission.ending and (mission.ending.outcome, mission.ending.end),
-        mission.ended,
-        body.configuration,
-        body.marks,
-        body.values,
-        body.seeking,
-        flight and (flight.purpose, flight.values),
-        motion and (motion.command, motion.place, motion.stage, isnan(motion.accepted_s)),
-        state.rules,
+        motion and motion.place,
+        robot,
     )
 
 
 def key_of_wait(state: EngineState) -> Any:
-    """Return the same without regard to which conditions have begun to hold."""
+    """Return the same key, independent of the conditions that have become true."""
     return key_of(state._replace(mission=state.mission._replace(since=())))
 
 
 def fewest_mishaps(steps: Sequence[tuple[int, int, bool]]) -> list[int]:
-    """Return per node, how many mishaps must have come about before it at least.
+    """Return for each state the smallest number of mishaps before it.
 
     Args:
-        steps: Source (-1 before the start) and target of each, and whether it is a mishap.
+        steps: For each step its source (-1 before the start), target, and whether it is a mishap.
     """
     after: dict[int, list[tuple[int, bool]]] = {}
     fewest = [len(steps)] * (1 + max(target for _, target, _ in steps))

@@ -1,4 +1,4 @@
-"""Describe a course of events in sentences, one for each event."""
+"""Describe a course of events, with one sentence for each event."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from math import isnan
 from typing import TypeAlias
 
-from pirate_sm.checking.exploring.exploration import Exploration, Step
+from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep
 from pirate_sm.expressions import NumberType, Vocabulary
 from pirate_sm.model.effects import (
     CommandStatus,
@@ -19,7 +19,7 @@ from pirate_sm.model.effects import (
 from pirate_sm.units import DIMENSIONLESS, format_quantity
 
 Written: TypeAlias = Callable[[str, str], str]
-"""The word that the step at a place, ``file:line:col``, has for a command."""
+"""Returns the name of a command as written in the step at a place, ``file:line:col``."""
 
 
 def _as_it_is(place: str, command: str) -> str:
@@ -27,12 +27,12 @@ def _as_it_is(place: str, command: str) -> str:
 
 
 def story(found: Exploration, step: int, written: Written = _as_it_is) -> tuple[str, ...]:
-    """Return how this step of the exploration comes about."""
+    """Return the story of a step: one sentence for each event that leads to it."""
     return tuple(sentence(found, each, written) for each in found.path(step))
 
 
-def sentence(found: Exploration, step: Step, written: Written = _as_it_is) -> str:
-    """Return what happens in a step, and what follows."""
+def sentence(found: Exploration, step: ExploredStep, written: Written = _as_it_is) -> str:
+    """Return the event of a step and its consequences."""
     said = [_what(found, step, written), *_consequences(step.effects, written)]
     shown = _shown(
         found.robot.vocabulary.with_changes, step.moment.answer.numbers, step.moment.answer.words
@@ -42,7 +42,7 @@ def sentence(found: Exploration, step: Step, written: Written = _as_it_is) -> st
     return "; ".join(part for part in said if part)
 
 
-def _what(found: Exploration, step: Step, written: Written) -> str:
+def _what(found: Exploration, step: ExploredStep, written: Written) -> str:
     """Return the event itself as a sentence."""
     state = found.nodes[step.source].state if step.source >= 0 else None
     motion = state.robot.motion if state else None
@@ -100,7 +100,7 @@ def _consequences(effects: Iterable[Effect], written: Written) -> Iterable[str]:
 def _shown(
     vocabulary: Vocabulary, numbers: Mapping[str, float], words: Mapping[str, str | None]
 ) -> str:
-    """Return signals that the course of events needs, in words."""
+    """Return the signals that the event requires, as text."""
     parts = [f"{name} = {_quantity(vocabulary, name, value)}" for name, value in numbers.items()]
     parts += [f"{name} = {word or 'unknown'}" for name, word in words.items()]
     return ", ".join(parts)

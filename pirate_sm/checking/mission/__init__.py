@@ -1,1 +1,1 @@
-"""Rules that find what is wrong with a mission, and how they are run."""
+"""Rules for checking missions, and the check that runs them."""

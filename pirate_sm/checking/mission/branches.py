@@ -15,15 +15,15 @@ from pirate_sm.engine.mission.program import Branch
 from pirate_sm.expressions import Expression
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
-from pirate_sm.model.mission import ChooseStep, Mission, RepeatStep, Step
+from pirate_sm.model.mission import ChooseStep, Mission, every_step
 
 
 def branches(view: MissionView) -> Iterator[Finding]:
-    """Yield what is decided already wherever it is asked, in the mission's own file.
+    """Yield conditions in the mission's own file that have the same value wherever they are tested.
 
-    A called mission is judged by itself: it may be called from elsewhere too. What asks for
-    states that no command has changed yet guards against another beginning, and is no fault where
-    the mission may begin in others; nor is what asks again for what a trigger has just seen.
+    A called mission is checked on its own, because other missions may call it too. A condition on
+    states that no command has changed yet is not reported if the mission may start in other states.
+    A condition that repeats what a trigger has just tested is not reported either.
     """
     seen, loaded, places = view.seen, view.loaded, view.places
     told = set[Place]()
@@ -36,7 +36,7 @@ def branches(view: MissionView) -> Iterator[Finding]:
 
 
 def _decided(seen: Sequence[Explored], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
-    """Yield conditions that were the same each time they were asked."""
+    """Yield conditions that had the same value each time they were tested."""
     truths: dict[str, set[bool]] = defaultdict(set)
     guards = set[str]()
     for book in seen:
@@ -61,7 +61,7 @@ def _decided(seen: Sequence[Explored], loaded: LoadedMission, places: Places) ->
 
 
 def _conditions(loaded: LoadedMission) -> dict[str, Expression]:
-    """Return the conditions of steps and arms by their places."""
+    """Return the conditions of steps and choices by their places."""
     return {
         each.place: each.condition
         for each in loaded.program.instructions
@@ -70,7 +70,7 @@ def _conditions(loaded: LoadedMission) -> dict[str, Expression]:
 
 
 def _arms(loaded: LoadedMission, places: Places) -> Iterator[Finding]:
-    """Yield arms of a `choose`, and an `else`, for which the arms before leave nothing."""
+    """Yield arms of a `choose`, and its `else`, that earlier arms make unreachable."""
     asked, conditions = _conditions(loaded), within_reach(loaded)
     every = loaded.robot.table.configurations
     for step, path in _chooses(loaded.mission):
@@ -96,18 +96,8 @@ def _arms(loaded: LoadedMission, places: Places) -> Iterator[Finding]:
 
 
 def _chooses(mission: Mission) -> Iterator[tuple[ChooseStep, Path]]:
-    """Yield every `choose` of a mission, with where it stands."""
+    """Yield every `choose` of a mission with its path."""
     for name, phase in mission.phases.items():
-        yield from _among(phase.do, ("phases", name, "do"))
-
-
-def _among(steps: Sequence[Step], at: Path) -> Iterator[tuple[ChooseStep, Path]]:
-    for number, step in enumerate(steps):
-        path = (*at, number)
-        if isinstance(step, RepeatStep):
-            yield from _among(step.repeat.do, (*path, "repeat", "do"))
-        elif isinstance(step, ChooseStep):
-            yield step, path
-            for arm, choice in enumerate(step.choose):
-                yield from _among(choice.do, (*path, "choose", arm, "do"))
-            yield from _among(step.otherwise, (*path, "else"))
+        for step, path in every_step(phase.do, ("phases", name, "do")):
+            if isinstance(step, ChooseStep):
+                yield step, path

@@ -1,4 +1,4 @@
-"""Check a mission: load it, explore what can happen to it, then run the rules about it."""
+"""Check a mission: load it, explore everything that can happen to it, and run the rules."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from pirate_sm.loading.yaml.document import Document
 
 @dataclass(frozen=True)
 class MissionCheck:
-    """What was found in a mission and the files that it is made of.
+    """The result of checking a mission and its files.
 
     Attributes:
-        loaded: The mission, where it has a shape at all.
-        documents: Files that were read, as far as is known.
-        explored: What can happen, first as it is, then with impossible steps left out.
+        loaded: The mission; None if it cannot be loaded.
+        documents: The files that were read, as far as they are known.
+        explored: Explorations: of the mission as it is, then without impossible steps.
     """
 
     findings: tuple[Finding, ...]
@@ -49,16 +49,16 @@ def check_mission(
     pipe: str | None = None,
     settings: Mapping[str, str] | None = None,
 ) -> MissionCheck:
-    """Return everything that is wrong with a mission.
+    """Return the result of checking a mission.
 
     Args:
         path: The mission's file.
-        robot: In place of the mission's own.
-        pipe: In place of the mission's own.
+        robot: A robot that overrides the mission's.
+        pipe: A pipe that overrides the mission's.
         settings: Values of parameters, as text.
 
     Raises:
-        UsageError: An argument does not fit.
+        UsageError: An argument does not fit the mission.
     """
     try:
         loaded, problems = read_mission(
@@ -71,11 +71,11 @@ def check_mission(
 
 
 def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> MissionCheck:
-    """Explore everything that can happen to a loaded mission and judge it by every rule.
+    """Explore a loaded mission, and apply all rules to it.
 
     Args:
         loaded: The mission.
-        told: What loading has found already.
+        told: Findings of the loader.
     """
     explored = explore_mission(loaded)
     view = MissionView(loaded, Places(loaded), explored, explored)
@@ -89,14 +89,14 @@ def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> Missi
 
 
 def _judge(view: MissionView) -> list[Finding]:
-    """Return what the rules find, without what follows from another finding at the same place."""
+    """Return the findings of all rules, without consequences of others at the same place."""
     found = [finding for rule in RULES for finding in rule(view)]
     decided = {each.place for each in found if each.code in _DECIDED}
     return [each for each in found if each.code not in _FOLLOWING or each.place not in decided]
 
 
 def in_its_pipe(view: MissionView) -> Iterator[Finding]:
-    """Yield where the mission does not fit its pipe."""
+    """Yield findings about the mission in its pipe."""
     yield from pipe_findings(view.loaded)
 
 
@@ -113,15 +113,15 @@ RULES = (
     unused_parameters,
     parameter_limits,
 )
-"""Every rule about a mission. Each yields the findings of a `MissionView`."""
+"""All rules about missions; each yields the findings of a `MissionView`."""
 
 _DECIDED = frozenset({"condition.constant", "trigger.never", "trigger.shadowed", "trigger.at_once"})
-"""Codes of conditions of which nothing more need be said."""
+"""Codes after which other findings about the same condition are omitted."""
 
 _FOLLOWING = frozenset(
     {"branch.always", "branch.never", "condition.beyond", "wait.still", "word.held", "word.never"}
 )
-"""Codes that say no more where one of ``_DECIDED`` is at the same place."""
+"""Codes that are omitted if one of ``_DECIDED`` is at the same place."""
 
 _NEVER = frozenset(
     {
@@ -138,4 +138,4 @@ _NEVER = frozenset(
         "wait.still",
     }
 )
-"""Codes of what never happens; it may happen once another fault is mended."""
+"""Codes of things that never happen, but may happen once another fault is mended."""

@@ -1,4 +1,4 @@
-"""How fast a robot drives at the most, and in which phases it has driven before."""
+"""Compute a robot's largest speed, and the phases before which it has driven."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pirate_sm.loading.mission import LoadedMission
 
 
 def within_reach(loaded: LoadedMission) -> Conditions:
-    """Return what can be true on a robot that is no faster than its motors turn."""
+    """Return the conditions for a robot limited by the no-load speed of its motors."""
     robot, most = loaded.robot, fastest_m_s(loaded)
     spans = dict(ranges(loaded.loaded_robot.profile, robot))
     if robot.speed >= 0:
@@ -21,7 +21,7 @@ def within_reach(loaded: LoadedMission) -> Conditions:
 
 
 def fastest_m_s(loaded: LoadedMission) -> float:
-    """Return the speed of the fastest wheel without a load, m/s; infinite where it is not known."""
+    """Return the no-load speed of the fastest wheel, m/s; infinite if unknown."""
     profile = loaded.loaded_robot.profile
     rates = [
         profile.motors[slot.motor].no_load_speed
@@ -34,7 +34,7 @@ def fastest_m_s(loaded: LoadedMission) -> float:
 
 
 def driven_before(found: Exploration, loaded: LoadedMission) -> frozenset[str]:
-    """Return phases whose wait may begin after the robot has driven in an earlier wait."""
+    """Return the phases whose wait may begin after the robot has driven in an earlier wait."""
     instructions, driven = found.program.instructions, loaded.robot.driven
     after: dict[int, list[int]] = {}
     begin = []

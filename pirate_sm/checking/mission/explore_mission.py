@@ -1,4 +1,4 @@
-"""Explore what can happen to a mission, also once its faults are mended."""
+"""Explore a mission as it is, and with its faults mended."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from pirate_sm.engine.mission.program import Do, Program, Raise, Require, Say
 from pirate_sm.loading.mission import LoadedMission
 
 MOST_ASSUMPTIONS = 20
-"""How often the exploration is repeated with steps left out that can never run."""
+"""How often the exploration is repeated without steps that can never run."""
 
 
 def conditions_of(loaded: LoadedMission) -> Conditions:
-    """Return what decides whether conditions on the mission's robot can be true."""
+    """Return the decision procedure for conditions on the mission's robot."""
     spans = ranges(loaded.loaded_robot.profile, loaded.robot)
     return Conditions(loaded.robot.vocabulary.with_changes, spans, len(loaded.robot.regions))
 
 
 def explore_mission(loaded: LoadedMission) -> list[Explored]:
-    """Explore a mission, and again without the steps that can never run, until there are none.
+    """Explore a mission repeatedly, each time without the steps that can never run.
 
-    After a certain refusal the check goes on as if the step were not there, so that later faults
-    show as well. All of it together may take as much as one exploration.
+    After a certain refusal the check continues without the step, to find later faults as well. All
+    explorations together are limited to the work of one.
     """
     conditions = conditions_of(loaded)
     program = loaded.program
@@ -49,7 +49,7 @@ def explore_mission(loaded: LoadedMission) -> list[Explored]:
 
 
 def _without(program: Program, places: set[str]) -> Program:
-    """Return the program with the steps at these places left out; of a call all that it does."""
+    """Return the program without the steps or calls at these places."""
     instructions = tuple(
         Require((), "", _after(program, index), each.failed, "")
         if isinstance(each, Do | Require) and each.place in places
@@ -60,7 +60,7 @@ def _without(program: Program, places: set[str]) -> Program:
 
 
 def _after(program: Program, index: int) -> int:
-    """Return where it goes on after a step; after a call, where an end that succeeds leads."""
+    """Return the instruction after a step; after a call, the target of its success."""
     step = program.instructions[index]
     assert isinstance(step, Do | Require)
     if isinstance(step, Do):
@@ -76,8 +76,8 @@ def _after(program: Program, index: int) -> int:
 def explore_mended(explored: Sequence[Explored], loaded: LoadedMission) -> list[Explored]:
     """Explore a mission whose refused steps and broken rules have been mended.
 
-    What is reached, needed or fired only then is no fault of its own: it is told of nothing that
-    it never is.
+    Parts that are reached, needed or fired only then are not reported as never reached, needed or
+    fired.
     """
     last = explored[-1]
     refused = {

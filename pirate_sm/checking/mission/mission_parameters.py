@@ -1,4 +1,4 @@
-"""Rules about parameters: each is used and set, and its limits leave the mission possible."""
+"""Rules about parameters: each is used and set, and the mission is possible at its limits."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from pirate_sm.units import QuantityError
 _USE = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
 _FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 _PROSE = {"description", "log", "ask", "succeed", "fail"}
-"""Texts in which `$name` means nothing."""
+"""Texts in which `$name` has no meaning."""
 
 
 def unused_parameters(view: MissionView) -> Iterator[Finding]:
@@ -35,7 +35,7 @@ def unused_parameters(view: MissionView) -> Iterator[Finding]:
 
 
 def unused_in(mission: Mission, document: Document) -> Iterator[Finding]:
-    """Yield the same of a mission that need not be loaded."""
+    """Yield unused parameters of a mission that need not be loaded."""
     used = set(_used(mission))
     for name in mission.parameters:
         if name not in used:
@@ -47,16 +47,16 @@ def unused_in(mission: Mission, document: Document) -> Iterator[Finding]:
 def check_settings(
     mission: Mission, document: Document, settings: Collection[str]
 ) -> tuple[Finding, ...]:
-    """Return parameters without a default that the settings leave without a value.
+    """Return findings for parameters without a default or a setting.
 
-    This is of use only where no other mission calls this one.
+    This applies only if no other mission calls this one.
     """
     found = []
     for name, definition in mission.parameters.items():
         if definition.default is None and name not in settings:
             place = document.place_of(("parameters", name), key=True)
             message = f"nothing sets the parameter '{name}'"
-            mend = f"give it a default, or run the mission with --set {name}=…"
+            mend = "give it a default, or set it for each run of the mission"
             found.append(
                 at(
                     document,
@@ -71,7 +71,7 @@ def check_settings(
 
 
 def parameter_limits(view: MissionView) -> Iterator[Finding]:
-    """Yield limits of parameters with which a trigger or a condition never comes true."""
+    """Yield limits of parameters at which a trigger or a condition can never be true."""
     loaded, conditions = view.loaded, within_reach(view.loaded)
     mission, document = loaded.mission, loaded.documents[0]
     problems = Problems(document)
@@ -99,7 +99,7 @@ def parameter_limits(view: MissionView) -> Iterator[Finding]:
 
 
 def _late(waits: Iterable[Phase | WaitStep], values: Values) -> Iterator[str]:
-    """Yield triggers that with these values can only come after their wait is over."""
+    """Yield triggers that with these values come only after the end of their wait."""
     for wait in waits:
         within_s = inf if wait.within is None else _seconds(wait.within.time, values)
         ends_s = [_seconds(t.after, values) for t in wait.wait if isinstance(t, TimeTrigger)]
@@ -128,7 +128,7 @@ def _written(value: float | Parameter) -> str:
 
 
 def _seconds(value: float | Parameter, values: Values) -> float:
-    """Return the time; NaN where the parameter has no value."""
+    """Return the time in s; NaN if the parameter has no value."""
     if not isinstance(value, Parameter):
         return value
     return values[value.name].quantity.value if value.name in values else nan
@@ -137,14 +137,14 @@ def _seconds(value: float | Parameter, values: Values) -> float:
 def _never(
     text: str, name: str, values: Values, loaded: LoadedMission, conditions: Conditions
 ) -> bool:
-    """Return whether the condition is impossible with these values, if they are all there."""
+    """Return whether the condition is impossible with these values; False if some are missing."""
     if name not in _USE.findall(text) or not set(_USE.findall(text)) <= values.keys():
         return False
     constants = {each: value.quantity for each, value in values.items()}
     try:
         condition = compile_condition(text, loaded.robot.vocabulary.with_changes, constants)
     except ExpressionError:
-        return False  # which has been said
+        return False  # reported already
     return not conditions.anywhere([(condition.tree, True)], loaded.robot.table.configurations)
 
 
@@ -171,7 +171,7 @@ def _used(value: object) -> Iterator[str]:
 
 
 def _inside(value: object) -> Iterator[tuple[str, object]]:
-    """Yield what a part of a mission is made of, with the field of a model that it stands in."""
+    """Yield all nested values of a part of a mission, each with its field name."""
     if isinstance(value, Mapping):
         yield from (("", each) for each in value.values())
     elif isinstance(value, tuple | list):
@@ -181,7 +181,7 @@ def _inside(value: object) -> Iterator[tuple[str, object]]:
 
 
 def _shown(value: BaseModel) -> Iterator[str]:
-    """Yield the names in the texts that a person reads."""
+    """Yield the names in the texts for the operator."""
     match value:
         case LogStep(log=text) | AskStep(ask=text):
             yield from _FIELD.findall(text)

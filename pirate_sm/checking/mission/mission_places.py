@@ -1,4 +1,4 @@
-"""Places of a mission's parts in its files, and findings there."""
+"""Find places of a mission's parts in its files, and make findings at them."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
 
 _LONGEST_STEP = 10
-"""Lines of a step, of which one says the command."""
+"""Pattern for the line of a step that names the command."""
 
 
 class Places:
-    """Finds the places.
+    """Finds places in a mission's files.
 
     Args:
         loaded: The mission; its own file is the first of its documents.
@@ -27,7 +27,7 @@ class Places:
         self._documents = {document.name: document for document in loaded.documents}
 
     def written(self, text: str, command: str) -> str:
-        """Return a command in the word that the step at ``file:line:col`` has for it."""
+        """Return a command's name as written in the step at ``file:line:col``."""
         others = [alias for alias, name in self._aliases.items() if name == command]
         place = self.read(text)
         if not others or place.file not in self._documents:
@@ -38,16 +38,16 @@ class Places:
         return command if word is None or word[0] == command else f"{word[0]} ({command})"
 
     def read(self, text: str) -> Place:
-        """Return the place that ``file:line:col`` names."""
+        """Return the place of ``file:line:col``."""
         file, line, column = text.rsplit(":", 2)
         return Place(file, int(line), int(column))
 
     def of(self, path: Path, *, key: bool = False) -> Place:
-        """Return where a part of the mission's own file stands."""
+        """Return the place of a part of the mission's own file."""
         return self._own.place_of(path, key=key)
 
     def mission(self) -> Place:
-        """Return where the mission's name stands."""
+        """Return the place of the mission's name."""
         return self.of(("mission",))
 
     def finding(
@@ -58,21 +58,20 @@ class Places:
         *,
         severity: Severity | None = None,
         mend: str = "",
-        related: tuple[tuple[Place, str], ...] = (),
         happens: tuple[Exploration, int] | None = None,
         playable: bool = True,
     ) -> Finding:
-        """Return a finding with the line that stands at its place.
+        """Return a finding at a place, with its source line.
 
         Args:
-            place: Where.
+            place: The place.
             code: An entry of the catalogue.
             message: What is wrong.
-            severity: How surely; None: as is usual for the code.
+            severity: The severity; None for the usual one of the code.
             mend: How to mend it.
-            related: Further places.
-            happens: The step of an exploration in which it comes about; becomes its story.
-            playable: Whether the mission as it stands can be led there.
+            related: Related places, each with an explanation.
+            happens: The step of an exploration in which it happens, for its story.
+            playable: Whether a trace of the unchanged mission can reach that step.
         """
         document = self._documents.get(place.file)
         excerpt = document.excerpt(place.line) if document else ""
@@ -87,7 +86,6 @@ class Places:
             message,
             mend=mend,
             excerpt=excerpt,
-            related=related,
             story=told,
             course=(happens,) if happens and sure else (),
         )

@@ -1,4 +1,4 @@
-"""A mission as the rules look at it: what is written, where it stands, what can happen."""
+"""A mission as seen by the rules: its content, its places, and what can happen."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from pirate_sm.loading.mission import LoadedMission
 
 @dataclass(frozen=True)
 class MissionView:
-    """A mission under examination.
+    """A mission that is being checked.
 
     Attributes:
         loaded: The mission.
-        places: Of its parts in its files.
-        explored: What can happen, first as it is, then with steps left out that can never run.
-        seen: That, and what can happen once other faults are mended.
+        places: The places of its parts.
+        explored: Explorations: of the mission as it is, then without steps that can never run.
+        seen: These, and explorations with other faults mended.
     """
 
     loaded: LoadedMission
@@ -28,5 +28,5 @@ class MissionView:
 
     @property
     def complete(self) -> bool:
-        """Whether all that can happen has been looked at."""
+        """Return whether the exploration was complete."""
         return all(each.found.complete for each in self.seen)

@@ -1,4 +1,4 @@
-"""A rule about conditions that this robot, in this pipe, cannot make true."""
+"""A rule about conditions that cannot become true for this robot in this pipe."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.loading.mission import LoadedMission
 
 BEGINNING_S = 5.0
-"""How long commands may have driven before a wait begins [decided]."""
+"""How long commands may drive before a wait begins [decided]."""
 
 STILL_M = 0.01
-"""A robot that does not drive is pushed, or slips, by no more than this [decided]."""
+"""Largest distance by which a robot that does not drive is pushed or slips [decided]."""
 
 _JOINT = "Joint"
 
 
 def out_of_reach(view: MissionView) -> Iterator[Finding]:
-    """Yield conditions of the mission's own file that wait or ask in vain."""
+    """Yield conditions in the mission's own file that cannot become true."""
     seen, loaded, places = view.seen, view.loaded, view.places
     check = _Reach(seen, loaded)
     told: set[str] = set()
@@ -74,14 +74,14 @@ class _Reach:
         return Conditions(self._robot.vocabulary.with_changes, spans, len(self._robot.regions))
 
     def states(self, wait: Wait) -> set[int]:
-        """Return configurations in which the wait is come to."""
+        """Return the configurations in which the wait is reached."""
         return {each for book in self._seen for each in book.waits[wait.phase, wait.place].states}
 
     def judge(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
-        """Return what is wrong with a trigger; None where it can fire or never could anywhere."""
+        """Return the finding about a trigger; None if it can fire, or could never fire anywhere."""
         node = condition.tree
         if not self._possible(wait, [(node, True)], self._usual):
-            return None  # which is said there
+            return None  # reported there
         return (
             self._beyond(wait, condition)
             or self._still(wait, condition)
@@ -90,7 +90,7 @@ class _Reach:
         )
 
     def asked(self, condition: Expression) -> str:
-        """Return why the condition of a step asks for what is out of reach; empty: it does not."""
+        """Return why the condition of a step is out of reach; empty if it is not."""
         facts: list[Fact] = [(condition.tree, True)]
         every = self._robot.table.configurations
         for name, most, why in self._lasting():
@@ -121,7 +121,7 @@ class _Reach:
         return None
 
     def _limits(self, wait: Wait) -> Iterator[tuple[str, float, str]]:
-        """Yield signals, how large they come to be in a wait at the most, and why."""
+        """Yield signals with their largest values in a wait, and the reasons."""
         for name, most, why in self._lasting():
             yield name, most, why
             yield name and change_of(name), 2 * most if name == self._speed else most, why
@@ -132,7 +132,7 @@ class _Reach:
             yield self._odometry, self._fastest * (ends_s + BEGINNING_S), why
 
     def _lasting(self) -> Iterator[tuple[str, float, str]]:
-        """Yield the same for what holds wherever a condition is asked."""
+        """Yield the same for limits that apply to every condition."""
         fastest, pipe = self._fastest, self._loaded.pipe
         yield self._speed, fastest, f"without a load the robot drives {fastest:.3g} m/s"
         if pipe is not None:
@@ -142,7 +142,7 @@ class _Reach:
     # --- the wrong way ----------------------------------------------------------------------
 
     def _still(self, wait: Wait, condition: Expression) -> _Said | None:
-        """Return a finding of a condition on odometry alone that what drives cannot make true."""
+        """Return a finding about a condition on odometry alone that driving cannot make true."""
         node = condition.tree
         free = self._usual.free(node)
         if not self._odometry or not {self._odometry, self._changed} & free:
@@ -163,7 +163,7 @@ class _Reach:
         return None
 
     def _not_on(self, wait: Wait, condition: Expression, ways: set[int]) -> _Said | None:
-        """Return a finding of a condition on the way driven in the wait that cannot come true."""
+        """Return a finding about an unreachable condition on the distance driven in the wait."""
         back, on = (-inf if -1 in ways else -STILL_M), (inf if 1 in ways else STILL_M)
         narrower = self._with({self._changed: Range(back, on)})
         if self._possible(wait, [(condition.tree, True)], narrower):
@@ -174,7 +174,7 @@ class _Reach:
         return "wait.still", message
 
     def _way(self, configuration: int) -> int:
-        """Return 1 where the configuration drives forward, -1 back, 0 where it drives no wheel."""
+        """Return 1 if the configuration drives forward, -1 backward, 0 if it drives no wheel."""
         table, total = self._robot.table, 0.0
         metres = {wheel.slot: wheel.metres_per_rad for wheel in self._robot.wheels}
         for region, slots in self._robot.driven[configuration].items():
@@ -185,7 +185,7 @@ class _Reach:
         return (total > 0) - (total < 0)
 
     def _grows(self, node: tree.Node) -> int:
-        """Return 1 where the condition becomes true as odometry grows, -1 as it shrinks, else 0."""
+        """Return 1 if the condition becomes true with growing odometry, -1 with falling, else 0."""
         place = self._robot.odometry
         span = self._spans.get(self._odometry, ANYTHING)
         marks: set[float] = set()
@@ -205,7 +205,7 @@ class _Reach:
     # --- words ------------------------------------------------------------------------------
 
     def _word(self, wait: Wait, condition: Expression) -> _Said | None:
-        """Return a finding of a word that nothing in this pipe brings about."""
+        """Return a finding about a word that cannot occur in this pipe."""
         pipe = self._loaded.pipe
         if pipe is None or pipe.route().crossings_m:
             return None
@@ -222,7 +222,7 @@ class _Reach:
         return None
 
     def _held(self, wait: Wait, trigger: TriggerSpec, node: tree.Node) -> _Said | None:
-        """Return a finding of a word that must hold for longer than one is valid."""
+        """Return a finding about a word that must be held longer than it is valid."""
         detector = self._loaded.loaded_robot.profile.detector
         if trigger.held_s <= detector.valid_for:
             return None

@@ -1,4 +1,4 @@
-"""A rule about reachability: phases and ends, loops without a way out, broken safety rules."""
+"""A rule about reachability: phases and ends, loops without exit, broken safety rules."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
 
-from pirate_sm.checking.exploring.exploration import MISHAPS, Exploration, Node
+from pirate_sm.checking.exploring.exploration import MISHAPS, Exploration, ExploredState
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.mission_places import Places
@@ -16,7 +16,7 @@ from pirate_sm.model.effects import PhaseChange
 
 
 def reachability(view: MissionView) -> Iterator[Finding]:
-    """Yield what is wrong with the ways through the mission."""
+    """Yield findings about the paths through the mission."""
     books, seen, loaded, places = view.explored, view.seen, view.loaded, view.places
     if not view.complete:
         yield from _round_and_round(books, loaded, places)
@@ -52,7 +52,7 @@ def _unreachable(
 
 
 def _endless(books: Sequence[Explored], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
-    """Yield phases from which no end can be reached, but by a failure, a fault or from outside."""
+    """Yield phases from which no end can be reached without a failure, a fault or the operator."""
     found = books[-1].found
     if isfinite(loaded.program.time_limit_s):
         return
@@ -84,7 +84,7 @@ def _endless(books: Sequence[Explored], loaded: LoadedMission, places: Places) -
 
 
 def _cannot_end(found: Exploration) -> set[int]:
-    """Return nodes from which no end, or none that succeeds, is reached without a mishap."""
+    """Return states from which no end, or none that succeeds, is reached without a mishap."""
     usual: dict[int, list[int]] = defaultdict(list)
     every: dict[int, list[int]] = defaultdict(list)
     for step in found.steps:
@@ -96,13 +96,13 @@ def _cannot_end(found: Exploration) -> set[int]:
     return set(range(len(found.nodes))) - _leading_to(over, usual) - _leading_to(good, every)
 
 
-def _succeeds(node: Node) -> bool:
+def _succeeds(node: ExploredState) -> bool:
     ending = node.state.mission.ending
     return ending is not None and ending.outcome == "succeeded"
 
 
 def _leading_to(targets: set[int], before: Mapping[int, Sequence[int]]) -> set[int]:
-    """Return the nodes from which one of these is reached, and these."""
+    """Return the states from which one of the targets is reached, including the targets."""
     can, pending = set(targets), list(targets)
     while pending:
         for source in before.get(pending.pop(), ()):

@@ -1,4 +1,4 @@
-"""A rule about steps that are refused, on every path or on some, and calls likewise."""
+"""A rule about steps and calls that are refused on every path or on some paths."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pirate_sm.model.effects import CommandStatus
 
 
 def refused_steps(view: MissionView) -> Iterator[Finding]:
-    """Yield one finding for each step that is refused on some path, from where it is first seen."""
+    """Yield one finding for each step that is refused on some path."""
     books, seen, loaded, places = view.explored, view.seen, view.loaded, view.places
     steps = {
         each.place: each
@@ -54,7 +54,7 @@ def refused_steps(view: MissionView) -> Iterator[Finding]:
 
 
 def handler_phases(program: Program) -> frozenset[str]:
-    """Return phases that failures and faults lead to."""
+    """Return the phases that handle failures and faults."""
     targets = {
         each.failed
         for each in program.instructions
@@ -67,7 +67,7 @@ def handler_phases(program: Program) -> frozenset[str]:
 
 
 def _phases(program: Program) -> dict[str, set[str]]:
-    """Return the phases in which the step at each place stands; a called one stands in several."""
+    """Return the phases of the step at each place; a step of a called mission can have several."""
     found: dict[str, set[str]] = defaultdict(set)
     for each, phase in zip(program.instructions, program.phase_of, strict=True):
         if isinstance(each, Do | Require):
@@ -76,7 +76,7 @@ def _phases(program: Program) -> dict[str, set[str]]:
 
 
 def _needed(place: str, seen: Sequence[Explored]) -> bool:
-    """Return whether the step is given anywhere."""
+    """Return whether the step is executed anywhere."""
     return any(place in book.visits and book.visits[place].given for book in seen)
 
 
@@ -89,7 +89,7 @@ def _judge(
     *,
     handling: bool,
 ) -> tuple[str, Severity, str, int, str] | None:
-    """Return code, severity, message, step and mend of a finding; None where all is well."""
+    """Return code, severity, message, step and mend of a finding; None without a fault."""
     complete = book.found.complete
     if isinstance(step, Do) and not visits.given and not visits.refused and complete:
         message = f"{name} is never needed: it is so already whenever its turn comes"
@@ -114,10 +114,10 @@ def _judge(
 
 
 def _unexpected(visits: Visits, step: Do | Require) -> list[int]:
-    """Return the refusals that the mission does not provide for, of a step not always refused.
+    """Return the refusals that the mission does not handle, of a step that is not always refused.
 
-    Where a step itself says where its failures lead, its refusals are thought of. Its phase does
-    so for what is impossible; an unneeded step would keep the next ones from being done.
+    A step with its own failure target handles all refusals. A phase with one handles impossible
+    steps only, because an unneeded step would skip the steps after it.
     """
     if step.expected:
         return []
@@ -125,7 +125,7 @@ def _unexpected(visits: Visits, step: Do | Require) -> list[int]:
 
 
 def _first(book: Explored, refused: Sequence[int]) -> int:
-    """Return the refusal to report: the first sure one, or else the first."""
+    """Return the refusal to report: the first sure one, otherwise the first."""
     sure = [each for each in refused if book.sure(each)]
     return min(sure or refused)
 
@@ -150,7 +150,7 @@ def _code(visits: Visits, step: Do | Require, first: int, maybe: str, *, handlin
 def _way_to(
     step: Require, book: Explored, first: int, loaded: LoadedMission, *, always: bool
 ) -> str:
-    """Return how the terms of a call can be met where they are not."""
+    """Return how the required states of a call can be reached."""
     source = book.found.steps[first].source
     body = book.found.nodes[max(source, 0)].state.robot
     commands = way(loaded.robot, body, step.states)
@@ -172,7 +172,7 @@ def _way_to(
 
 
 def _failed(book: Explored, step: int) -> set[str]:
-    """Return names of the commands that come to no good end on the way to a step."""
+    """Return the names of the commands that fail before a step."""
     return {
         effect.name
         for each in book.found.path(step)

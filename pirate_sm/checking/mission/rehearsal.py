@@ -1,4 +1,4 @@
-"""Results of running missions in the simulator, and the findings that they give."""
+"""Results of running missions in the simulator, and findings from them."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from pirate_sm.loading.mission import LoadedMission
 
 @dataclass(frozen=True)
 class RehearsedRun:
-    """One run.
+    """The result of one run.
 
     Attributes:
-        outcome: As the engine says: ``succeeded``, ``failed``, ``fault`` or ``interrupted``.
-        message: Why.
-        time_s: How long it took, in mission time.
+        outcome: The engine's outcome: ``succeeded``, ``failed``, ``fault`` or ``interrupted``.
+        message: The reason.
+        time_s: Its duration in mission time.
     """
 
     seed: int
@@ -32,18 +32,18 @@ class RehearsedRun:
 
     @property
     def succeeded(self) -> bool:
-        """Whether the mission came to an end that succeeds."""
+        """Return whether the mission succeeded."""
         return self.outcome == "succeeded"
 
 
 @dataclass(frozen=True)
 class Nearly:
-    """Something that nearly happened in a run.
+    """A near miss in a run.
 
     Attributes:
-        text: What, with numbers.
-        share: How near it came; 1 is where it happens.
-        at_s: When, in mission time.
+        text: A description with numbers.
+        share: How close it was; it happens at 1.
+        at_s: Mission time.
     """
 
     text: str
@@ -57,10 +57,10 @@ class Rehearsal:
     """The runs of one mission.
 
     Attributes:
-        file: As messages name it.
-        nearly: The closest calls of all runs, the closest first.
-        skipped: Why there are no runs; empty where there are.
-        at_once: Places of triggers whose condition was true as their wait began, with the text.
+        file: Its file, as in messages.
+        nearly: The near misses of all runs, the closest first.
+        skipped: Why there are no runs; empty if there are.
+        at_once: Places of triggers whose condition was true at the start of their wait, with text.
     """
 
     file: str
@@ -77,10 +77,10 @@ Rehearse: TypeAlias = Callable[[LoadedMission, Path], Rehearsal]
 def rehearsed(
     check: MissionCheck, path: Path, rehearse: Rehearse
 ) -> tuple[Rehearsal, tuple[Finding, ...]]:
-    """Run a mission that is not certainly wrong, and return what that shows.
+    """Run a mission without errors in the simulator, and return the results and findings.
 
     Args:
-        check: What is known of the mission.
+        check: The result of the mission's check.
         path: Its file.
         rehearse: Runs it.
     """

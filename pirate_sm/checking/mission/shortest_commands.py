@@ -1,4 +1,4 @@
-"""The fewest commands that bring a robot into the states that a mission starts in."""
+"""Find the shortest sequence of commands that leads to the initial states of a mission."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from pirate_sm.engine.robot.robot_state import RobotState
 def way(
     robot: RobotSpec, body: RobotState, wanted: Sequence[tuple[int, str]]
 ) -> tuple[str, ...] | None:
-    """Return the names of the commands, in order, if each is done; None where none lead there.
+    """Return the names of the commands in order; None if no commands lead there.
 
-    No command that lets go of the last clamp is among them. What is not confirmed at the
-    beginning counts as confirmed: each command on the way is given by itself.
+    The sequence never releases the last clamp. Unconfirmed states count as confirmed at the
+    beginning, because each command is given separately.
 
     Args:
         robot: The robot.
-        body: Where it is.
-        wanted: Regions and the states that they shall be in.
+        body: Its commanded state.
+        wanted: Regions with their target states.
     """
     table = robot.table
     waiting: deque[tuple[int, tuple[str, ...]]] = deque([(body.configuration, ())])

@@ -1,4 +1,4 @@
-"""A rule about times: none is too short for what it limits, and every question ends."""
+"""A rule about times: no limit is too short, and every question has one."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pirate_sm.loading.mission import LoadedMission
 
 
 def time_limits(view: MissionView) -> Iterator[Finding]:
-    """Yield what is wrong with the times in a mission's own file."""
+    """Yield findings about the times in a mission's own file."""
     books, loaded, places = view.explored, view.loaded, view.places
     told: set[str] = set()
     for each in loaded.program.instructions:
@@ -37,7 +37,7 @@ def time_limits(view: MissionView) -> Iterator[Finding]:
 
 
 def _timeout(it: Do, loaded: LoadedMission) -> tuple[Severity, str]:
-    """Return how surely, and why, a command has less time than it takes; an empty text: enough."""
+    """Return severity and message if a command's timeout is too short; an empty message if not."""
     spec = loaded.robot.commands[it.command]
     for_s = getattr(spec.done, "for_s", 0.0)
     if it.timeout_s is None:
@@ -54,7 +54,7 @@ def _timeout(it: Do, loaded: LoadedMission) -> tuple[Severity, str]:
 
 
 def _limit(books: Sequence[Explored], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
-    """Yield a mission that cannot succeed in time if commands take as long as usual."""
+    """Yield a finding if the mission cannot succeed in time with nominal durations."""
     limit_s = loaded.program.time_limit_s
     if isinf(limit_s) or not books[-1].found.complete:
         return
@@ -68,7 +68,7 @@ def _limit(books: Sequence[Explored], loaded: LoadedMission, places: Places) -> 
 
 
 def _shortest_s(found: Exploration) -> float:
-    """Return how long an end that succeeds takes at least, with commands of nominal duration."""
+    """Return the shortest time to an end that succeeds, with nominal durations, s."""
     after: list[list[tuple[int, float]]] = [[] for _ in found.nodes]
     waiting: list[tuple[float, int]] = []
     for step in found.steps:

@@ -1,4 +1,4 @@
-"""A rule about size: too much can happen in a mission for all of it to be looked at."""
+"""A rule about size: a mission is too large for a complete exploration."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pirate_sm.checking.mission.mission_view import MissionView
 
 
 def too_large(view: MissionView) -> Iterator[Finding]:
-    """Yield a finding where there is too much to look at."""
+    """Yield a finding if the exploration is not complete."""
     books, loaded, places = view.seen, view.loaded, view.places
     found = next((book.found for book in books if not book.found.complete), None)
     if found is None:

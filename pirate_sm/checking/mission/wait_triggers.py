@@ -1,4 +1,4 @@
-"""A rule about triggers: each can fire, in time, and is not true already."""
+"""A rule about triggers: each can fire in time, and is not true from the beginning."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pirate_sm.expressions.vocabulary import change_of
 
 
 def wait_triggers(view: MissionView) -> Iterator[Finding]:
-    """Yield what is wrong with triggers and with conditions of steps."""
+    """Yield findings about triggers and about conditions of steps."""
     loaded, places = view.loaded, view.places
     judge = _Judge(view)
     told: set[str] = set()
@@ -32,7 +32,7 @@ def wait_triggers(view: MissionView) -> Iterator[Finding]:
 
 
 def _conditions(program: Program) -> Iterator[tuple[str, Expression, str]]:
-    """Yield place and condition of what is asked, and how to mend one that is never true."""
+    """Yield the place of each condition, the condition, and the mend if it is never true."""
     for each in program.instructions:
         if isinstance(each, Branch):
             yield each.place, each.condition, "leave the step out"
@@ -55,7 +55,7 @@ class _Judge:
         self._constant: dict[tree.Node, str] = {}
 
     def triggers(self) -> dict[str, _Said]:
-        """Return what is to be said of a trigger, by its place; nothing where it is ever of use."""
+        """Return the findings about triggers by place, without triggers that can be useful."""
         fine: set[str] = set()
         found: dict[str, _Said] = {}
         for wait in self._program.instructions:
@@ -80,7 +80,7 @@ class _Judge:
     def _trigger(self, wait: Wait, number: int, trigger: TriggerSpec) -> _Said | None:
         key = wait.phase, wait.place
         if not any(book.waits[key].armed for book in self._books):
-            return None  # that its phase is never reached is said there
+            return None  # the unreachable phase is reported itself
         armed = sum(len(book.waits[key].armed) for book in self._seen)
         fired = sum(len(book.waits[key].fired[trigger.name]) for book in self._seen)
         if fired:
@@ -106,7 +106,7 @@ class _Judge:
         return "trigger.shadowed", message, "list it first, or leave it out"
 
     def _unchanged(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
-        """Return what is to be said of a condition that is true as long as nothing has changed."""
+        """Return the finding about a condition that is true until something changes."""
         at_first = at_beginning(condition.tree, self._changes.keys())
         if at_first == condition.tree or self._can_be(wait, [(at_first, False)]):
             return None
@@ -122,7 +122,7 @@ class _Judge:
         return "trigger.at_once", message, mend
 
     def _blind(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
-        """Return what to say of changes of signals that are unknown whenever the wait begins."""
+        """Return the finding about changes of signals that are unknown when the wait begins."""
         unknown = [
             name for name in self._changed(condition) if not any(self._known_at_first(wait, [name]))
         ]
@@ -136,13 +136,13 @@ class _Judge:
         return "trigger.never", message, ""
 
     def _changed(self, condition: Expression) -> list[str]:
-        """Return the names of the signals about whose change the condition is, each once."""
+        """Return the distinct names of the signals whose changes the condition uses."""
         signals = (each for each in tree.walk(condition.tree) if isinstance(each, tree.Signal))
         names = dict.fromkeys(each.name for each in signals)
         return [self._changes[name] for name in names if name in self._changes]
 
     def _known_at_first(self, wait: Wait, names: Sequence[str]) -> Iterator[bool]:
-        """Yield for each time the wait begins whether these signals can be known then."""
+        """Yield for each beginning of the wait whether these signals can be known then."""
         facts = [(tree.Known(_signal(self._conditions.vocabulary, name)), True) for name in names]
         for book in self._seen:
             for number in book.waits[wait.phase, wait.place].armed:
@@ -152,7 +152,7 @@ class _Judge:
                 yield self._conditions.ask((*step.moment.facts, *facts), states).possible
 
     def _ahead(self, wait: Wait, number: int) -> str:
-        """Return what fires wherever this trigger would."""
+        """Return the trigger that fires before this one in every case."""
         own = wait.triggers[number].condition
         for trigger in wait.triggers[:number]:
             if own is None or trigger.condition is None:
@@ -163,7 +163,7 @@ class _Judge:
 
     @staticmethod
     def _late(wait: Wait, trigger: TriggerSpec) -> str:
-        """Return why the trigger would come only after the wait is over; empty: it need not."""
+        """Return why the trigger comes only after the end of the wait; empty if it does not."""
         limits = [(wait.within_s, "`within`")]
         limits += [
             (each.after_s, f"'{each.text}'")
@@ -178,7 +178,7 @@ class _Judge:
         return f"it {took} {own_s:g} s, and {what} ends the wait after {least_s:g} s"
 
     def _can_be(self, wait: Wait, facts: Sequence[Fact]) -> bool:
-        """Return whether all of this can be so in a configuration of the wait."""
+        """Return whether all facts can be true in a configuration of the wait."""
         reached = {
             self._table.configurations[configuration]
             for book in self._seen
@@ -187,10 +187,10 @@ class _Judge:
         return self._conditions.anywhere(facts, reached)
 
     def constant(self, condition: Expression) -> str:
-        """Return ``true`` or ``false`` where the condition is that in every configuration.
+        """Return ``true`` or ``false`` if the condition is constant, otherwise an empty text.
 
-        What is true of every value of its signals counts as true: asking whether they are known
-        is :class:`~pirate_sm.expressions.tree.Known`'s.
+        A condition that is true for all known values of its signals counts as true; only
+        :class:`~pirate_sm.expressions.tree.Known` should test whether they are known.
         """
         if condition.tree not in self._constant:
             every = self._table.configurations
@@ -214,7 +214,7 @@ def _signal(vocabulary: Vocabulary, name: str) -> tree.Signal:
 
 
 def _numbers(node: tree.Node) -> list[tree.Signal]:
-    """Return the numeric signals of a condition that is about their values."""
+    """Return the numeric signals whose values the condition uses."""
     parts = dict.fromkeys(tree.walk(node))
     if any(isinstance(each, tree.Known) for each in parts):
         return []

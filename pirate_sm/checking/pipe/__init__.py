@@ -1,1 +1,1 @@
-"""Rules that find where a mission does not fit its pipe."""
+"""Rules for checking missions in their pipes."""

@@ -1,4 +1,4 @@
-"""Rules about sides: a part is bent towards the inner wall, in the plane of a bend."""
+"""Rules about bends: parts bend towards the inner wall, in the plane of the bend."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pirate_sm.loading.problems import Place
 from pirate_sm.model.pipe import Mitre
 
 MOST_ROLL_RAD = pi / 18
-"""A part that is rolled by this much against a bend does not pass it (docs/simulator.md)."""
+"""Smallest roll of a part relative to a bend that it cannot pass (docs/simulator.md)."""
 
 
 def bends_to_the_inner_wall(view: PipeView) -> Iterator[Finding]:
@@ -41,7 +41,7 @@ def bends_to_the_inner_wall(view: PipeView) -> Iterator[Finding]:
 
 
 def _bent_in_vain(view: PipeView) -> Iterator[Finding]:
-    """Report parts that are bent where the pipe goes straight on."""
+    """Report parts that are bent in a pipe without bends."""
     mission = view.loaded.documents[0]
     called: list[tuple[Place, str]] = []
     for where, parts in _bending(view).items():
@@ -52,14 +52,14 @@ def _bent_in_vain(view: PipeView) -> Iterator[Finding]:
             yield at(mission, place, "geometry.no_bend", message)
         elif place.line:
             called.append((place, f"this bends '{name}'"))
-    if called:  # what is called is right by itself: it does not say in which pipe
+    if called:  # a called mission is valid itself: it names no pipe
         message = f"{called[0][0]} bends a part, and this pipe has no bend"
         place = mission.place_of(("pipe",))
         yield at(mission, place, "geometry.no_bend", message, related=called)
 
 
 def _bending(view: PipeView) -> dict[str, frozenset[int]]:
-    """Return the parts by the places of the steps that bend them, those of handlers too."""
+    """Return the parts by the places of the steps that bend them, including handlers."""
     found = {where: frozenset({bend.part}) for bend, where in view.course.bends}
     bends = Bends(view.loaded.robot, view.loaded.loaded_robot.profile)
     for each in view.loaded.program.instructions:
@@ -90,7 +90,7 @@ def _wrong_side(view: PipeView, part: int, places: list[str], mitre: tuple[int, 
 
 
 def _turns(view: PipeView) -> bool:
-    """Return whether the mission rolls a part, so that it is not known where its sides are."""
+    """Return whether the mission rolls a part, which makes the directions of its sides unknown."""
     robot = view.fit.robot
     rolls = {n for n, slot in enumerate(view.fit.profile.slots) if slot.roll is not None}
     return any(

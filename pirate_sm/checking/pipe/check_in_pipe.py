@@ -1,6 +1,6 @@
-"""Find where a mission does not fit its pipe: room, the side of its bends, its hold on a slope.
+"""Check a mission in its pipe: space, the direction of its bends, its grip on a slope.
 
-Only what the mission does while nothing goes wrong is judged (`usual_course`). Loading has already
+Only the course of the mission without failures is checked (`usual_course`). The loader has already
 checked that the robot's parts reach the walls (`pipe.reach`).
 """
 
@@ -23,11 +23,11 @@ RULES = (
     holds_behind_the_bend,
     clamps_bear_the_weight,
 )
-"""Every rule about a mission in its pipe. Each yields the findings of a `PipeView`."""
+"""All rules about missions in pipes; each yields the findings of a `PipeView`."""
 
 
 def pipe_findings(loaded: LoadedMission) -> Iterator[Finding]:
-    """Yield where a mission does not fit its pipe; nothing without a pipe."""
+    """Yield the findings about a mission in its pipe; none without a pipe."""
     if loaded.pipe is None:
         return
     profile = loaded.loaded_robot.profile

@@ -1,4 +1,4 @@
-"""A rule about forces: clamped parts bear the weight of the robot by friction."""
+"""A rule about forces: the friction of clamped parts bears the weight of the robot."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from collections.abc import Iterator
 
 from pirate_sm.checking.findings import Finding, Severity, at
 from pirate_sm.checking.pipe.pipe_view import PipeView
-from pirate_sm.checking.pipe.usual_course import Situation
+from pirate_sm.checking.pipe.usual_course import CoursePoint
 from pirate_sm.geometry.route import Piece
 from pirate_sm.loading.problems import Path
 from pirate_sm.model.pipe import Pipe
 
 
 def clamps_bear_the_weight(view: PipeView) -> Iterator[Finding]:
-    """Report clamped parts that do not bear the robot's weight by friction."""
-    worst: tuple[float, Situation, Piece] | None = None
+    """Report clamped parts whose friction does not bear the robot's weight."""
+    worst: tuple[float, CoursePoint, Piece] | None = None
     every = True
     for situation in view.course.situations:
         for piece in _stands_in(view, situation) if _held(view, situation) else ():
@@ -28,7 +28,7 @@ def clamps_bear_the_weight(view: PipeView) -> Iterator[Finding]:
         yield _weak(view, situation, piece, everywhere=every)
 
 
-def _weak(view: PipeView, situation: Situation, piece: Piece, *, everywhere: bool) -> Finding:
+def _weak(view: PipeView, situation: CoursePoint, piece: Piece, *, everywhere: bool) -> Finding:
     fit, configuration = view.fit, situation.configuration
     held = sorted(_held(view, situation))
     torques = [f"{fit.torque_nm(part, configuration):.3g} Nm" for part in held]
@@ -40,7 +40,7 @@ def _weak(view: PipeView, situation: Situation, piece: Piece, *, everywhere: boo
         f" with a friction of {fit.friction:g} that holds {_grip_n(view, situation):.3g} N, and"
         f" the weight pulls {pull:.3g} N along the pipe"
     )
-    # The weight that rests on the walls helps: where even that is too little, it is certain.
+    # The weight on the walls adds friction: if even that is too little, it is certain.
     certain = fit.friction * (press + rests) < pull
     severity = Severity.ERROR if certain else Severity.WARNING
     place = view.place_of_step(situation.place)
@@ -52,19 +52,19 @@ def _weak(view: PipeView, situation: Situation, piece: Piece, *, everywhere: boo
     return at(document, place, "geometry.clamp_torque", message, severity=severity)
 
 
-def _held(view: PipeView, situation: Situation) -> frozenset[int]:
+def _held(view: PipeView, situation: CoursePoint) -> frozenset[int]:
     return view.fit.robot.held[situation.configuration]
 
 
-def _grip_n(view: PipeView, situation: Situation) -> float:
-    """Return the largest friction of all clamped parts."""
+def _grip_n(view: PipeView, situation: CoursePoint) -> float:
+    """Return the largest friction force of all clamped parts, N."""
     configuration = situation.configuration
     return view.fit.friction * sum(
         view.fit.press_n(part, configuration) for part in _held(view, situation)
     )
 
 
-def _stands_in(view: PipeView, situation: Situation) -> list[Piece]:
-    """Return where the robot can be: where it began, and behind the bend once it has bent."""
+def _stands_in(view: PipeView, situation: CoursePoint) -> list[Piece]:
+    """Return the pieces in which the robot can be: the first, and the one behind a passed bend."""
     behind = view.piece_behind(situation.bent[0]) if situation.bent else None
     return [view.first_piece] if behind is None else [view.first_piece, behind]

@@ -1,4 +1,4 @@
-"""A mission in its pipe as the rules look at it: pieces of the pipe, places in files."""
+"""A mission in its pipe as seen by the rules: pieces of the pipe, and places in files."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class PipeView:
     Attributes:
         loaded: The mission.
         pipe: Its pipe.
-        course: What the mission does while nothing goes wrong.
+        course: The course of the mission without failures.
         fit: The robot in the pipe.
     """
 
@@ -31,7 +31,7 @@ class PipeView:
     fit: Fit
 
     def piece_behind(self, leading: int) -> Piece | None:
-        """Return the piece behind the first bend of a robot whose leading part is this one."""
+        """Return the piece behind the first bend for a robot with this leading part."""
         wheels, pieces = self.fit.profile.body.wheels, self.fit.route.pieces
         part, first = self.fit.robot.parts[leading], pieces.index(self.first_piece)
         step = 1 if part == wheels[0].part else -1 if part == wheels[-1].part else 0
@@ -39,18 +39,18 @@ class PipeView:
 
     @property
     def first_piece(self) -> Piece:
-        """The piece that the robot begins in."""
+        """Return the piece in which the robot starts."""
         middle = self.pipe.start_of(self.fit.stretched_m) - self.fit.stretched_m / 2
         return self.fit.route.piece_at(middle)
 
     @property
     def start_path(self) -> Path:
-        """Where the pipe says where the robot begins, or the piece that it is put into."""
+        """Return the path of the robot's start position in the pipe, or of the first piece."""
         return ("start", "at") if self.pipe.start is not None else ("segments", 0)
 
     @property
     def pipe_document(self) -> tuple[Document, Path]:
-        """The file that describes the pipe, and where in it."""
+        """Return the document that contains the pipe, and the pipe's path in it."""
         inline = isinstance(self.loaded.mission.pipe, Pipe) and (
             self.loaded.pipe is self.loaded.mission.pipe
         )
@@ -75,5 +75,5 @@ class PipeView:
 
 
 def mm(length_m: float) -> str:
-    """Return a length as messages show it."""
+    """Return a length in mm for messages."""
     return f"{length_m * 1000:.4g} mm"

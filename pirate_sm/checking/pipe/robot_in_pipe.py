@@ -1,4 +1,4 @@
-"""How a robot stands in a pipe: its length, how hard it holds, and what its weight pulls."""
+"""Compute a robot's length, contact forces and weight force in a pipe."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class Fit:
 
     Attributes:
         profile: The robot.
-        robot: The same for the engine, in the polarity of the mission.
-        pipe: Where it is.
+        robot: The engine's specification of the robot, in the polarity of the mission.
+        pipe: The pipe.
     """
 
     profile: Profile
@@ -30,45 +30,45 @@ class Fit:
 
     @cached_property
     def route(self) -> Route:
-        """The way through the pipe."""
+        """Return the route through the pipe."""
         return self.pipe.route()
 
     @property
     def height_m(self) -> float:
-        """The height h of a clamped V, m (eq. 3-2)."""
+        """Return the height h of a clamped V, m (eq. 3-2)."""
         return self.pipe.diameter - 2 * self.profile.body.wheel_radius
 
     @property
     def stretched_m(self) -> float:
-        """The length of a straight robot from the first wheel to the last, m."""
+        """Return the length of the straight robot from the first wheel to the last, m."""
         return sum(link.length for link in self.profile.body.links)
 
     @property
     def clamped_m(self) -> float:
-        """The same of a robot whose neighbouring wheels touch opposite walls, m."""
+        """Return the length of the robot with adjacent wheels on opposite walls, m."""
         lengths = [link.length for link in self.profile.body.links]
         return sum(span_m(length, self.height_m) for length in lengths)
 
     @property
     def weight_n(self) -> float:
-        """The weight of the whole robot, N."""
+        """Return the weight of the whole robot, N."""
         body = self.profile.body
         masses = [*(wheel.mass for wheel in body.wheels), *(link.mass for link in body.links)]
         return sum(masses) * GRAVITY_M_S2
 
     @property
     def friction(self) -> float:
-        """The static friction coefficient in force."""
+        """Return the static friction coefficient."""
         friction = self.pipe.friction or self.profile.simulation.friction
         return friction.static
 
     def pull_n(self, piece: Piece) -> tuple[float, float]:
-        """Return what the weight pulls along a piece of pipe, and what of it rests on the walls."""
+        """Return the weight's components along a piece of pipe and against its walls, N."""
         slope = dot(self.route.up, piece.frame.ahead)
         return abs(slope) * self.weight_n, sqrt(max(1 - slope**2, 0.0)) * self.weight_n
 
     def torque_nm(self, part: int, configuration: int) -> float:
-        """Return the stall torque of a held part's apex; infinite where the states do not say."""
+        """Return the stall torque of a held part's apex, Nm; infinite if the states set none."""
         joint = self.profile.body.parts[self.robot.parts[part]].apex
         states = self.robot.table.configurations[configuration]
         least = inf
@@ -82,6 +82,6 @@ class Fit:
         return least
 
     def press_n(self, part: int, configuration: int) -> float:
-        """Return the sum of the normal forces of a held part."""
+        """Return the sum of the normal forces of a held part, N."""
         leg_m = min(self.profile.body.legs_m(self.robot.parts[part]))
         return press_n(self.torque_nm(part, configuration), leg_m, self.height_m)

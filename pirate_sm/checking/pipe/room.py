@@ -1,4 +1,4 @@
-"""Rules about room: where the robot begins, and where it comes to hold behind a bend."""
+"""Rules about space: for the robot at its start, and for its clamp behind a bend."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pirate_sm.checking.pipe.pipe_view import PipeView, mm
 
 
 def starts_clear_of_bends(view: PipeView) -> Iterator[Finding]:
-    """Report a robot that does not begin in one piece of the pipe, clear of every bend."""
+    """Report a robot that does not start within one piece of the pipe, clear of every bend."""
     if view.course.situations[0].bent:
-        return  # it begins in the bend
+        return  # it starts in the bend
     clamped = bool(view.fit.robot.held[view.course.situations[0].configuration])
     length = view.fit.clamped_m if clamped else view.fit.stretched_m
     first = view.pipe.start_of(view.fit.stretched_m)
@@ -34,7 +34,7 @@ def starts_clear_of_bends(view: PipeView) -> Iterator[Finding]:
 
 
 def holds_behind_the_bend(view: PipeView) -> Iterator[Finding]:
-    """Report a piece behind the bend that is too short for a robot that comes to hold in it."""
+    """Report a piece behind the bend that is too short for the clamped robot."""
     everything = frozenset(range(len(view.fit.robot.parts)))
     round_it = [
         each

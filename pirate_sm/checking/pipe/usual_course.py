@@ -1,8 +1,8 @@
-"""What a mission does while nothing goes wrong: its commands, and the states they lead through.
+"""Follow the course of a mission without failures: its commands and configurations.
 
-Every command is done, every trigger and every answer is possible; failures, faults and waits that
-run out are left aside. What is found here is what the mission is for, so geometry is held
-against it; what else can happen is :mod:`pirate_sm.checking.exploring`'s.
+Every command succeeds, and every trigger and answer is possible. Failures, faults and waits that
+time out are ignored. The geometry is checked against this intended course;
+:mod:`pirate_sm.checking.exploring` covers everything else.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.profile import Profile
 
 MOST_SITUATIONS = 100_000
-"""A mission with more is not followed to its end, and nothing is concluded from it."""
+"""Largest number of situations; a larger mission is not checked in its pipe."""
 
 
 class Bend(NamedTuple):
@@ -26,21 +26,21 @@ class Bend(NamedTuple):
 
     Attributes:
         part: Index of the part.
-        side: 1 towards the side that is A in normal polarity, -1 away from it.
+        side: 1 towards side A in normal polarity, -1 away from it.
     """
 
     part: int
     side: int
 
 
-class Situation(NamedTuple):
-    """Where a mission is.
+class CoursePoint(NamedTuple):
+    """A point in the course of a mission.
 
     Attributes:
         at: Index of the next instruction.
         configuration: Index into the chart's table.
-        bent: Parts that have been bent so far, in the order of the first time.
-        place: Of the step that led to the configuration; empty at the start.
+        bent: Parts that have been bent so far, in order.
+        place: Place of the step that led to the configuration; empty at the start.
     """
 
     at: int
@@ -51,22 +51,22 @@ class Situation(NamedTuple):
 
 @dataclass(frozen=True)
 class UsualCourse:
-    """What a mission does while nothing goes wrong.
+    """The course of a mission without failures.
 
     Attributes:
-        situations: Everything that can come, the nearest first.
-        bends: Bends with the places of their steps, "" for one that the mission starts in.
+        situations: All points of the course, in breadth-first order.
+        bends: Bends with the places of their steps; "" for a bend at the start.
     """
 
-    situations: tuple[Situation, ...]
+    situations: tuple[CoursePoint, ...]
     bends: tuple[tuple[Bend, str], ...]
 
 
 class Bends:
-    """Which configurations of a robot, in one polarity, bend a part.
+    """Finds the configurations of a robot, in one polarity, that bend a part.
 
-    A bend seeks angles, all to one side, at joints of a part that is not held, while another part
-    is. A negative angle turns the body on both sides of the joint to side A.
+    In a bend, joints of a part that is not held have target angles to one side, while another part
+    is held. A negative angle turns the body on both sides of the joint to side A.
     """
 
     def __init__(self, robot: RobotSpec, profile: Profile) -> None:
@@ -85,7 +85,7 @@ class Bends:
         return self._found[configuration]
 
     def always(self, command: int) -> frozenset[int]:
-        """Return parts of which a command bends one wherever it changes anything; else none."""
+        """Return the parts that a command bends, if it bends one in every case; else none."""
         if command not in self._always:
             table = self._robot.table
             led = {row[command] for n, row in enumerate(table.following) if row[command] != n}
@@ -108,10 +108,10 @@ class Bends:
 
 @dataclass(frozen=True)
 class _Follower:
-    """Takes a mission from one situation to the next.
+    """Follows a mission from one point to the next.
 
     Attributes:
-        made: Bends with the places of their steps, each once.
+        made: The distinct bends with the places of their steps.
     """
 
     robot: RobotSpec
@@ -119,8 +119,8 @@ class _Follower:
     bends: Bends
     made: dict[tuple[Bend, str], None] = field(default_factory=dict)
 
-    def after(self, now: Situation) -> Iterator[Situation]:
-        """Yield the situations that can come next."""
+    def after(self, now: CoursePoint) -> Iterator[CoursePoint]:
+        """Yield the possible next points."""
         if not 0 <= now.at < len(self.program.instructions):
             return
         step = self.program.instructions[now.at]
@@ -130,7 +130,7 @@ class _Follower:
             for target in self._targets(step, now.configuration):
                 yield now._replace(at=target)
 
-    def _command(self, step: steps.Do, now: Situation) -> Iterator[Situation]:
+    def _command(self, step: steps.Do, now: CoursePoint) -> Iterator[CoursePoint]:
         after = self.robot.table.follow(now.configuration, step.command)
         if after == now.configuration:
             if step.skip_unneeded and self.robot.unneeded[after][step.command]:
@@ -139,10 +139,10 @@ class _Follower:
         bend = self.bends.of(after)
         if bend is not None and bend != self.bends.of(now.configuration):
             self.made.setdefault((bend, step.place))
-        yield Situation(step.next, after, self.bent(after, now.bent), step.place)
+        yield CoursePoint(step.next, after, self.bent(after, now.bent), step.place)
 
     def bent(self, configuration: int, before: tuple[int, ...]) -> tuple[int, ...]:
-        """Return the parts that have been bent, with that of the configuration."""
+        """Return the bent parts, including that of the configuration."""
         bend = self.bends.of(configuration)
         return before if bend is None or bend.part in before else (*before, bend.part)
 
@@ -175,11 +175,11 @@ class _Follower:
 
 
 def course_of(robot: RobotSpec, program: Program, profile: Profile) -> UsualCourse | None:
-    """Return what the mission does while nothing goes wrong; None when that is too much."""
+    """Return the course of the mission without failures; None if it is too large."""
     bends = Bends(robot, profile)
     follower = _Follower(robot, program, bends)
     configuration = program.start_configuration
-    first = Situation(program.start, configuration, follower.bent(configuration, ()))
+    first = CoursePoint(program.start, configuration, follower.bent(configuration, ()))
     found = {first[:3]: first}
     order = [first]
     for now in order:

@@ -1,1 +1,1 @@
-"""Commands that lead a robot into states, or back into a phase of a mission."""
+"""Find commands that lead a robot to given states, or back into a phase of a mission."""

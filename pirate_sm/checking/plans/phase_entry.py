@@ -1,4 +1,4 @@
-"""Check whether a mission can go on with one of its phases, as the robot is now."""
+"""Check whether a mission can resume at a phase with the robot in its present state."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from pirate_sm.loading.mission import LoadedMission
 
 
 def why_not_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
-    """Return what would go wrong if the mission went on with the phase; empty: nothing.
+    """Return why the mission cannot resume at the phase; empty if it can.
 
     Args:
         loaded: The mission.
         phase: One of its phases.
-        body: What the robot has been commanded to, with nothing in flight.
+        body: The commanded state of the robot, with no array in flight.
     """
     begin = loaded.program.beginning(phase)
     if begin is None:
@@ -37,7 +37,7 @@ def why_not_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
 
 
 def _refused(book: Explored, instructions: tuple[object, ...]) -> str:
-    """Return the first refusal that its step does not expect."""
+    """Return the first refusal that its step does not handle; empty without one."""
     expected = {each.place for each in instructions if isinstance(each, Do) and each.expected}
     places = {each.place for each in instructions if isinstance(each, Do | Require)}
     found = [

@@ -1,4 +1,4 @@
-"""Find the commands that restore the configuration in which a phase can begin."""
+"""Find the commands that restore a configuration in which a phase can begin."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import PhaseChange
 
 Beginnings = Mapping[str, frozenset[int]]
-"""Per phase the configurations in which the mission, run from its start, enters it."""
+"""For each phase the configurations in which a mission run from its start enters it."""
 
 
 def beginnings(loaded: LoadedMission) -> Beginnings:
@@ -35,18 +35,18 @@ def restoring(
     begun_in: Beginnings,
     places: RulePlaces | None = None,
 ) -> dict[str, Plan]:
-    """Return for each phase the best plan after which the mission can go on with it.
+    """Return for each phase the best plan after which the mission can resume there.
 
-    A plan ends in a configuration in which the mission enters the phase by itself, and from there
-    the phase has been tried as :func:`why_not_from` does. Phases to which no commands lead are
-    left out. A plan with a hindrance is for saying so, not for following.
+    A plan ends in a configuration in which the mission enters the phase by itself, and from which
+    :func:`why_not_from` finds no obstacle. Phases that no commands reach are left out. A plan with
+    a hindrance explains the obstacle and must not be executed.
 
     Args:
         loaded: The mission.
-        phases: Those to be looked at.
-        body: What the robot has been commanded to, with nothing in flight.
-        begun_in: What :func:`beginnings` has found.
-        places: Where the mission's safety rules are; None: they have not seen the robot yet.
+        phases: The phases to examine.
+        body: The commanded state of the robot, with no array in flight.
+        begun_in: The result of :func:`beginnings`.
+        places: Progress of the mission's safety rules; None if they are not evaluated yet.
     """
     body = body.at_rest()
     missing = {phase: begun_in[phase] for phase in phases if begun_in.get(phase)}
@@ -64,7 +64,7 @@ def restoring(
 
 
 def _never(loaded: LoadedMission, phase: str, configurations: Collection[int]) -> bool:
-    """Return whether the phase cannot go well even in the configurations in which it begins."""
+    """Return whether the phase cannot succeed even in the configurations in which it begins."""
     return all(
         why_not_from(loaded, phase, at_rest_in(loaded.robot, each)) for each in configurations
     )

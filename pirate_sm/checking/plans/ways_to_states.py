@@ -1,4 +1,4 @@
-"""Find the commands that lead to given states, or why there are none."""
+"""Find the commands that lead to given states, or the reason why there are none."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState
 
 Wanted = Mapping[int, str]
-"""By the index of a region the state that it shall come to; the others do not matter."""
+"""The target state by the index of its region; other regions may have any state."""
 
 
 class Way(NamedTuple):
-    """What was found.
+    """The result of a search.
 
     Attributes:
-        plan: The commands; None where there are none to be given.
-        reason: Why there are none.
+        plan: The commands; None if there are none.
+        reason: Why there are no commands.
     """
 
     plan: Plan | None
@@ -34,9 +34,9 @@ def way_to(robot: RobotSpec, program: Program, body: RobotState, wanted: Wanted)
 
     Args:
         robot: The robot.
-        program: Its safety rules are in force.
-        body: The robot as it is, with nothing under way.
-        wanted: Where it shall come to.
+        program: The program whose safety rules are in force.
+        body: The present state of the robot, with no command under way.
+        wanted: The target states.
     """
     conflict = _conflict(robot.table, wanted)
     if conflict:
@@ -50,7 +50,7 @@ def way_to(robot: RobotSpec, program: Program, body: RobotState, wanted: Wanted)
 
 
 def hindered(robot: RobotSpec, plan: Plan) -> str:
-    """Return why a plan is not to be followed; empty where nothing speaks against it."""
+    """Return why a plan must not be executed; empty if it may be."""
     step = plan.hindered
     if step is None:
         return ""
@@ -63,7 +63,7 @@ def _has(configuration: Configuration, wanted: Wanted) -> bool:
 
 
 def _conflict(table: ChartTable, wanted: Wanted) -> str:
-    """Return which of the states exclude each other in the chart, the fewest; empty: none do."""
+    """Return the smallest set of states that exclude each other, as text; empty if none do."""
     if any(_has(each, wanted) for each in table.configurations):
         return ""
     for size in range(1, len(wanted) + 1):
@@ -87,7 +87,7 @@ def _exclusion(table: ChartTable, wanted: Wanted) -> str:
 
 
 def _unreached(robot: RobotSpec, body: RobotState, wanted: Wanted, seen: Collection[int]) -> str:
-    """Return which of the states cannot be reached from here, and what stands in the way."""
+    """Return which of the states cannot be reached from here, and why."""
     table = robot.table
     for region, state in wanted.items():
         if any(table.configurations[each][region] == state for each in seen):
@@ -104,7 +104,7 @@ def _unreached(robot: RobotSpec, body: RobotState, wanted: Wanted, seen: Collect
 
 
 def _makers(table: ChartTable, region: int, state: str) -> list[int]:
-    """Return the commands that bring the region into the state from anywhere."""
+    """Return the commands that lead the region to the state from some configuration."""
     return [
         command
         for command in range(len(table.commands))

@@ -1,1 +1,1 @@
-"""Find the files of a project and check each of them."""
+"""Find the files of a project, and check each of them."""

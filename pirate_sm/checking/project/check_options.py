@@ -1,4 +1,4 @@
-"""What a check is asked for: parts in place of the missions' own, rehearsals, counterexamples."""
+"""Options of a check: other robots or pipes, parameters, rehearsals, counterexamples."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from pirate_sm.checking.mission.rehearsal import Rehearse
 
 @dataclass(frozen=True)
 class Wishes:
-    """What missions are checked with in place of what they say themselves.
+    """The options with which missions are checked, in place of their own settings.
 
     Attributes:
         robot: Name or path of a robot.
         pipe: Name or path of a pipe.
-        settings: Values of parameters, for every mission that has them.
+        settings: Parameter values, for every mission that has the parameters.
         keep_going: Whether a fault of this program becomes a finding.
-        counterexamples: The folder that counterexamples are written to; None: they are not.
-        rehearse: Runs a mission in the simulator; None: none is run.
+        counterexamples: The folder for counterexamples; None to write none.
+        rehearse: Runs a mission in the simulator; None to run none.
         outside: Whether references may leave the project.
     """
 
@@ -34,11 +34,11 @@ class Wishes:
 
 
 Progress = Callable[[int, int, str], None]
-"""Called before each file: how many are done, how many there are, and the next one's name."""
+"""Called before each file with the number done, the total, and the name of the file."""
 
 
 def run_options(wishes: Wishes, settings: Mapping[str, str]) -> str:
-    """Return the options of a run that is as a mission was checked."""
+    """Return the command line options for running a mission as it was checked."""
     named = (("--robot", wishes.robot), ("--pipe", wishes.pipe))
     options = [part for option, value in named if value is not None for part in (option, value)]
     options += [part for name, value in settings.items() for part in ("--set", f"{name}={value}")]

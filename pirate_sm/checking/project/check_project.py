@@ -1,4 +1,4 @@
-"""Check the files of a project and report on all of them."""
+"""Check the files of a project, and report on all of them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
 from pirate_sm.checking.mission.mission_parameters import check_settings
 from pirate_sm.checking.mission.rehearsal import Rehearsal, rehearsed
 from pirate_sm.checking.project.check_options import Progress, Wishes, run_options
-from pirate_sm.checking.project.find_files import Target, find_targets
+from pirate_sm.checking.project.find_files import CheckTarget, find_targets
 from pirate_sm.checking.project.unique_findings import each_once
 from pirate_sm.checking.reports.check_report import CheckedFile, Report
 from pirate_sm.checking.reports.counterexamples import Examples
@@ -36,15 +36,15 @@ from pirate_sm.model.calibration import Calibration
 def check_paths(
     paths: Iterable[str] = (), wishes: Wishes | None = None, progress: Progress | None = None
 ) -> Report:
-    """Check files and folders and all that lies in them, and return a report.
+    """Return a report on files and on all files in folders.
 
     Args:
-        paths: Files, folders or names of what is shipped; none means the working directory.
-        wishes: What missions are checked with.
-        progress: Is told about each file before it is looked at.
+        paths: Files, folders or names of shipped files; empty for the working directory.
+        wishes: The options of the check.
+        progress: Called before each file.
 
     Raises:
-        UsageError: A path leads nowhere, or a wish does not fit.
+        UsageError: A path does not exist, or an option does not fit.
     """
     wishes = wishes or Wishes()
     check = _Check(wishes)
@@ -60,7 +60,7 @@ def check_paths(
 
 
 class _Check:
-    """A check under way; holds what is found and the files that it was found in."""
+    """A running check; collects findings and the files that they concern."""
 
     def __init__(self, wishes: Wishes) -> None:
         if wishes.robot is not None:
@@ -71,17 +71,17 @@ class _Check:
         self._wishes = wishes
         self._files: list[CheckedFile] = []
         self._texts: dict[str, str] = {}
-        self._set: set[str] = set()  # settings that some mission has taken
+        self._set: set[str] = set()  # settings used by some mission
         self._unset: dict[str, tuple[Finding, ...]] = {}  # parameters of missions, by their files
         self._called: set[str] | None = set()  # files that others use; None: not all are known
         self._rehearsals: list[Rehearsal] = []
         self._examples = wishes.counterexamples and Examples(wishes.counterexamples)
 
-    def take(self, target: Target) -> None:
-        """Check one file and add what is wrong with it."""
+    def take(self, target: CheckTarget) -> None:
+        """Check one file, and add its findings."""
         name = shown(target.path)
         if target.kind is Kind.CHART and name in self._texts:
-            return  # it was judged with its robot
+            return  # checked with its robot
         if target.kind not in {Kind.OTHER, Kind.UNREADABLE}:
             self._files.append(CheckedFile(name, target.kind))
         try:
@@ -97,7 +97,7 @@ class _Check:
             self._add("check.failed", name, message)
 
     def report(self) -> Report:
-        """Return everything that was found, each once, with what is allowed marked."""
+        """Return the report with distinct findings, in which allowed ones are marked."""
         unused = self._wishes.settings.keys() - self._set
         if unused:
             raise UsageError(f"no mission here has a parameter '{min(unused)}'")
@@ -112,7 +112,7 @@ class _Check:
             ordered = self._examples.write(ordered)
         return Report(tuple(ordered), tuple(self._files), tuple(self._rehearsals))
 
-    def robot(self, target: Target) -> None:
+    def robot(self, target: CheckTarget) -> None:
         """Check a robot: its profile and its chart."""
         if target.path.name != PROFILE_FILE:
             message = f"the profile of a robot is named {PROFILE_FILE} and has a folder of its own"
@@ -123,23 +123,23 @@ class _Check:
         self._files += [CheckedFile(each.name, Kind.CHART) for each in checked.documents[1:]]
         self.findings += checked.findings
 
-    def chart(self, target: Target) -> None:
+    def chart(self, target: CheckTarget) -> None:
         """Check the form of a chart that no robot here uses."""
         document = self._document(target)
         problems = Problems(document)
         outline_chart(document, problems)
         self.findings += map(finding_of, problems.all)
 
-    def pipe(self, target: Target) -> None:
-        """Check a pipe by itself; the missions that use it say whether a robot fits."""
+    def pipe(self, target: CheckTarget) -> None:
+        """Check a pipe on its own; whether a robot fits is checked with its missions."""
         pipe, document = load_pipe(target.path)
         self._keep([document])
         problems = Problems(document)
         check_pipe(pipe, document, problems)
         self.findings += map(finding_of, problems.all)
 
-    def mission(self, target: Target) -> None:
-        """Check a mission with its robot, its pipe and what it calls."""
+    def mission(self, target: CheckTarget) -> None:
+        """Check a mission with its robot, its pipe and the missions that it calls."""
         settings = self._settings(target)
         checked = check_mission(
             target.path, robot=self._wishes.robot, pipe=self._wishes.pipe, settings=settings
@@ -155,7 +155,7 @@ class _Check:
             self.findings += found
 
     def _remember(self, checked: MissionCheck, name: str, settings: Mapping[str, str]) -> None:
-        """Note what nothing sets, and what this mission calls."""
+        """Record parameters without a value, and the missions that this one calls."""
         if checked.loaded is None:
             self._called = None
             return
@@ -164,8 +164,8 @@ class _Check:
         if self._called is not None:
             self._called |= {each.name for each in checked.documents} - {name}
 
-    def calibration(self, target: Target) -> None:
-        """Check a calibration against its robot where that is known."""
+    def calibration(self, target: CheckTarget) -> None:
+        """Check a calibration against its robot, if that is known."""
         document = self._document(target)
         calibration = validate(document, Calibration)
         folder = _folder(target.path)
@@ -179,22 +179,22 @@ class _Check:
         try:
             robot = load_robot(folder)
         except LoadError:
-            return  # which is said of the robot
+            return  # reported for the robot
         load_calibration(target.path, robot)
 
-    def script(self, target: Target) -> None:
-        """Check the form of a trace script; its names belong to the mission that it is for."""
+    def script(self, target: CheckTarget) -> None:
+        """Check the form of a trace script; its names depend on its mission."""
         read_script(self._document(target))
 
-    def other(self, target: Target) -> None:
-        """Report a file that is none of ours, if somebody meant it to be one."""
+    def other(self, target: CheckTarget) -> None:
+        """Report a file of no known kind, if it was named explicitly."""
         if target.kind is Kind.UNREADABLE or target.path.suffix in library.SUFFIXES:
             self._document(target)
         message = "this is no robot, mission, pipe, calibration or trace script"
         self._add("check.kind", shown(target.path), message)
 
-    def _settings(self, target: Target) -> dict[str, str]:
-        """Return the settings that are about parameters of this mission."""
+    def _settings(self, target: CheckTarget) -> dict[str, str]:
+        """Return the settings for parameters of this mission."""
         wanted = self._wishes.settings
         if not wanted:
             return {}
@@ -204,7 +204,7 @@ class _Check:
         self._set |= taken.keys()
         return taken
 
-    def _document(self, target: Target) -> Document:
+    def _document(self, target: CheckTarget) -> Document:
         document = read_document(target.path, shown(target.path))
         self._keep([document])
         return document
@@ -214,7 +214,7 @@ class _Check:
             self._texts[document.name] = document.text
 
     def _read(self, name: str) -> None:
-        """Read the text of a file that could not be used, for what is allowed in it."""
+        """Read the text of an unusable file, for its allowances."""
         if name in self._texts:
             return
         with suppress(OSError, ValueError):
@@ -226,7 +226,7 @@ class _Check:
         self.findings.append(Finding(code, Severity.ERROR, Place(name), message))
 
 
-_CHECKS: Mapping[Kind, Callable[[_Check, Target], None]] = {
+_CHECKS: Mapping[Kind, Callable[[_Check, CheckTarget], None]] = {
     Kind.ROBOT: _Check.robot,
     Kind.CHART: _Check.chart,
     Kind.PIPE: _Check.pipe,
@@ -239,5 +239,5 @@ _CHECKS: Mapping[Kind, Callable[[_Check, Target], None]] = {
 
 
 def _folder(path: Path) -> Path:
-    """Return the folder of a file as the library names it, so that a robot is loaded once."""
+    """Return the folder of a file in the library's form, so that a robot is loaded only once."""
     return path.resolve().parent

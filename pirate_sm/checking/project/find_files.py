@@ -1,4 +1,4 @@
-"""Find the files to check: those named, those in folders named, or all of the project."""
+"""Find the files to check: named files, files in named folders, or the whole project."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pirate_sm.loading.problems import Place
 from pirate_sm.spelling import nearest
 
 ROBOTS, MISSIONS = "hardware_profiles", "sequences"
-"""Where a project keeps its robots and missions."""
+"""The folders of a project's robots and missions."""
 
 MOST_FILES = 10_000
 DEEPEST_FOLDER = 32
@@ -24,12 +24,12 @@ _LONGEST_NAME = 200
 
 
 @dataclass(frozen=True)
-class Target:
+class CheckTarget:
     """A file to check.
 
     Attributes:
-        path: The file; of a robot its profile.
-        named: Whether somebody named it; else it was found in a folder.
+        path: The file; for a robot its profile.
+        named: Whether it was named explicitly; otherwise it was found in a folder.
     """
 
     kind: Kind
@@ -38,29 +38,29 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Found:
-    """The files of a check, and what is wrong with the folders that were searched.
+class FoundFiles:
+    """The files of a check, and findings about the searched folders.
 
     Attributes:
-        where: The files and folders that were searched, as messages name them.
+        where: The searched files and folders, as in messages.
     """
 
-    targets: tuple[Target, ...]
+    targets: tuple[CheckTarget, ...]
     findings: tuple[Finding, ...]
     where: tuple[str, ...] = ()
 
 
-def find_targets(paths: Iterable[str]) -> Found:
-    """Return the files to check, each once, robots first because missions build on them.
+def find_targets(paths: Iterable[str]) -> FoundFiles:
+    """Return the distinct files to check, robots first because missions depend on them.
 
     Args:
-        paths: Files, folders, or names of what is shipped; none means the working directory.
+        paths: Files, folders or names of shipped files; empty for the working directory.
 
     Raises:
-        UsageError: A path leads nowhere.
+        UsageError: A path does not exist.
     """
     given = list(paths)
-    found: dict[Path, Target] = {}
+    found: dict[Path, CheckTarget] = {}
     findings: list[Finding] = []
     searched = [_existing(each) for each in given] if given else _project(findings)
     for path in searched:
@@ -70,14 +70,14 @@ def find_targets(paths: Iterable[str]) -> Found:
         findings.append(_nothing(Path()))
     order = list(Kind)
     targets = sorted(found.values(), key=lambda each: (order.index(each.kind), each.path))
-    return Found(tuple(targets), tuple(findings), tuple(map(shown, searched)))
+    return FoundFiles(tuple(targets), tuple(findings), tuple(map(shown, searched)))
 
 
 def _project(findings: list[Finding]) -> list[Path]:
-    """Return what of the working directory is the project.
+    """Return the files and folders of the project in the working directory.
 
-    Where it has a folder for missions: that, the one for robots, and what lies beside them. Else
-    all of it, since missions may be anywhere.
+    With a folder for missions, these are that folder, the folder for robots, and the files beside
+    them. Without one, it is the whole directory, because missions may be anywhere.
     """
     if not Path(MISSIONS).is_dir():
         return [Path()]
@@ -87,10 +87,10 @@ def _project(findings: list[Finding]) -> list[Path]:
 
 
 def _existing(name: str) -> Path:
-    """Return the file or folder of this path, or what is shipped under this name.
+    """Return the file or folder at this path, or the shipped file of this name.
 
     Raises:
-        UsageError: There is neither.
+        UsageError: Neither exists.
     """
     try:
         if os.path.lexists(name):
@@ -102,31 +102,33 @@ def _existing(name: str) -> Path:
     if name in known:
         return known[name]
     close = nearest(name, known)
-    hint = f"; did you mean '{close}'?" if close else ""
+    shipped = "" if library.is_path(name) else ", ".join(p.stem for p in library.missions())
+    others = f"; shipped missions are {shipped}" if shipped else ""
+    hint = f"; did you mean '{close}'?" if close else others
     visible = name.replace("\0", "\\0")[:_LONGEST_NAME]
     raise UsageError(f"there is no file or folder '{visible}'{hint}")
 
 
-def _targets(path: Path, findings: list[Finding], *, named: bool) -> Iterator[Target]:
+def _targets(path: Path, findings: list[Finding], *, named: bool) -> Iterator[CheckTarget]:
     if not _is_folder(path):
         kind = kind_of(path)
         beside = path.parent / PROFILE_FILE
         if kind is Kind.CHART and kind_of(beside) is Kind.ROBOT:
-            yield Target(Kind.ROBOT, beside, named)  # a chart is judged with its robot
-        yield Target(kind, path, named)
+            yield CheckTarget(Kind.ROBOT, beside, named)  # a chart is checked with its robot
+        yield CheckTarget(kind, path, named)
         return
     before, empty = len(findings), True
     for file in _files(path, findings):
         kind = kind_of(file)
         if kind is not Kind.OTHER:
-            yield Target(kind, file, named=False)
+            yield CheckTarget(kind, file, named=False)
             empty = False
     if empty and named and len(findings) == before:
         findings.append(_nothing(path))
 
 
 def _files(folder: Path, findings: list[Finding]) -> Iterator[Path]:
-    """Yield every YAML file below a folder, without what is hidden and links to folders."""
+    """Yield all YAML files below a folder, without hidden files and links to folders."""
     waiting, count = [(folder, 0)], 0
     while waiting:
         current, depth = waiting.pop()
@@ -147,7 +149,7 @@ def _files(folder: Path, findings: list[Finding]) -> Iterator[Path]:
 
 
 def _listing(folder: Path, findings: list[Finding]) -> tuple[list[Path], list[Path]]:
-    """Return the YAML files and the folders in a folder, by name."""
+    """Return the YAML files and the folders in a folder, ordered by name."""
     try:
         with os.scandir(folder) as entries:
             seen = sorted((e for e in entries if not e.name.startswith(".")), key=lambda e: e.name)

@@ -1,4 +1,4 @@
-"""Findings of several files as one list: each once, and no message longer than can be shown."""
+"""Merge findings of several files: remove duplicates, and shorten long messages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _LONGEST_MESSAGE = 300
 
 
 def each_once(findings: Iterable[Finding]) -> list[Finding]:
-    """Return one finding per code, place and message: the worst, and of these the shortest."""
+    """Return one finding per code, place and message: the worst, then the shortest."""
     kept: dict[tuple[str, Place, str], Finding] = {}
     for finding in map(_short, findings):
         key = finding.code, finding.place, finding.message
@@ -23,7 +23,7 @@ def each_once(findings: Iterable[Finding]) -> list[Finding]:
 
 
 def _short(finding: Finding) -> Finding:
-    """Return the finding with a message that can be shown: names in a file can be a megabyte."""
+    """Return the finding with a shortened message, because names in a file can be very long."""
     if max(map(len, (finding.message, finding.mend, finding.suggestion))) <= _LONGEST_MESSAGE:
         return finding
     return replace(
@@ -39,5 +39,5 @@ def _cut(text: str) -> str:
 
 
 def _weight(finding: Finding) -> tuple[int, bool, int]:
-    """Return how findings are ranked: by severity, then with a story, then the shortest."""
+    """Return the rank of a finding: by severity, then with a story, then the shortest."""
     return finding.severity, bool(finding.story), -len(finding.story)

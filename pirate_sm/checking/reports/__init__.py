@@ -1,1 +1,1 @@
-"""What a check has found, written for people and for programs."""
+"""Reports of checks, for people and for programs."""

@@ -1,4 +1,4 @@
-"""What a check has found: findings, files and rehearsals."""
+"""The result of a check: findings, files and rehearsals."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pirate_sm.checking.mission.rehearsal import Rehearsal
 
 @dataclass(frozen=True)
 class CheckedFile:
-    """A file that was looked at, as messages name it."""
+    """A checked file, with its name in messages."""
 
     name: str
     kind: Kind
@@ -19,14 +19,14 @@ class CheckedFile:
 
 @dataclass(frozen=True)
 class Report:
-    """What a check has found.
+    """The result of a check.
 
     Attributes:
-        findings: By place, each once; allowed ones too.
-        files: What was looked at.
-        where: The files and folders that were searched.
-        nothing: Whether there was no file at all to look at.
-        rehearsals: What came of running missions, where that was wanted.
+        findings: Distinct findings ordered by place, including allowed ones.
+        files: The checked files.
+        where: The searched files and folders.
+        nothing: Whether there was no file to check.
+        rehearsals: Results of running missions, if requested.
     """
 
     findings: tuple[Finding, ...]
@@ -37,14 +37,14 @@ class Report:
 
     @property
     def open(self) -> tuple[Finding, ...]:
-        """The findings that nobody has allowed."""
+        """Return the findings that are not allowed."""
         return tuple(each for each in self.findings if not each.allowed)
 
     @property
     def allowed(self) -> tuple[Finding, ...]:
-        """The findings that may stay."""
+        """Return the allowed findings."""
         return tuple(each for each in self.findings if each.allowed)
 
     def fails(self, at: Severity) -> bool:
-        """Return whether anything was found that is as bad as this, or worse."""
+        """Return whether there is a finding of this severity or worse."""
         return any(each.severity >= at for each in self.open)

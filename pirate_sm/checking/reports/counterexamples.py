@@ -1,4 +1,4 @@
-"""A counterexample as files: the mission, and a script that makes a trace run into the finding.
+"""Write counterexamples: the mission, and a trace script that reproduces the finding.
 
 pirate-run DIR/NAME.yaml --backend trace --no-check --script DIR/NAME.script.yaml
 """
@@ -16,7 +16,7 @@ from typing import Any
 
 import yaml
 
-from pirate_sm.checking.exploring.exploration import Exploration, Step
+from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep
 from pirate_sm.checking.exploring.possible_events import UNSAID
 from pirate_sm.checking.exploring.story import sentence
 from pirate_sm.checking.findings import Finding
@@ -40,20 +40,20 @@ _HAPPENS = {"failed": "not_done"}
 def write_counterexample(
     finding: Finding, check: MissionCheck, folder: Path, name: str, path: Path, options: str = ""
 ) -> Finding:
-    """Write how a finding comes about as files, and return the finding with the script's name.
+    """Write the counterexample of a finding, and return the finding with the script's name.
 
-    One that no course of events leads to, or whose mission does not load, is as it was.
+    A finding without a course of events, or of a mission that does not load, is returned unchanged.
 
     Args:
-        finding: One of the check's.
-        check: What was found.
-        folder: Where to; made if need be.
-        name: Of the mission's file, and of the script's.
-        path: The mission that was checked.
-        options: Further options that it was checked with, for the command that runs it.
+        finding: A finding of the check.
+        check: The result of the check.
+        folder: The target folder, which is created if necessary.
+        name: Name of the mission's file and of the script.
+        path: The checked mission.
+        options: Further options of the check, for the command that runs the counterexample.
 
     Raises:
-        OSError: The folder cannot be written.
+        OSError: The folder is not writable.
     """
     refused = any(each.code in TOLERABLE for each in check.findings)
     if check.loaded is None or refused or not finding.course:
@@ -78,12 +78,12 @@ def write_counterexample(
 
 
 def usual_name(finding: Finding) -> str:
-    """Return the name of the counterexample of a finding, unless it is taken."""
+    """Return the preferred name of a finding's counterexample."""
     place = f"{Path(finding.place.file).stem}-{finding.place.line}-{finding.place.column}"
     return _NO_NAME.sub("_", f"{place}-{finding.code}")
 
 
-def _happening(found: Exploration, step: Step) -> dict[str, Any]:
+def _happening(found: Exploration, step: ExploredStep) -> dict[str, Any]:
     move = step.move
     entry: dict[str, Any] = {"happens": _HAPPENS.get(move.kind, move.kind)}
     if move.kind in {"answer", "fault"}:
@@ -110,7 +110,7 @@ def _signals(
 
 
 def _moved(loaded: LoadedMission, path: Path, folder: Path) -> str:
-    """Return the mission's text with paths of other files as seen from the new folder."""
+    """Return the mission's text with the paths of other files relative to the new folder."""
     document = loaded.documents[0]
     beside = path.resolve().parent
     lines = document.text.splitlines(keepends=True)
@@ -129,7 +129,7 @@ def _moved(loaded: LoadedMission, path: Path, folder: Path) -> str:
 def _named(
     document: Document, loaded: LoadedMission, beside: Path
 ) -> Iterator[tuple[At, str, Path]]:
-    """Yield where the mission names another file, by which name, and that file."""
+    """Yield each reference to another file: its path in the document, its text, and the file."""
     data = document.data
     yield ("robot",), data["robot"], loaded.loaded_robot.folder
     if isinstance(data.get("pipe"), str):
@@ -151,10 +151,10 @@ def _calls(data: Any, at: At) -> Iterator[tuple[At, str]]:
 
 
 class Examples:
-    """Keeps what counterexamples are made from until it is clear which findings there are.
+    """Stores the data for counterexamples until the final findings are known.
 
     Args:
-        folder: Where to write them; made when the first one is written.
+        folder: The target folder, which is created with the first counterexample.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -162,22 +162,22 @@ class Examples:
         self._checks: dict[int, tuple[MissionCheck, Path, str]] = {}  # by identity of explorations
 
     def remember(self, check: MissionCheck, path: Path, options: str) -> None:
-        """Keep what counterexamples of the findings of a mission are made from.
+        """Store the data for counterexamples of a mission's findings.
 
         Args:
-            check: What was found.
+            check: The result of the check.
             path: The mission's file.
-            options: That a run needs to be as the check was.
+            options: Options of a run that corresponds to the check.
         """
         for finding in check.findings:
             for found, _ in finding.course:
                 self._checks[id(found)] = (check, path, options)
 
     def write(self, findings: Iterable[Finding]) -> list[Finding]:
-        """Write files for every finding that is not allowed and has a course of events.
+        """Write a counterexample for every finding with a course of events that is not allowed.
 
         Raises:
-            UsageError: The folder cannot be written.
+            UsageError: The folder is not writable.
         """
         try:
             return list(self._written(findings))
@@ -197,7 +197,7 @@ class Examples:
 
 
 def _free(name: str, taken: set[str]) -> str:
-    """Return a name that is not taken, and take it."""
+    """Return a unique name, and add it to the used names."""
     free, number = name, 1
     while free in taken:
         number += 1

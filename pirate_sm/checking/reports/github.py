@@ -1,4 +1,4 @@
-"""A report as workflow commands of GitHub, which shows each finding beside its line."""
+"""Reports as workflow commands of GitHub, which show each finding at its line."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.POSS
 
 
 def github_report(report: Report) -> str:
-    """Return one command for each finding that is not allowed, then the summary."""
+    """Return one command for each finding that is not allowed, followed by the summary."""
     return "\n".join([*map(_command, report.open), _data(summary(report))])
 
 
@@ -42,7 +42,7 @@ def _message(finding: Finding) -> str:
 
 
 def _data(text: str) -> str:
-    """Return a message escaped so that it cannot begin a command of its own."""
+    """Return a message escaped so that it cannot contain a command."""
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 

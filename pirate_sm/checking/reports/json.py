@@ -1,4 +1,4 @@
-"""A report for programs, described by ``docs/schemas/check.schema.json``."""
+"""Reports as JSON, described by ``docs/schemas/check.schema.json``."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FORMAT = 1
 
 
 def json_report(report: Report) -> str:
-    """Return the whole report as one JSON object, in ASCII."""
+    """Return the report as one JSON object, in ASCII."""
     counts = {
         each.word: sum(found.severity is each for found in report.open)
         for each in sorted(Severity, reverse=True)

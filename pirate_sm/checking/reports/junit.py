@@ -1,4 +1,4 @@
-"""A report as JUnit XML: a suite for each file, a case for each finding, one for a clean file."""
+"""Reports as JUnit XML: a suite for each file, a case for each finding or clean file."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from pirate_sm.visible import visible
 
 
 def junit_report(report: Report, fail_on: Severity) -> str:
-    """Return the report as suites that fail where the check fails.
+    """Return the report as suites that fail if the check fails.
 
     Args:
-        report: What was found.
-        fail_on: Findings of less than this severity are cases that pass and say so.
+        report: The report.
+        fail_on: Findings below this severity are cases that pass, with a note.
     """
     by_file: dict[str, list[Finding]] = {file.name: [] for file in report.files}
     for finding in report.findings:
@@ -75,5 +75,5 @@ def _sums(suites: Iterable[Element]) -> dict[str, str]:
 
 
 def _legal(text: str) -> str:
-    """Return the text with what XML cannot hold, and what nobody could see, written out."""
+    """Return the text with invisible and illegal XML characters escaped."""
     return visible(text, lines=True)

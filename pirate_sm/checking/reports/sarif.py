@@ -1,4 +1,4 @@
-"""A report in SARIF 2.1.0, which code hosts and editors read (OASIS, 2023)."""
+"""Reports in SARIF 2.1.0, which code hosts and editors read (OASIS, 2023)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pirate_sm.loading.problems import Place
 _ROOT = "%SRCROOT%"
 
 _SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
-"""The name under which readers know the schema; nothing is fetched from there."""
+"""The identifier of the schema; nothing is downloaded."""
 
 _INFORMATION = f"pkg:pypi/pirate-sm@{__version__}"
 """The package and its version as an absolute URI (package URL), because it has no web page."""
@@ -27,7 +27,7 @@ _LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.POSSIB
 
 
 def sarif_report(report: Report) -> str:
-    """Return one run with its rules, results and the files that were looked at, in ASCII."""
+    """Return one run with its rules, results and checked files, in ASCII."""
     codes = list(dict.fromkeys(finding.code for finding in report.findings))
     seen: Counter[str] = Counter()
     run = {
@@ -95,7 +95,7 @@ def _result(finding: Finding, rule: int, seen: Counter[str]) -> dict[str, Any]:
 
 
 def _flow(finding: Finding) -> dict[str, Any]:
-    """Return the story; each of its sentences is shown at the place of the finding."""
+    """Return the story as a code flow, with all sentences at the place of the finding."""
     place = _location(finding)
     steps = [
         {"location": {"message": _message(each), "physicalLocation": place}}
@@ -111,7 +111,7 @@ def _suppressions(finding: Finding) -> list[dict[str, str]]:
 
 
 def _fingerprint(finding: Finding, seen: Counter[str]) -> str:
-    """Return a digest that stays when a line moves; a number tells equal ones apart."""
+    """Return a digest that does not depend on line numbers, with a counter for duplicates."""
     said = (finding.code, finding.place.file, finding.excerpt.strip(), finding.message)
     digest = sha256("\0".join(said).encode("utf-8", "backslashreplace")).hexdigest()[:32]
     seen[digest] += 1

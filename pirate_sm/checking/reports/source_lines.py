@@ -1,4 +1,4 @@
-"""The part of a source line that a finding is about."""
+"""Extract the part of a source line that a finding concerns."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _TOKEN = re.compile(r""" "(?:[^"\\]|\\.)*" | '(?:[^']|'')*' | \$?\w[\w.%-]* """,
 
 
 class Marked(NamedTuple):
-    """A line of text and the line under it that marks a part of it."""
+    """A line of text, and a second line that marks a part of it."""
 
     line: str
     under: str
@@ -27,7 +27,7 @@ def end_column(finding: Finding) -> int:
 
 
 def marked(finding: Finding) -> Marked | None:
-    """Return the finding's line, cut to a width that a terminal shows; None where there is none."""
+    """Return the finding's line, cut to the width of a terminal; None without a line."""
     if not finding.excerpt.strip() or not finding.place.line:
         return None
     line = "".join(char if char.isprintable() else " " for char in finding.excerpt.rstrip())
@@ -44,5 +44,5 @@ def marked(finding: Finding) -> Marked | None:
 
 
 def excerpt(finding: Finding) -> str:
-    """Return the finding's line as a file for programs holds it, cut to a length."""
+    """Return the finding's line for programs, cut to a maximum length."""
     return finding.excerpt.rstrip()[:_LONGEST]

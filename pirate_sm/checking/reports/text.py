@@ -1,4 +1,4 @@
-"""A report for people at a terminal."""
+"""Reports as text for a terminal."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ _MOST_CALLS = 3
 _MOST_PLACES = 3
 
 Paint = Callable[[str, str], str]
-"""Text as a terminal may show it, in the colour of a role."""
+"""Returns text that is safe for a terminal, in the colour of a role."""
 
 
 def text_report(report: Report, paint: Paint) -> str:
-    """Return the findings by place, those that are allowed, and how many of what there are.
+    """Return the findings by place, the allowed findings, and the summary.
 
     Args:
-        report: What was found.
-        paint: Makes text safe to show, and coloured where that is wanted. The roles are the
+        report: The report.
+        paint: Makes text safe for the terminal, and optionally coloured. The roles are the
             severities, ``place``, ``mark``, ``label`` and ``""``.
     """
     lines: list[str] = []
@@ -72,7 +72,7 @@ def _finding(finding: Finding, paint: Paint) -> Iterator[str]:
 
 
 def _rehearsal(rehearsal: Rehearsal, paint: Paint) -> Iterator[str]:
-    """Yield how a mission's runs ended, and the closest calls of them."""
+    """Yield the results of a mission's runs, and their near misses."""
     said = f"not run: {rehearsal.skipped}" if rehearsal.skipped else _runs(rehearsal.runs)
     yield f"  {paint('place', rehearsal.file)}: {paint('', said)}"
     for each in rehearsal.nearly[:_MOST_CALLS]:
@@ -94,7 +94,7 @@ def _runs(runs: Sequence[RehearsedRun]) -> str:
 
 
 def _wrapped(label: str, text: str, paint: Paint) -> Iterator[str]:
-    """Yield the text beside a label, in lines that a terminal shows whole."""
+    """Yield the text after a label, wrapped to the width of a terminal."""
     lines = wrap(text, _WIDTH - len(label), break_long_words=False, break_on_hyphens=False)
     for number, line in enumerate(lines):
         margin = " " * len(label) if number else paint("label", label)
@@ -102,7 +102,7 @@ def _wrapped(label: str, text: str, paint: Paint) -> Iterator[str]:
 
 
 def _mend(finding: Finding, usual: str) -> str:
-    """Return how to mend it: what was meant, what was expected, else what usually helps."""
+    """Return how to mend a finding: a suggestion, the expected input, or the usual advice."""
     if not finding.suggestion:
         return finding.mend or usual
     names = finding.mend.startswith("expected ")  # of which the suggestion is the nearest
@@ -110,7 +110,7 @@ def _mend(finding: Finding, usual: str) -> str:
 
 
 def summary(report: Report) -> str:
-    """Return what was looked at and how many findings there are, in one line."""
+    """Return the number of checked files and of findings, in one line."""
     kinds = Counter(file.kind.value for file in report.files)
     looked = ", ".join(count(number, kind) for kind, number in kinds.items())
     where = f" in {', '.join(report.where)}" if 0 < len(report.where) <= _MOST_PLACES else ""
@@ -137,7 +137,7 @@ def count(number: int, thing: str) -> str:
 
 
 def explained(code: str) -> str:
-    """Return what is known of the code of a finding, of a fault, or of both."""
+    """Return the explanation of a code: of a finding, of a fault, or of both."""
     found = [_finding_explained(code)] if code in catalogue.entries() else []
     if code in BUILT_IN_FAULTS:
         found.append(_fault_explained(BUILT_IN_FAULTS[code]))
@@ -192,7 +192,7 @@ def _finding_explained(code: str) -> str:
 
 
 def listed() -> str:
-    """Return every code with its title, by group."""
+    """Return all codes with their titles, by group."""
     width = max(map(len, catalogue.entries()))
     lines = []
     for group in catalogue.groups():

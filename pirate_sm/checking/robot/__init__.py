@@ -1,1 +1,1 @@
-"""Rules that find what is wrong with a robot and its chart."""
+"""Rules for checking robots and their charts."""

@@ -1,4 +1,4 @@
-"""Rules about transitions of a chart: guards that say nothing, transitions never taken."""
+"""Rules about transitions of a chart: constant guards, transitions that are never taken."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from pirate_sm.loading.problems import Path, Place
 
 
 class _Verdict(NamedTuple):
-    """What is to be said of a transition in one of the states in which it counts.
+    """The verdict on a transition in one of the states to which it applies.
 
     Attributes:
-        silent: Whether it is never taken there, although the state is reached.
+        silent: Whether it is never taken in this state, although the state is reached.
     """
 
     transition: Transition
@@ -35,7 +35,7 @@ class _Verdict(NamedTuple):
 
 
 def _rivals(outline: ChartOutline) -> Iterator[list[Transition]]:
-    """Yield the transitions of one state at one event, the first that counts first."""
+    """Yield the transitions of each state and event, in the order of precedence."""
 
     def key(each: Transition) -> tuple[str, str]:
         return each.source, each.event
@@ -48,7 +48,7 @@ class TransitionRules:
     """The rules about the transitions of one chart.
 
     Attributes:
-        found: What was found, by the path of the transition.
+        found: The findings, by the path of the transition.
         silent: Transitions that are never taken.
     """
 
@@ -65,11 +65,11 @@ class TransitionRules:
             self._settle(alike)
 
     def _judge(self, transition: Transition, earlier: Sequence[Transition]) -> _Verdict:
-        """Return the worst that can be said of a transition in one state.
+        """Return the verdict on a transition in one state.
 
         Args:
             transition: The transition.
-            earlier: Those of the same state and event that come before it.
+            earlier: The transitions of the same state and event that precede it.
         """
         finding = self._guard(transition) if transition.tree else None
         reached, silent = self._is_reached(transition), False
@@ -80,7 +80,7 @@ class TransitionRules:
         return _Verdict(transition, finding or rivalry, reached, silent or hidden)
 
     def _settle(self, verdicts: Sequence[_Verdict]) -> None:
-        """Note what is so in every state in which a transition counts."""
+        """Record findings that apply in every state of a transition."""
         seen = [each for each in verdicts if each.reached] or verdicts
         if all(each.finding for each in seen):
             finding = seen[0].finding
@@ -90,7 +90,7 @@ class TransitionRules:
             self.silent += [each.transition for each in seen]
 
     def _guard(self, transition: Transition) -> Finding | None:
-        """Return a finding of a guard, or a part of it, that is the same in every state."""
+        """Return a finding about a guard, or a part of it, that is constant in every state."""
         guard = transition.tree
         assert guard is not None
         for part, value in constant_parts(guard, self._chart.states):
@@ -110,9 +110,9 @@ class TransitionRules:
         return self._chart.at(self._place(transition, part), code, message)
 
     def _never(self, transition: Transition) -> Finding | None:
-        """Return a finding of a transition whose guard is false wherever the robot can be."""
+        """Return a finding about a transition whose guard is false in all reached states."""
         if not self._is_reached(transition) or transition.tree is None:
-            return None  # that is a finding of its state
+            return None  # reported for its state
         blocking = next(
             (part for part in conjuncts(transition.tree) if not self._chances(transition, part)),
             transition.tree,
@@ -126,9 +126,9 @@ class TransitionRules:
     def _rivalry(
         self, transition: Transition, earlier: Sequence[Transition]
     ) -> tuple[Finding | None, bool]:
-        """Return the finding where another one of its event is taken, and whether it always is.
+        """Return a finding if another transition of its event precedes it, and whether always.
 
-        One that is written inside a compound state is meant to come before one of that state.
+        A transition inside a compound state intentionally precedes one of the compound state.
         """
         regions = frozenset({transition.region}).union(
             *(regions_of(each.tree) for each in (transition, *earlier) if each.tree)
@@ -177,7 +177,7 @@ class TransitionRules:
         )
 
     def _chances(self, transition: Transition, part: ast.expr | None = None) -> bool:
-        """Return whether its state and (a part of) its guard are true where commands lead."""
+        """Return whether its state and (a part of) its guard are true in a reached combination."""
         node = transition.tree if part is None else part
         if node is None:
             return self._is_reached(transition)
@@ -189,7 +189,7 @@ class TransitionRules:
         return any(_is_in(transition, states) for states in seen)
 
     def _place(self, transition: Transition, part: ast.expr) -> Place:
-        """Return where a part of a transition's guard stands."""
+        """Return the place of a part of a transition's guard."""
         path = (*transition.path, "cond")
         offset = offset_of(transition.guard, part)
         written = self._chart.document.data

@@ -1,4 +1,4 @@
-"""A chart as the rules look at it: its file, what the file declares, what follows from that."""
+"""A chart as seen by the rules: its file, its declarations and its table."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from pirate_sm.checking.findings import Finding, at
-from pirate_sm.checking.robot.guard_logic import Reached
+from pirate_sm.checking.robot.guard_logic import ReachedCombinations
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.problems import Place
@@ -16,20 +16,20 @@ from pirate_sm.loading.yaml.document import Document
 
 @dataclass(frozen=True)
 class ChartView:
-    """A chart under examination."""
+    """A chart that is being checked."""
 
     document: Document
     outline: ChartOutline
     table: ChartTable
 
     @cached_property
-    def reached(self) -> Reached:
-        """The combinations of states that commands lead to."""
-        return Reached(self.table)
+    def reached(self) -> ReachedCombinations:
+        """Return the combinations of states that commands reach."""
+        return ReachedCombinations(self.table)
 
     @cached_property
     def states(self) -> dict[str, tuple[str, ...]]:
-        """The states of each region."""
+        """Return the states of each region."""
         return dict(zip(self.outline.regions, self.outline.states, strict=True))
 
     def at(

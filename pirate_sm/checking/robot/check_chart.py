@@ -1,20 +1,19 @@
-"""Check a chart that loads: run the rules about transitions, guards, traps and idle commands.
+"""Check a valid chart: run the rules about transitions, guards, traps and idle commands.
 
-What is a finding, and what is not:
+Findings are:
 
-- A guard, or a part of it, that is the same in every *thinkable* combination of states says
-  nothing; so does a whole guard that is the same whenever its own state is active. A part that is
-  only constant because of its own state, or because commands lead to no other combination, is
-  what a careful author writes twice, and no finding.
-- A transition that is never taken in a *reached* combination is one, unless its guard has been
-  named already.
-- Two transitions of a state that can be taken at the same event are one where they lead to
-  different states: the library takes the first of them without a word.
-- A state that no transition leaves is a trap, and so is a combination of states in which every
-  command is refused.
+- A guard, or a part of it, that has the same value in every *thinkable* combination of states. A
+  whole guard that is constant whenever its own state is active. A part that is constant only
+  because of its own state, or because commands reach no other combination, is a redundancy that
+  careful authors use, and not a finding.
+- A transition that is never taken in a *reached* combination, unless its guard is reported already.
+- Two transitions of a state on the same event that can both be taken and lead to different states:
+  the library takes the first one without a warning.
+- A state that no transition leaves (a trap), and a combination of states in which every command is
+  refused.
 
-A state that no commands lead to is found at loading (`chart.unreachable`), and so are events
-without a command (`robot.command`) and commands without an event (`robot.name`).
+The loader reports states that no commands reach (`chart.unreachable`), events without a command
+(`robot.command`) and commands without an event (`robot.name`).
 """
 
 from __future__ import annotations
@@ -35,11 +34,11 @@ from pirate_sm.loading.yaml.document import Document
 
 
 class ChartCheck(NamedTuple):
-    """What is wrong with a chart.
+    """The result of checking a chart.
 
     Attributes:
-        findings: By place.
-        silent: Transitions that are never taken, each named by a finding.
+        findings: The findings, ordered by place.
+        silent: Transitions that are never taken; each has a finding.
     """
 
     findings: tuple[Finding, ...]
@@ -47,7 +46,7 @@ class ChartCheck(NamedTuple):
 
 
 def check_chart(loaded: LoadedRobot) -> tuple[Finding, ...]:
-    """Return what is wrong with a robot's chart, by place."""
+    """Return the findings about a robot's chart, ordered by place."""
     document = loaded.documents[1]
     outline = outline_chart(document, Problems(document))
     assert outline is not None  # the robot has been loaded
@@ -55,12 +54,12 @@ def check_chart(loaded: LoadedRobot) -> tuple[Finding, ...]:
 
 
 def examine(document: Document, outline: ChartOutline, table: ChartTable) -> ChartCheck:
-    """Return what is wrong with a chart, by place.
+    """Return the result of checking a chart.
 
     Args:
         document: Its file.
-        outline: What the file declares.
-        table: What follows from that.
+        outline: The declarations of the file.
+        table: The table of its configurations.
     """
     chart = ChartView(document, outline, table)
     rules = TransitionRules(chart)
@@ -69,9 +68,9 @@ def examine(document: Document, outline: ChartOutline, table: ChartTable) -> Cha
 
 
 def cut_off(outline: ChartOutline, silent: Sequence[Transition]) -> frozenset[tuple[str, str]]:
-    """Return states, by region, that no commands lead to because these transitions are never taken.
+    """Return the states, by region, that are unreachable because of transitions never taken.
 
-    Only of use for states that are not reached: it follows transitions wherever they lead.
+    It applies only to states that are not reached, because it follows transitions without guards.
     """
     found = {(each.region, each.target.partition(".")[2]) for each in silent}
     while True:

@@ -1,7 +1,7 @@
-"""Check a robot: load it, then run the rules about its chart and about its profile.
+"""Check a robot: load it, and run the rules about its chart and its profile.
 
-Only what the files themselves contradict is reported. How well the numbers fit a real robot
-they cannot show.
+Only contradictions within the files are reported. They cannot show how well the numbers fit a real
+robot.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ UNREACHABLE = "chart.unreachable"
 
 
 class RobotCheck(NamedTuple):
-    """What is known of a robot's folder.
+    """The result of checking a robot's folder.
 
     Attributes:
-        findings: By place.
-        documents: Profile and chart, as far as they could be read.
-        loaded: The robot; None where it cannot be loaded.
+        findings: The findings, ordered by place.
+        documents: The profile and the chart, as far as they are readable.
+        loaded: The robot; None if it cannot be loaded.
     """
 
     findings: tuple[Finding, ...]
@@ -54,7 +54,7 @@ class RobotCheck(NamedTuple):
 
 
 def check_robot(folder: Path) -> RobotCheck:
-    """Return everything that is wrong with the robot in this folder, at loading or after it."""
+    """Return the result of checking the robot in this folder."""
     try:
         loaded = load_robot(folder)
     except LoadError as error:
@@ -80,11 +80,11 @@ RULES = (
     unseen_states,
     impossible_signs,
 )
-"""Every rule about a robot beside its chart. Each yields the findings of a `RobotView`."""
+"""All rules about robots except their charts; each yields the findings of a `RobotView`."""
 
 
 def robot_findings(loaded: LoadedRobot) -> tuple[Finding, ...]:
-    """Return what is wrong with a robot beside its chart, by place."""
+    """Return the findings about a robot's profile, ordered by place."""
     view = RobotView(loaded)
     found = [finding for rule in RULES for finding in rule(view)]
     return tuple(sorted(found, key=lambda each: each.order))
@@ -94,7 +94,7 @@ def robot_findings(loaded: LoadedRobot) -> tuple[Finding, ...]:
 
 
 def _readable(folder: Path) -> tuple[Document, ...]:
-    """Return the robot's files, as far as they can be read."""
+    """Return the robot's files, as far as they are readable."""
     try:
         profile = read_document(folder / PROFILE_FILE, shown(folder / PROFILE_FILE))
     except LoadError:
@@ -110,7 +110,7 @@ def _readable(folder: Path) -> tuple[Document, ...]:
 def _of_loading(
     problems: tuple[Problem, ...], documents: tuple[Document, ...]
 ) -> tuple[Finding, ...]:
-    """Return the problems, and where states are unreachable the reason in place of them."""
+    """Return the problems as findings, with unreachable states replaced by their cause."""
     rest = [finding_of(each) for each in problems if each.code != UNREACHABLE]
     if len(rest) < len(problems):
         rest += _unreachable([each for each in problems if each.code == UNREACHABLE], documents[1])

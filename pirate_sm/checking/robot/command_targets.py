@@ -1,4 +1,4 @@
-"""A rule about commands: `asks_for` describes what a command leads to."""
+"""A rule about commands: `asks_for` describes the states that a command leads to."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pirate_sm.checking.robot.robot_view import RobotView
 
 
 def command_targets(view: RobotView) -> Iterator[Finding]:
-    """Yield commands whose `asks_for` does not describe what they lead to."""
+    """Yield commands whose `asks_for` does not describe the states that they lead to."""
     table, unneeded = view.loaded.table, view.loaded.normal.unneeded
     for number, name in enumerate(table.commands):
         if view.profile.commands[name].asks_for.strip() == "false":

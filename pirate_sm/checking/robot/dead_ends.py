@@ -1,4 +1,4 @@
-"""Rules about charts: states that nothing leaves, and commands that change nothing."""
+"""Rules about charts: states without exit, and commands without effect."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from pirate_sm.loading.problems import Path
 
 
 def traps(chart: ChartView, silent: Iterable[Transition]) -> Iterator[Finding]:
-    """Yield states that no transition leaves, and combinations in which nothing can be done.
+    """Yield states that no transition leaves, and combinations in which all commands are refused.
 
     Args:
         chart: The chart.
-        silent: Transitions that are never taken; what follows from them is no trap.
+        silent: Transitions that are never taken; their consequences are not reported as traps.
     """
     left = {each.source for each in chart.outline.transitions if each.source != each.target}
     reached = [set(names) for names in zip(*chart.table.configurations, strict=True)]
@@ -33,7 +33,7 @@ def traps(chart: ChartView, silent: Iterable[Transition]) -> Iterator[Finding]:
 
 
 def idle_commands(chart: ChartView, known: Collection[Path]) -> Iterator[Finding]:
-    """Yield commands that are taken and change nothing anywhere.
+    """Yield commands that are accepted but never change a state.
 
     Args:
         chart: The chart.
@@ -51,7 +51,7 @@ def idle_commands(chart: ChartView, known: Collection[Path]) -> Iterator[Finding
 
 
 def _stuck(chart: ChartView, excused: set[str]) -> list[int]:
-    """Return reached combinations in which every command is refused, of states not named yet."""
+    """Return reached combinations in which every command is refused, without excused states."""
     return [
         index
         for index, row in enumerate(chart.table.following)
@@ -67,7 +67,7 @@ def _stuck(chart: ChartView, excused: set[str]) -> list[int]:
 
 
 def _dead_end(chart: ChartView, stuck: Sequence[int]) -> Finding:
-    """Return one finding for all dead ends, at a transition that leads into the first one."""
+    """Return one finding for all dead ends, at a transition into the first one."""
     index = stuck[0]
     before, command = next(
         (number, command)

@@ -1,4 +1,4 @@
-"""A rule about faults: the condition of a fault rule depends on the signals."""
+"""A rule about faults: the condition of a fault rule must depend on the signals."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from pirate_sm.expressions import tree
 
 
 def fault_conditions(view: RobotView) -> Iterator[Finding]:
-    """Yield fault rules that the signals can never, or always, make true."""
+    """Yield fault rules that are never true or always true."""
     robot = view.loaded.normal
-    # A joint beyond its end stop is a sensor that shows nonsense, which a rule may well look for.
+    # A rule may look for a joint beyond its end stop, which only a faulty sensor shows.
     joints = {joint.name for joint in view.profile.body.joints}
     known = ranges(view.profile, robot)
     spans = {name: span for name, span in known.items() if name not in joints}
@@ -36,7 +36,7 @@ def fault_conditions(view: RobotView) -> Iterator[Finding]:
 
 
 def _verdict(view: RobotView, conditions: Conditions, node: tree.Node) -> bool | None:
-    """Return whether the condition always or never holds while its signals are known."""
+    """Return the constant value of the condition for known signals; None if it varies."""
     signals = [each for each in tree.walk(node) if isinstance(each, tree.Signal)]
     known: list[Fact] = [(tree.Known(each), True) for each in dict.fromkeys(signals)]
     seen = view.configurations({each.name for each in signals})

@@ -1,8 +1,8 @@
-"""Guards of a chart, as far as they can be judged without running it.
+"""Evaluate guards of a chart without running it.
 
-A guard is `In('Region.State')` with and, or, not (the loader lets nothing else pass), so it depends
-on which state each region that it names is in. *Thinkable* is every combination of states,
-*reached* every one that commands lead to.
+A guard consists of `In('Region.State')`, and, or, not (the loader refuses anything else), so it
+depends on the states of the regions that it names. Every combination of states is *thinkable*; the
+combinations that commands lead to are *reached*.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from pirate_sm.engine.robot.chart_table import ChartTable
 
 MOST_COMBINATIONS = 4096
-"""Over more thinkable combinations than this a guard counts as neither always true nor never."""
+"""With more thinkable combinations a guard counts as not constant."""
 
 _ELSEWHERE = ""
 
 States = Mapping[str, str]
-"""The state that each region is in."""
+"""The state of each region."""
 
 
 def offset_of(guard: str, node: ast.expr) -> int:
-    """Return at which character of the guard's text a part of it begins."""
+    """Return the offset of a part of a guard in the guard's text."""
     lines = guard.split("\n")
     before = sum(len(line) + 1 for line in lines[: node.lineno - 1])
     return before + len(lines[node.lineno - 1].encode()[: node.col_offset].decode())
@@ -56,7 +56,7 @@ def regions_of(node: ast.expr) -> frozenset[str]:
 def constant(
     node: ast.expr, states: Mapping[str, Iterable[str]], fixed: States | None = None
 ) -> bool | None:
-    """Return what a part of a guard is in every thinkable combination; None where it depends.
+    """Return the constant value of a part of a guard in all thinkable combinations, or None.
 
     Args:
         node: The part.
@@ -71,7 +71,7 @@ def constant(
         if fixed and region in fixed:
             choices.append([fixed[region]])
         else:
-            # States that it does not name are all alike.
+            # All states that it does not name are equivalent.
             others = [_ELSEWHERE] if set(states[region]) - mentioned else []
             choices.append([*sorted(mentioned), *others])
     if prod(map(len, choices)) > MOST_COMBINATIONS:
@@ -83,7 +83,7 @@ def constant(
 def constant_parts(
     node: ast.expr, states: Mapping[str, Iterable[str]]
 ) -> Iterator[tuple[ast.expr, bool]]:
-    """Yield the largest parts that are the same in every thinkable combination, with the value."""
+    """Yield the largest parts that are constant in all thinkable combinations, with the value."""
     value = constant(node, states)
     if value is not None:
         yield node, value
@@ -101,15 +101,15 @@ def conjuncts(node: ast.expr) -> list[ast.expr]:
     return [node]
 
 
-class Reached:
-    """The reached combinations, seen through a few regions at a time."""
+class ReachedCombinations:
+    """The reached combinations, projected on a few regions at a time."""
 
     def __init__(self, table: ChartTable) -> None:
         self._table = table
         self._seen: dict[frozenset[str], list[dict[str, str]]] = {}
 
     def through(self, regions: frozenset[str]) -> list[dict[str, str]]:
-        """Return every combination of the states of these regions that is reached, each once."""
+        """Return the distinct reached combinations of the states of these regions."""
         if regions not in self._seen:
             places = [number for number, name in enumerate(self._table.regions) if name in regions]
             names = [self._table.regions[place] for place in places]
@@ -125,7 +125,7 @@ def _questions(node: ast.expr) -> Iterator[tuple[str, list[str]]]:
 
 
 def _asked(node: ast.expr) -> tuple[str, list[str]]:
-    """Return region and states of an `In('…')`; several where it names a compound state."""
+    """Return region and states of an `In('…')`; several for a compound state."""
     if isinstance(node, ast.Call) and isinstance(node.args[0], ast.Constant):
         region, _, states = str(node.args[0].value).partition(".")
         return region, states.split(ANY_OF)

@@ -1,4 +1,4 @@
-"""Rules about the numbers of a profile: none makes another one impossible."""
+"""Rules about the numbers of a profile: they must not contradict each other."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def _too_long(done: CriterionSpec, timeout_s: float) -> str:
 
 
 def _unheard(view: RobotView, done: CriterionSpec) -> str:
-    """Return why the signals that it needs are never heard; empty when they are."""
+    """Return why the required signals are never reported; empty if they are."""
     robot = view.loaded.normal
     heard = view.heard
     match done:
@@ -70,7 +70,7 @@ def _unheard(view: RobotView, done: CriterionSpec) -> str:
 
 
 def _too_strong(view: RobotView, command: int, done: CriterionSpec) -> str:
-    """Return why a joint cannot bear the torque that is asked for; empty when it can."""
+    """Return why a joint cannot bear the required torque; empty if it can."""
     if not isinstance(done, StalledSpec):
         return ""
     robot = view.loaded.normal
@@ -90,7 +90,7 @@ def _too_strong(view: RobotView, command: int, done: CriterionSpec) -> str:
 
 
 def _too_fast(view: RobotView, command: int, done: CriterionSpec) -> str:
-    """Return why no wheel can turn so fast; empty when one can."""
+    """Return why no wheel can reach the required speed; empty if one can."""
     if not isinstance(done, TurningSpec):
         return ""
     speeds = [
@@ -107,7 +107,7 @@ def _too_fast(view: RobotView, command: int, done: CriterionSpec) -> str:
 
 
 def nominal_times(view: RobotView) -> Iterator[Finding]:
-    """Yield commands that take longer on paper than they may on the robot."""
+    """Yield commands whose nominal duration exceeds their timeout."""
     for name, command in view.profile.commands.items():
         if command.nominal > command.timeout and not isinstance(command.done, AcceptedSpec):
             message = (
@@ -118,7 +118,7 @@ def nominal_times(view: RobotView) -> Iterator[Finding]:
 
 
 def link_times(view: RobotView) -> Iterator[Finding]:
-    """Yield limits that make signals old, or boards silent, before they can be heard again."""
+    """Yield limits for stale signals or silent boards that are shorter than a report period."""
     link = view.profile.link
     messages = view.profile.messages_per_round
     round_s = messages * link.cycle
@@ -149,7 +149,7 @@ def position_loops(view: RobotView) -> Iterator[Finding]:
 
 
 def end_stops(view: RobotView) -> Iterator[Finding]:
-    """Yield angles that a joint cannot come to."""
+    """Yield target angles that a joint cannot reach."""
     stops = {joint.name: joint.end_stop for joint in view.profile.body.joints}
     for joint, angle_rad, path in _sought(view):
         stop = stops.get(joint, inf)
@@ -162,7 +162,7 @@ def end_stops(view: RobotView) -> Iterator[Finding]:
 
 
 def _sought(view: RobotView) -> Iterator[tuple[str, float, Path]]:
-    """Yield each angle that a state or a posture brings a joint to: joint, angle in rad, place."""
+    """Yield each target angle of states and postures: joint, angle in rad, path."""
     for each in view.written:
         if each.write.how == "seek":
             yield view.profile.slots[each.write.slot].joint or "", each.write.value, each.path
@@ -176,10 +176,10 @@ def _sought(view: RobotView) -> Iterator[tuple[str, float, Path]]:
 
 
 def hidden_words(view: RobotView) -> Iterator[Finding]:
-    """Yield words of the detector that are never said, because a later one always holds as well.
+    """Yield words of the detector that never occur, because a later word always holds as well.
 
-    The last of the words that hold is said; forward the first wheel is the farthest along the
-    pipe, backward the last one.
+    The detector reports the last of the words that hold. When driving forward the first wheel is
+    the farthest along the pipe, when driving backward the last wheel.
     """
     wheels = [wheel.name for wheel in view.profile.body.wheels]
     words = list(view.profile.detector.words.items())

@@ -1,4 +1,4 @@
-"""A loaded robot as the checks look at it: moves of commands, writes of states, places."""
+"""A loaded robot as seen by the rules: moves of commands, writes of states, places."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pirate_sm.model.profile import Motor, Profile, Slot
 
 
 class Written(NamedTuple):
-    """What a state writes to a slot, and where that stands in the profile."""
+    """A write of a state to a slot, with its path in the profile."""
 
     region: int
     state: str
@@ -32,12 +32,12 @@ class RobotView:
 
     @property
     def profile(self) -> Profile:
-        """What stands in its profile."""
+        """Return the robot's profile."""
         return self.loaded.profile
 
     @cached_property
     def slots(self) -> tuple[tuple[Slot, Path], ...]:
-        """Every slot in the order of the wire, and where it stands."""
+        """Return all slots in the order of the wire, with their paths."""
         return tuple(
             (slot, ("boards", number, "slots", place))
             for number, board in enumerate(self.profile.boards)
@@ -46,7 +46,7 @@ class RobotView:
 
     @cached_property
     def written(self) -> tuple[Written, ...]:
-        """What states write."""
+        """Return all writes of all states."""
         found = []
         robot = self.loaded.normal
         for region, states in enumerate(robot.actuation):
@@ -60,22 +60,22 @@ class RobotView:
         return tuple(found)
 
     def motor(self, slot: int) -> Motor:
-        """Return the motor behind a slot."""
+        """Return the motor of a slot."""
         return self.profile.motors[self.profile.slots[slot].motor]
 
     def moves(self, command: int) -> Iterator[tuple[int, int]]:
-        """Yield the configurations that the command moves, each with the one that it leads to."""
+        """Yield each configuration that the command changes, with the one that follows."""
         for before, row in enumerate(self.loaded.table.following):
             if row[command] != before:
                 yield before, row[command]
 
     def writes(self, configuration: int, slot: int) -> list[Written]:
-        """Return what the states of a configuration write to a slot, one for each stage."""
+        """Return the writes of a configuration's states to a slot, one for each stage."""
         states = self.loaded.table.configurations[configuration]
         return [each for each in self._by_slot.get(slot, ()) if states[each.region] == each.state]
 
     def duty(self, configuration: int, slot: int) -> float:
-        """Return the largest duty cycle that a slot can have in a configuration."""
+        """Return the largest possible duty cycle of a slot in a configuration."""
         found = [0.0]
         for each in self.writes(configuration, slot):
             spec = self.loaded.normal.slots[slot]
@@ -92,7 +92,7 @@ class RobotView:
 
     @cached_property
     def heard(self) -> frozenset[int]:
-        """Indexes of the numbers that a fitted board tells, or that follow from what it tells."""
+        """Return the indexes of numbers that fitted boards report, and those derived from them."""
         robot = self.loaded.normal
         told = {index for board in robot.boards.values() for index in board.numbers}
         return frozenset(told | {robot.odometry, robot.speed})

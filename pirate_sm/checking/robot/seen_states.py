@@ -1,4 +1,4 @@
-"""Rules about `seen`: every state and part has a sign, and the sensors can show it."""
+"""Rules about `seen`: every state and part has a criterion, which sensors can meet."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pirate_sm.loading.problems import Path
 
 
 def unseen_states(view: RobotView) -> Iterator[Finding]:
-    """Yield states and parts of which the profile does not say how they show themselves."""
+    """Yield states and parts for which the profile has no criterion."""
     profile, table = view.profile, view.loaded.table
     seen = profile.seen
     if "seen" not in profile.model_fields_set:
@@ -40,7 +40,7 @@ def unseen_states(view: RobotView) -> Iterator[Finding]:
 
 
 def impossible_signs(view: RobotView) -> Iterator[Finding]:
-    """Yield lines whose numbers the sensors can never show, or never for long enough."""
+    """Yield criteria that the sensors can never meet, or never for long enough."""
     robot = view.loaded.normal
     for number, held in enumerate(robot.sight.parts):
         if held is not None:
@@ -56,7 +56,7 @@ def impossible_signs(view: RobotView) -> Iterator[Finding]:
 def _said(
     view: RobotView, path: Path, about: str, reasons: Iterable[tuple[str, str]]
 ) -> Iterator[Finding]:
-    """Yield the first of the reasons, each with the key that it is about."""
+    """Yield a finding about the first of the reasons, each of which has a key."""
     for key, why in reasons:
         if why:
             message = f"this can never confirm '{about}': {why}"
@@ -99,7 +99,7 @@ def _unheard(view: RobotView, needed: Sequence[int]) -> str:
 
 
 def _too_strong(view: RobotView, part: int, spec: HeldSpec) -> str:
-    """Return why no state that holds the part gives a joint the torque; empty when one does."""
+    """Return why no state that holds the part gives the required torque; empty if one does."""
     robot = view.loaded.normal
     holding = [number for number, held in enumerate(robot.held) if part in held]
     for joint in spec.joints:

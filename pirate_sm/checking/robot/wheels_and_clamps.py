@@ -1,4 +1,4 @@
-"""Rules about wheels and joints: they work in one direction, and clamps press and are confirmed."""
+"""Rules about wheels and joints: consistent directions, pressing and confirmed clamps."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pirate_sm.engine.robot.criteria import AcceptedSpec, StalledSpec
 
 
 def _apexes(view: RobotView) -> Iterator[tuple[int, int, int]]:
-    """Yield per part its index, its apex's slot and the index of its apex's wheel."""
+    """Yield for each part its index, the slot of its apex and the index of its apex wheel."""
     body = view.profile.body
     wheels = [wheel.name for wheel in body.wheels]
     for number, name in enumerate(view.loaded.normal.parts):
@@ -23,16 +23,16 @@ def _apexes(view: RobotView) -> Iterator[tuple[int, int, int]]:
 
 
 def wheel_directions(view: RobotView) -> Iterator[Finding]:
-    """Yield wrong directions; where all are right, states that press or drive to the wrong side."""
+    """Yield wrong directions; if there are none, states that press or drive the wrong way."""
     crossed = list(_directions(view))
     yield from crossed
-    if not crossed:  # a wrong direction shows in all of these
+    if not crossed:  # a wrong direction would cause all of these
         yield from _sides(view)
         yield from _fights(view)
 
 
 def _directions(view: RobotView) -> Iterator[Finding]:
-    """Yield neighbours in a V that do not touch opposite walls."""
+    """Yield adjacent wheels of a V that do not touch opposite walls."""
     wheels = view.profile.body.wheels
     said: set[int] = set()
     for _, _, apex in _apexes(view):
@@ -49,7 +49,7 @@ def _directions(view: RobotView) -> Iterator[Finding]:
 
 
 def mirrored_slots(view: RobotView) -> Iterator[Finding]:
-    """Yield joints and wheels that keep their sign in mirrored polarity while others change it."""
+    """Yield slots that keep their sign in mirrored polarity while others change it."""
     moving = [(slot, path) for slot, path in view.slots if slot.joint or slot.wheel]
     mirrored = [slot for slot, _ in moving if slot.mirrors]
     for slot, path in moving:
@@ -66,7 +66,7 @@ def mirrored_slots(view: RobotView) -> Iterator[Finding]:
 
 
 def _holding(view: RobotView, part: int, each: Written) -> bool:
-    """Return whether the part is held wherever the state that writes this is active."""
+    """Return whether the part is held whenever the state of this write is active."""
     robot = view.loaded.normal
     seen = [
         part in held
@@ -77,7 +77,7 @@ def _holding(view: RobotView, part: int, each: Written) -> bool:
 
 
 def _sides(view: RobotView) -> Iterator[Finding]:
-    """Yield clamps that push their apex away from the wall that the direction of its wheel says.
+    """Yield clamps that push their apex away from the wall given by its wheel's direction.
 
     A negative angle turns the body on both sides of a joint towards side A, so a negative duty
     cycle pushes the apex to side B, where wheels have the direction -1.
@@ -119,7 +119,7 @@ def _fights(view: RobotView) -> Iterator[Finding]:
 
 
 def safe_clamps(view: RobotView) -> Iterator[Finding]:
-    """Yield slots that the safe state sets to zero although they press a held part to the wall."""
+    """Yield slots that the safe state sets to zero although they press a held part."""
     joints = {joint.name: joint.part for joint in view.profile.body.joints}
     parts = view.loaded.normal.parts
     for number, name in enumerate(view.profile.safe_state.zero):
@@ -142,7 +142,7 @@ def safe_clamps(view: RobotView) -> Iterator[Finding]:
 
 
 def unconfirmed_clamps(view: RobotView) -> Iterator[Finding]:
-    """Yield commands that make a part hold and are done without a sign of that part."""
+    """Yield commands that clamp a part and are done without a criterion for that part."""
     robot = view.loaded.normal
     own = {joint.torque: joint.part for joint in view.profile.body.joints}
     for number, command in enumerate(robot.commands):

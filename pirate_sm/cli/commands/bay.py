@@ -17,7 +17,7 @@ from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 from pirate_sm.units import DIMENSIONLESS, read_quantity
 from pirate_sm.wiring.sim import COMPILING, start_values
 
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from pirate_sm.bay.switches import Switches, Topic
 
 _INSTALLED = {"llvmlite", "numba", "numpy", "rosbags"}
-"""What the extras `sim` and `serial` install."""
+"""The packages that the extras `sim` and `serial` install."""
 
 
 class _Setting(NamedTuple):
-    """A robot in a place."""
+    """A robot in a pipe."""
 
     profile: Profile
     folder: Path
@@ -38,7 +38,7 @@ class _Setting(NamedTuple):
 
 
 def run_bay(options: BayOptions) -> int:
-    """Emulate the bay until it is told to end; return its exit code.
+    """Emulate the bay until a signal stops it; return the exit code.
 
     Raises:
         LoadError: Files cannot be used.
@@ -65,11 +65,11 @@ def run_bay(options: BayOptions) -> int:
     baud = at.profile.serial.baud if at.profile.serial is not None else None
     bay = VirtualBay(at.profile, at.pipe, texts, switches, options.seed, at.start_values)
     with ExitStack() as stack:
-        told = stack.enter_context(StopSignals())
+        signals = stack.enter_context(StopSignals())
         log = stack.enter_context(_log(options.log)) if options.log is not None else None
         terminal = stack.enter_context(Terminal(options.link, baud))
         print(terminal.name, flush=True)
-        serve(bay, terminal, lambda: told.stop, log)
+        serve(bay, terminal, lambda: signals.stop, log)
     return 0
 
 
@@ -109,7 +109,7 @@ def _switches(options: BayOptions) -> Switches:
 
 
 def _share(text: str | None) -> float:
-    """Return the share that text such as ``20%`` or ``0.2`` means."""
+    """Return the share in text such as ``20%`` or ``0.2``."""
     return 0.0 if text is None else read_quantity(text, DIMENSIONLESS)
 
 
@@ -122,14 +122,12 @@ def _topics(names: Sequence[str]) -> tuple[Topic, ...]:
 
     for name in names:
         if name not in TOPICS:
-            close = nearest(name, TOPICS)
-            hint = f"did you mean '{close}'?" if close else f"expected {one_of(TOPICS)}"
-            raise UsageError(f"there is no topic '{name}': {hint}")
+            raise UsageError(f"there is no topic '{name}': {meant(name, TOPICS)}")
     return tuple(topic for topic in TOPICS if topic in names)
 
 
 def _setting(options: BayOptions) -> _Setting:
-    """Return the robot and pipe that are asked for, else the first ones that are shipped."""
+    """Return the robot and pipe of the options, by default the first shipped ones."""
     if options.mission is not None:
         return _setting_of(options.mission, options)
     folder = library.find_robot(options.robot, Path.cwd()) if options.robot else library.robots()[0]

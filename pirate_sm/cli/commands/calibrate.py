@@ -1,4 +1,4 @@
-"""`pirate calibrate`: a person straightens the robot, and what its joints then show is kept."""
+"""`pirate calibrate`: stores the joint angles of a straightened robot as its zeros."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from pirate_sm.loading.robot.calibration_files import (
 )
 from pirate_sm.model.calibration import Calibration
 from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 from pirate_sm.units import ANGLE, read_quantity
 
 KEPT, REFUSED = 0, 1
@@ -46,7 +46,7 @@ _SHOW_EVERY_S = 0.5
 
 
 def run_calibrate(options: CalibrateOptions) -> int:
-    """Keep the zeros of the joints; return 0, or 1 where the robot was not straight or still.
+    """Store the zeros of the joints; return 0, or 1 if the robot was not straight or still.
 
     Raises:
         LoadError: The robot's files cannot be used.
@@ -79,9 +79,7 @@ def _joints(loaded: LoadedRobot, skip: Sequence[str]) -> tuple[str, ...]:
     joints = joints_of(loaded)
     for name in skip:
         if name not in joints:
-            close = nearest(name, joints)
-            hint = f"did you mean '{close}'?" if close else f"expected {one_of(joints)}"
-            raise UsageError(f"--skip {name}: there is no such joint; {hint}")
+            raise UsageError(f"--skip {name}: there is no such joint; {meant(name, joints)}")
     left = tuple(name for name in joints if name not in skip)
     if not left:
         raise UsageError("there is no joint left to calibrate")
@@ -91,7 +89,7 @@ def _joints(loaded: LoadedRobot, skip: Sequence[str]) -> tuple[str, ...]:
 def _measure(
     listening: Listening, joints: Sequence[str], options: CalibrateOptions
 ) -> list[JointReading]:
-    """Let the operator straighten the robot; return what its joints show then."""
+    """Let the operator straighten the robot; return its joint readings afterwards."""
 
     def angles() -> str:
         return _line(read_joints(listening.subject, listening.records, joints))
@@ -137,7 +135,7 @@ def _conclude(
 
 
 def _before(loaded: LoadedRobot) -> dict[str, float]:
-    """Return the zeros in use until now, none where their file cannot be used."""
+    """Return the zeros in use before; empty if their file cannot be used."""
     try:
         newest = newest_calibration(loaded)
     except LoadError as error:
@@ -147,7 +145,7 @@ def _before(loaded: LoadedRobot) -> dict[str, float]:
 
 
 def _line(readings: Sequence[JointReading]) -> str:
-    """Return the angles of the joints, in a line."""
+    """Return the angles of the joints, in one line."""
     return ", ".join(f"{each.name} {degrees(each.last):+z.1f} deg" for each in readings)
 
 
@@ -157,14 +155,14 @@ def _wait_for_enter(
     """Wait until the operator presses Enter; serve the link meanwhile.
 
     Raises:
-        UsageError: Nobody can press anything any more.
+        UsageError: Standard input has ended.
     """
     say(f"{what} [Enter]")
     try:
         _serve_until_enter(listening, status)
     finally:
         if status():
-            say("")  # the line of the status is left
+            say("")  # leave the status line
 
 
 def _serve_until_enter(listening: Listening, status: Callable[[], str]) -> None:

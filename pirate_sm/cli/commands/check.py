@@ -1,10 +1,9 @@
-"""`pirate check`: what is wrong with robots, missions and pipes."""
+"""`pirate check`: reports what is wrong with robots, missions and pipes."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 from pirate_sm.checking.findings import Severity
@@ -30,7 +29,7 @@ _SGR = {
     "place": "1",
     "label": "2",
 }
-"""How roles look on a terminal."""
+"""Terminal colours of the roles of text."""
 
 _USUAL_COLUMNS = 80
 _ERASE = "\r\x1b[2K"
@@ -40,7 +39,7 @@ def run_check(options: CheckOptions) -> int:
     """Print the report; return the exit code, which says whether anything was found.
 
     Raises:
-        UsageError: A path leads nowhere, an option does not fit, or the simulator is wanted and
+        UsageError: A path does not exist, an option does not fit, or the simulator is needed and
             not installed.
     """
     fail_on = Severity[options.fail_on.upper()]
@@ -59,7 +58,7 @@ def run_check(options: CheckOptions) -> int:
     finally:
         if progress is not None:
             progress.end()
-    print(writable(_FORMATS[options.format](report, fail_on)))
+    print(writable(_written(report, options.format, fail_on)))
     if report.nothing:
         return NOTHING
     return FOUND if report.fails(fail_on) else CLEAN
@@ -75,42 +74,28 @@ def _rehearse(options: CheckOptions) -> Rehearse | None:
     return rehearsing(options.seeds)
 
 
-def _text(report: Report, _: Severity) -> str:
-    coloured = is_terminal(sys.stdout) and not os.environ.get("NO_COLOR")
-    return text_report(report, _painted if coloured else _plain)
+def _written(report: Report, wanted: str, fail_on: Severity) -> str:
+    """Return the report in the format that is wanted."""
+    match wanted:
+        case "json":
+            from pirate_sm.checking.reports.json import json_report
 
+            return json_report(report)
+        case "sarif":
+            from pirate_sm.checking.reports.sarif import sarif_report
 
-def _json(report: Report, _: Severity) -> str:
-    from pirate_sm.checking.reports.json import json_report
+            return sarif_report(report)
+        case "junit":
+            from pirate_sm.checking.reports.junit import junit_report
 
-    return json_report(report)
+            return junit_report(report, fail_on)
+        case "github":
+            from pirate_sm.checking.reports.github import github_report
 
-
-def _sarif(report: Report, _: Severity) -> str:
-    from pirate_sm.checking.reports.sarif import sarif_report
-
-    return sarif_report(report)
-
-
-def _junit(report: Report, fail_on: Severity) -> str:
-    from pirate_sm.checking.reports.junit import junit_report
-
-    return junit_report(report, fail_on)
-
-
-def _github(report: Report, _: Severity) -> str:
-    from pirate_sm.checking.reports.github import github_report
-
-    return visible(github_report(report), lines=True)
-
-
-_FORMATS: dict[str, Callable[[Report, Severity], str]] = {
-    "text": _text,
-    "json": _json,
-    "sarif": _sarif,
-    "junit": _junit,
-    "github": _github,
-}
+            return visible(github_report(report), lines=True)
+        case _:
+            coloured = is_terminal(sys.stdout) and not os.environ.get("NO_COLOR")
+            return text_report(report, _painted if coloured else _plain)
 
 
 def _plain(_: str, text: str) -> str:
@@ -123,10 +108,10 @@ def _painted(role: str, text: str) -> str:
 
 
 class _Progress:
-    """A line on standard error that says which file is being looked at."""
+    """A line on standard error with the file that is being checked."""
 
     def __call__(self, done: int, total: int, name: str) -> None:
-        """Show how far the check has come."""
+        """Show the progress of the check."""
         line = visible(f"checking {done + 1}/{total} {name}")[: _columns() - 1]
         print(f"{_ERASE}{line}", end="", file=sys.stderr, flush=True)
 

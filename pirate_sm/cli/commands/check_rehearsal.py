@@ -1,4 +1,4 @@
-"""Missions run in the simulator by a check: how they end, and what nearly happened."""
+"""Rehearses missions in the simulator for a check: their outcomes and near misses."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ from pirate_sm.runtime.stop_requests import Stop, StopRequests
 from pirate_sm.wiring import Order, prepare
 
 LONGEST_S = 3600.0
-"""A mission that has not ended by then is ended."""
+"""A mission that has not ended by then is stopped."""
 
 MOST_CALLS = 5
 LEAST_SHARE = 0.1
-"""What came less near is not worth a line."""
+"""The least share of a limit at which a near miss is listed."""
 
 _SIMULATOR = ("numpy", "numba")
-"""What the extra `sim` installs."""
+"""The packages that the extra `sim` installs."""
 
 
 def rehearsing(seeds: int) -> Rehearse:
     """Return a function that runs missions in the simulator.
 
     Args:
-        seeds: How often: with the seeds from 0 on.
+        seeds: Number of runs, with seeds from 0.
 
     Raises:
         UsageError: The simulator is not installed.
@@ -65,7 +65,7 @@ def _rehearsed(loaded: LoadedMission, path: Path, seeds: int) -> Rehearsal:
         try:
             run, nearest = _run(loaded, path, seed, early)
         except UsageError as error:
-            return Rehearsal(shown(path), skipped=f"{error}{error.option_hint}")
+            return Rehearsal(shown(path), skipped=error.for_terminal)
         runs.append(run)
         for call in nearest:
             if call.about not in calls or call.share > calls[call.about][0].share:
@@ -98,7 +98,7 @@ def _run(
     if result.error is not None:
         raise result.error
     if result.ended.outcome == "interrupted" and requests.stop is None:
-        raise KeyboardInterrupt  # it is the check that a person has interrupted
+        raise KeyboardInterrupt  # the user has interrupted the check
     ended = result.ended
     return RehearsedRun(seed, ended.outcome, ended.message, result.now_s), calls.nearest()
 
@@ -121,7 +121,7 @@ class _Early:
         }
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Note each trigger that fires as soon as it can: it was true when its wait began."""
+        """Note each trigger that fires as soon as it can, so was true when its wait began."""
         for effect in effects:
             if isinstance(effect, WaitArmed):
                 self._armed_s[effect.phase] = now_s
@@ -134,7 +134,7 @@ class _Early:
 
 
 class _Patience:
-    """A companion that ends a run which does not end by itself."""
+    """A companion that stops a run that does not end by itself."""
 
     listening = False
 

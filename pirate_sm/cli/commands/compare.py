@@ -1,4 +1,4 @@
-"""`pirate compare`: two recorded runs, laid side by side."""
+"""`pirate compare`: compares two recorded runs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MOST_SIGNALS = 12
 
 
 def run_compare(options: CompareOptions) -> int:
-    """Lay two recorded runs side by side; return the exit code.
+    """Compare two recorded runs and print the result; return the exit code.
 
     Raises:
         RecordingError: One of the recordings cannot be read.
@@ -39,7 +39,7 @@ def run_compare(options: CompareOptions) -> int:
 
 
 def _circumstances(first: RunHeader, second: RunHeader) -> Iterator[str]:
-    """Yield what the two runs were not alike in, a line each."""
+    """Yield the differences in the set-up of the two runs, one line each."""
     found = unlike(first, second)
     if not found:
         yield "A and B were made with the same seed, parameters and files"
@@ -51,7 +51,7 @@ def _circumstances(first: RunHeader, second: RunHeader) -> Iterator[str]:
 
 
 def _legs(result: Comparison) -> Iterator[str]:
-    """Yield when each run came to what the mission comes to, and where they part."""
+    """Yield when each run reached each mark of the mission, and where they part."""
     yield f"{'what the mission comes to':<42} {'A':>9} {'B':>9} {'B - A':>9}   lasted A, B"
     for leg in result.legs:
         later_s = leg.second_s - leg.first_s
@@ -64,7 +64,7 @@ def _legs(result: Comparison) -> Iterator[str]:
 
 
 def _deviations(result: Comparison, vocabulary: Vocabulary) -> Iterator[str]:
-    """Yield the signals that were farthest apart, for what signals of their kind span."""
+    """Yield the signals with the largest deviations, relative to the range of their kind."""
     apart = [each for each in result.deviations if each.most > 0]
     if result.deviations and not apart:
         yield "every signal is the same in A and B"

@@ -1,4 +1,4 @@
-"""`pirate console`: open it, and leave it by the safe state whichever way it is left."""
+"""`pirate console`: opens the console and brings the robot to its safe state at the end."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ if TYPE_CHECKING:
 _LOOK_EVERY_S = 0.1
 
 RECORDING = ".mcap"
-"""What ends like this is looked at, not run."""
+"""Files with this suffix are recordings to view, not missions to run."""
 
 
 def open_console(options: ConsoleOptions) -> int:
-    """Open the console; return its exit code once it has been left.
+    """Open the console; return the exit code when it is closed.
 
     Without a mission the robot is driven by hand, and nothing is recorded.
 
     Raises:
-        LoadError: Everything that is wrong with the files; nothing has moved.
+        LoadError: The files have errors; nothing has moved.
         UsageError: An argument does not fit; nothing has moved.
     """
     order, factor = order_of(options), read_speed(options.speed, 1.0)
@@ -61,7 +61,7 @@ def open_console(options: ConsoleOptions) -> int:
         finally:
             session.quit()
             while not session.join(_LOOK_EVERY_S):
-                pass  # a signal may insist meanwhile
+                pass  # a second signal may come meanwhile
     return _conclude(app, session, options.debug)
 
 
@@ -69,7 +69,7 @@ def _check_terminal() -> None:
     """Check that the console can be shown.
 
     Raises:
-        UsageError: It cannot: the terminal or the library is missing.
+        UsageError: The terminal or the library is missing.
     """
     if not (is_terminal(sys.stdout) and sys.stdin.isatty() and sys.stderr.isatty()):
         raise UsageError("the console needs a terminal; `pirate run` does without")
@@ -85,7 +85,7 @@ def _check_terminal() -> None:
 
 
 def _session(order: Order, factor: float, recording: RecordingOptions) -> OperatorSession:
-    """Return a session of the console, whose missions are recorded."""
+    """Return a session of the console with a recording of each mission."""
     from pirate_sm.console.recording_hooks import unkept
     from pirate_sm.console.session import OperatorSession
 
@@ -101,7 +101,7 @@ def _view(path: str) -> int:
     """Show a recording.
 
     Raises:
-        RecordingError: It cannot be read.
+        RecordingError: The recording cannot be read.
     """
     from pathlib import Path
 
@@ -128,7 +128,7 @@ def _prepared(order: Order) -> Prepared:
 
 
 def _conclude(app: Console, session: OperatorSession, debug: bool) -> int:
-    """Say in a sentence how it ended; return the exit code."""
+    """Print in a sentence how the session ended; return the exit code."""
     if parting := session.prepared.parting():
         say(parting)
     result, stop = session.result, session.quitting.stop
@@ -147,7 +147,7 @@ def _conclude(app: Console, session: OperatorSession, debug: bool) -> int:
 
 
 def standing(snapshot: Snapshot) -> str:
-    """Return how the robot was left, as far as it has been commanded."""
+    """Return the state in which the robot was left, as far as commanded."""
     state = snapshot.state
     if state is None:
         return "nothing has moved"
@@ -157,6 +157,6 @@ def standing(snapshot: Snapshot) -> str:
 
 
 def _gone(failure: Exception, session: OperatorSession) -> bool:
-    """Whether it failed only because the terminal has gone."""
+    """Return whether it failed only because the terminal has gone."""
     stop = session.quitting.stop
     return isinstance(failure, OSError) and stop is not None and stop.exit_code > BUG

@@ -1,4 +1,4 @@
-"""`pirate diff`: what two versions of a mission can do, compared.
+"""`pirate diff`: compares what two versions of a mission can do.
 
 The JSON is described by ``docs/schemas/diff.schema.json``.
 """
@@ -10,7 +10,7 @@ import sys
 from dataclasses import asdict
 from textwrap import wrap
 
-from pirate_sm.checking.diff.differences import Difference, Kind, compare
+from pirate_sm.checking.diff.differences import Kind, MissionDifference, compare
 from pirate_sm.checking.diff.read_behaviour import abilities_of
 from pirate_sm.cli.options.checks import DiffOptions
 from pirate_sm.cli.options.values import read_settings
@@ -30,11 +30,11 @@ _WIDTH = 100
 
 
 def run_diff(options: DiffOptions) -> int:
-    """Print what differs; return the exit code, which says whether anything does.
+    """Print the differences; return the exit code, which says whether there are any.
 
     Raises:
         LoadError: One of the versions cannot be loaded.
-        UsageError: One is not there, or too large for its likeness to be known.
+        UsageError: A version does not exist, or is too large to compare.
     """
     old, new = (library.find_mission(each) for each in (options.old, options.new))
     settings = read_settings(options.settings)
@@ -54,7 +54,7 @@ def run_diff(options: DiffOptions) -> int:
     return SAME if difference.same else DIFFERENT
 
 
-def _text(difference: Difference, old: str, new: str) -> str:
+def _text(difference: MissionDifference, old: str, new: str) -> str:
     lines = [f"{old} → {new}: {_summary(difference)}"]
     for kind in _KINDS:
         changes = difference.of(kind)
@@ -73,13 +73,13 @@ def _text(difference: Difference, old: str, new: str) -> str:
     return writable("\n".join(lines))
 
 
-def _summary(difference: Difference) -> str:
+def _summary(difference: MissionDifference) -> str:
     counts = ((kind, len(difference.of(kind))) for kind in _KINDS)
-    told = ", ".join(f"{count} {kind}" for kind, count in counts if count)
-    return f"both can do the same{', ' if told else ''}{told}" if difference.same else told
+    counted = ", ".join(f"{count} {kind}" for kind, count in counts if count)
+    return f"both can do the same{', ' if counted else ''}{counted}" if difference.same else counted
 
 
-def _json(difference: Difference, old: str, new: str) -> str:
+def _json(difference: MissionDifference, old: str, new: str) -> str:
     whole = {
         "format": FORMAT,
         "old": old,

@@ -1,4 +1,4 @@
-"""`pirate doctor`: what is connected to a port, and whether a mission may start with it."""
+"""`pirate doctor`: reports what is connected to a port, and whether a mission may start."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pirate_sm.cli.options.values import read_duration
 from pirate_sm.cli.output.doctor_tables import LiveTables, plain_text
 from pirate_sm.cli.output.terminal import agree, is_terminal
 from pirate_sm.cli.robot_connection import StoppedError, connection, find_loaded, subject_of
-from pirate_sm.diagnosis.facts import Facts, Finding, Subject
+from pirate_sm.diagnosis.facts import DoctorFinding, Facts, Subject
 from pirate_sm.diagnosis.judgement import judged
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.diagnosis.moving import DUTY, TURN_FOR_S, Moving
@@ -24,11 +24,11 @@ GO, NO_GO = 0, 1
 
 
 def run_doctor(options: DoctorOptions) -> int:
-    """Print what is found about a connected robot; return 0 for go, 1 for no-go.
+    """Print the findings about a connected robot; return 0 for go, 1 for no-go.
 
     Raises:
         LoadError: The robot's files cannot be used.
-        UsageError: An argument does not fit, or nobody agreed to --move.
+        UsageError: An argument does not fit, or nobody confirmed --move.
         BackendError: There is no robot to connect to.
     """
     loaded = find_loaded(options.robot)
@@ -51,7 +51,7 @@ def run_doctor(options: DoctorOptions) -> int:
     except StoppedError as stopped:
         say(f"{stopped}; whatever was turned has been stopped")
         return stopped.exit_code
-    notes = tuple(Finding("note", notice) for notice in notices)
+    notes = tuple(DoctorFinding("note", notice) for notice in notices)
     facts = replace(facts, findings=(*facts.findings, *notes))
     if options.json:
         print(json.dumps(facts.as_data()))
@@ -61,7 +61,7 @@ def run_doctor(options: DoctorOptions) -> int:
 
 
 def _look(subject: Subject, options: DoctorOptions, requests: StopRequests) -> Facts:
-    """Connect, find out everything and judge it; free the port again."""
+    """Connect, collect all facts and judge them; release the port."""
     say(f"connecting to {options.port} ...")
     stay_s = read_duration("--guard-for", options.guard_for)
     listening = connection(subject, options.port, options.baud, requests, stay_s)
@@ -88,7 +88,7 @@ def _look_around(listening: Listening, subject: Subject, options: DoctorOptions)
     if not options.move:
         return facts
     if not facts.go:
-        note = Finding("note", "nothing was sent: a robot that is no-go is not moved")
+        note = DoctorFinding("note", "nothing was sent: a robot that is no-go is not moved")
         others = tuple(each for each in facts.findings if each.level != "note")
         return replace(facts, findings=(*others, note))
     move = Moving(listening, say).run()

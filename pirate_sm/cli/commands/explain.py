@@ -1,4 +1,4 @@
-"""`pirate explain`: what the code of a finding means."""
+"""`pirate explain`: prints what the code of a finding means."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from pirate_sm.cli.options.checks import ExplainOptions
 from pirate_sm.cli.output.encoding import writable
 from pirate_sm.errors import UsageError
 from pirate_sm.model.fault_codes import BUILT_IN_FAULTS
-from pirate_sm.spelling import nearest
+from pirate_sm.spelling import meant
 
 
 def explain_code(options: ExplainOptions) -> int:
-    """Print what the catalogue says of the code, of all codes the titles; return the exit code.
+    """Print the catalogue's text on the code, or the titles of all; return the exit code.
 
     Raises:
         UsageError: There is no such code.
@@ -23,8 +23,7 @@ def explain_code(options: ExplainOptions) -> int:
         return 0
     known = {**catalogue.entries(), **BUILT_IN_FAULTS}
     if code not in known:
-        close = nearest(code, known)
-        hint = f"did you mean '{close}'?" if close else "`pirate explain` lists them all"
+        hint = meant(code, known, "`pirate explain` lists them all")
         raise UsageError(f"there is no code '{code[:100]}': {hint}")
     print(writable(explained(code)))
     return 0

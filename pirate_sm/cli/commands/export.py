@@ -1,4 +1,4 @@
-"""`pirate export`: a recording as tables, its robot as a URDF, layouts for viewers."""
+"""`pirate export`: writes a recording as tables, its robot as a URDF, layouts for viewers."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from pirate_sm.recording.viewers.urdf import urdf
 
 
 def run_export(options: ExportOptions) -> int:
-    """Write a recording's topics as tables, its robot as a URDF, and so on, as is asked for.
+    """Write a recording's tables, its robot's URDF and layouts, as the options ask.
 
     Raises:
         RecordingError: The recording cannot be read, or a folder cannot be written.
-        UsageError: Nothing was asked for, a file cannot be written, or a recording or another of
-            the files would be lost for it.
+        UsageError: Nothing was requested, a file cannot be written, or it would overwrite a
+            recording or another output.
     """
     asked = (options.csv, options.urdf, options.lichtblick, options.plotjuggler)
     places = [place for place in asked if place is not None]
@@ -45,7 +45,7 @@ def run_export(options: ExportOptions) -> int:
 
 
 def _texts(loaded: LoadedMission, options: ExportOptions) -> Iterator[tuple[str, str]]:
-    """Yield each file that is asked for with its text."""
+    """Yield each requested file with its text."""
     if options.urdf is not None:
         yield options.urdf, urdf(loaded.loaded_robot.profile)
     if options.lichtblick is not None:

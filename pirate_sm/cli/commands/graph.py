@@ -1,4 +1,4 @@
-"""`pirate graph`: a robot's chart or a mission as a picture."""
+"""`pirate graph`: draws a robot's chart or a mission."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.yaml.document import Document, read_document
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 
 WRITERS: dict[str, Callable[[Graph], str]] = {"mermaid": mermaid, "dot": dot, "svg": svg}
 _BY_SUFFIX = {".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".mermaid": "mermaid"}
@@ -34,8 +34,8 @@ def draw_graph(options: GraphOptions) -> int:
     """Write the drawing to the file, or to standard output; return the exit code.
 
     Raises:
-        LoadError: The files have faults.
-        UsageError: There is no such mission, robot or chart, or nothing of a name to mark.
+        LoadError: The files have errors.
+        UsageError: There is no such mission, robot or chart, or no such node to mark.
     """
     graph = _graph(options)
     if options.counterexample is not None:
@@ -88,7 +88,7 @@ def _is_mission(path: Path) -> bool:
 
 
 def _found(what: str) -> Path:
-    """Return the file or the robot's folder of this path or name."""
+    """Return the file or the robot's folder with this path or name."""
     path = Path(what)
     if path.is_dir() or path.is_file():
         return path
@@ -98,8 +98,7 @@ def _found(what: str) -> Path:
     known |= {mission.stem: mission for mission in library.missions()}
     if what in known:
         return known[what]
-    close = nearest(what, known)
-    hint = f"did you mean '{close}'?" if close else f"expected {one_of(sorted(known))}"
+    hint = meant(what, sorted(known))
     raise UsageError(f"there is no mission, robot or file '{what}'; {hint}")
 
 

@@ -1,4 +1,4 @@
-"""The phases that a course of events leads to, which `pirate graph --counterexample` marks."""
+"""The phases of a course of events, which `pirate graph --counterexample` marks."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pirate_sm.wiring import Order, prepare
 
 
 def phases_of_course(mission: Path, script: Path, settings: dict[str, str]) -> list[Reached]:
-    """Return the phases that the mission comes to in a trace, and the end, in order.
+    """Return the phases that the mission reaches in a trace, and the end, in order.
 
     Args:
         mission: Its file.
@@ -28,8 +28,8 @@ def phases_of_course(mission: Path, script: Path, settings: dict[str, str]) -> l
         settings: Values of parameters.
 
     Raises:
-        LoadError: The files have faults.
-        UsageError: The script is for another mission, or lays down no course of events.
+        LoadError: The files have errors.
+        UsageError: The script is for another mission or contains no course of events.
     """
     _, course = read_script(script)
     if not course:
@@ -49,7 +49,7 @@ def phases_of_course(mission: Path, script: Path, settings: dict[str, str]) -> l
 
 
 class _EndOfCourse:
-    """A companion that ends a run as soon as its course of events is over."""
+    """A companion that stops a run when its course of events is over."""
 
     due_s = inf
     listening = False
@@ -59,7 +59,7 @@ class _EndOfCourse:
         self._requests = requests
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Ask the run to end when the last event has happened."""
+        """Ask the run to stop after the last event."""
         if self._player.over:
             self._requests.ask(Stop("the course of events is over", SUCCEEDED))
 

@@ -1,10 +1,10 @@
-"""`pirate list`: what there is to write into a mission or a command line."""
+"""`pirate list`: lists the names for missions and command lines."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from pirate_sm.cli.options.files import ListOptions
 from pirate_sm.errors import PirateError
@@ -13,7 +13,6 @@ from pirate_sm.loading import library
 from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.loading.yaml.validation import validate
-from pirate_sm.model.base import Frozen
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.registry import Registry
@@ -21,11 +20,10 @@ from pirate_sm.units import describe
 from pirate_sm.visible import visible
 
 Row = Sequence[str]
-M = TypeVar("M", bound=Frozen)
 
 
 def list_things(options: ListOptions) -> int:
-    """Print the things that are named, all of them when none is; return the exit code.
+    """Print these lists, by default all of them; return the exit code.
 
     Raises:
         LoadError: The robot's files cannot be used.
@@ -75,21 +73,11 @@ def _defects(folders: Iterable[Path]) -> None:
 
 
 def _missions(_: Iterable[Path]) -> None:
-    rows = []
-    for path in library.missions():
-        mission = _read(path, Mission)
-        about = mission.description if isinstance(mission, Mission) else mission
-        rows.append((path.stem, about))
-    _table("missions", rows)
+    _table("missions", [(path.stem, _described(path, Mission)) for path in library.missions()])
 
 
 def _pipes(_: Iterable[Path]) -> None:
-    rows = []
-    for path in library.pipes():
-        pipe = _read(path, Pipe)
-        about = pipe.description if isinstance(pipe, Pipe) else pipe
-        rows.append((path.stem, about))
-    _table("pipes", rows)
+    _table("pipes", [(path.stem, _described(path, Pipe)) for path in library.pipes()])
 
 
 def _backends(_: Iterable[Path]) -> None:
@@ -105,18 +93,18 @@ def _detectors(_: Iterable[Path]) -> None:
 
 
 def _plugins(registry: Registry[Any]) -> Iterable[Row]:
-    """Yield each name with its package, and why what cannot be used cannot."""
+    """Yield each name with its package, and why it cannot be used if that is so."""
     for each in registry.listed():
         about = f"cannot be used: {each.fault}" if each.fault else each.about
         yield each.name, each.package or "pirate-sm", about
 
 
-def _read(path: Path, model: type[M]) -> M | str:
-    """Return the model, or the first line of what is wrong with its file."""
+def _described(path: Path, model: type[Mission] | type[Pipe]) -> str:
+    """Return the description in a file, or the first line of what is wrong with it."""
     try:
-        return validate(read_document(path), model)
+        return validate(read_document(path), model).description
     except PirateError as error:
-        return str(error).partition("\n")[0]
+        return error.for_terminal.partition("\n")[0]
 
 
 def _table(title: str, rows: Iterable[Row]) -> None:

@@ -1,4 +1,4 @@
-"""`pirate new`: a mission or a robot from a template that runs at once."""
+"""`pirate new`: writes a mission or a robot from a template that runs at once."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 _ROBOT_FILES = ("profile.yaml", "chart.yaml", "first_mission.yaml")
 
 _SCHEMA = "mission.schema.json"
-"""What editors read a robot's missions with, in the robot's folder."""
+"""Schemas for editors, in the robot's folder."""
 
 _FOLD = 0.8
-"""Share of a link's length by which a part reaches out in a pipe that suits it."""
+"""Share of a link's length by which a part reaches out in a pipe that fits."""
 
 
 def write_mission(options: NewMissionOptions) -> int:
     """Write a mission that runs, NAME.yaml in the working directory; return the exit code.
 
-    What editors complete it with stands beside it, unless the robot has it in its folder.
+    Its schema for editors is written beside it, unless the robot's folder has it.
 
     Raises:
         LoadError: The robot's files cannot be used.
-        UsageError: The name is none, is taken, or there is no such robot.
+        UsageError: The name is invalid or taken, or there is no such robot.
     """
     name, robot = options.name, options.robot
     _check(name)
@@ -64,10 +64,10 @@ def write_mission(options: NewMissionOptions) -> int:
 def write_robot(options: NewRobotOptions) -> int:
     """Write a small robot with a mission that runs into a new folder; return the exit code.
 
-    What editors complete its files with stands beside them.
+    Schemas for editors are written beside its files.
 
     Raises:
-        UsageError: The name is none, or is taken.
+        UsageError: The name is invalid or taken.
     """
     name = options.name
     _check(name)
@@ -94,7 +94,7 @@ def _check(name: str) -> None:
 
 
 def _modeline(file: str) -> str:
-    """Return the first line of a file in a robot's folder, where the schemas stand beside it."""
+    """Return the first line of a file in a robot's folder that has its own schemas."""
     return f"{MODELINE}{file.partition('.')[0].removeprefix('first_')}.schema.json"
 
 
@@ -104,7 +104,7 @@ def _fill(template: str, **values: str) -> str:
 
 
 def _write(texts: dict[Path, str]) -> None:
-    """Write all of the files, or none where one is there already."""
+    """Write all files, or none if one exists already."""
     for path in texts:
         if path.exists():
             raise UsageError(f"'{path}' is there already, nothing was written")
@@ -118,13 +118,13 @@ def _write(texts: dict[Path, str]) -> None:
 
 
 def _diameter_m(robot: LoadedRobot) -> float:
-    """Return a diameter in the middle of the robot's reach, h + 2r (thesis eq. 3-2)."""
+    """Return a diameter in the middle of the robot's range, h + 2r (thesis eq. 3-2)."""
     body = robot.profile.body
     return _FOLD * min(link.length for link in body.links) + 2 * body.wheel_radius
 
 
 def _first_command(robot: LoadedRobot) -> str:
-    """Return a command that the robot can do at its start, one that takes hold if there is one."""
+    """Return a command that is possible at the start, preferably one that clamps."""
     spec = robot.normal
     start = at_rest_in(spec, spec.table.initial)
     possible = [

@@ -26,7 +26,7 @@ from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.mission.manual_mission import by_hand
 from pirate_sm.loading.mission.start_configuration import read_states
 from pirate_sm.loading.robot import LoadedRobot, load_robot
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 from pirate_sm.visible import visible
 
 FOUND, NONE = 0, 1
@@ -40,11 +40,11 @@ _TOGETHER = "\N{NO-BREAK SPACE}"
 
 @dataclass(frozen=True)
 class Found:
-    """Is the answer, with what was asked.
+    """The result, with the request.
 
     Attributes:
-        states: The states that were asked for, by region.
-        phase: The phase that was asked for, ``MISSION:PHASE``.
+        states: The requested states, by region.
+        phase: The requested phase, ``MISSION:PHASE``.
     """
 
     robot: RobotSpec
@@ -58,7 +58,7 @@ def print_plan(options: PlanOptions) -> int:
     """Print the commands, or why there are none; return the exit code.
 
     Raises:
-        LoadError: The files have faults.
+        LoadError: The files have errors.
         UsageError: There is no such robot, mission, phase or state.
     """
     if bool(options.to) == (options.to_phase is not None):
@@ -77,7 +77,7 @@ def print_plan(options: PlanOptions) -> int:
 
 
 def _read(option: str, texts: Sequence[str]) -> dict[str, str]:
-    """Return what is given as ``REGION=STATE, REGION=STATE``; a mission's ``==`` will do, too."""
+    """Return the pairs in ``REGION=STATE, REGION=STATE``; a mission's ``==`` is accepted too."""
     parts = [part for text in texts for part in text.replace("==", "=").split(",") if part.strip()]
     if texts and not parts:
         raise UsageError(f"{option} names no state: expected {_FORM}")
@@ -85,7 +85,7 @@ def _read(option: str, texts: Sequence[str]) -> dict[str, str]:
 
 
 def _begin(loaded: LoadedRobot, states: dict[str, str]) -> RobotState:
-    """Return the robot in these states; the others are as on the shortest way to them."""
+    """Return the robot in these states, with the others as on the shortest way to them."""
     body = at_rest_in(loaded.normal, loaded.table.initial)
     way = _way(loaded, body, states)
     if way.plan is None:
@@ -111,9 +111,7 @@ def _to_phase(loaded: LoadedRobot, body: RobotState, text: str) -> Found:
         raise UsageError(f"{name} is a mission for {mission.robot.name}, not {loaded.normal.name}")
     phases = mission.program.phases
     if phase not in phases:
-        close = nearest(phase, phases)
-        hint = f"did you mean '{close}'?" if close else f"expected {one_of(phases)}"
-        raise UsageError(f"{name} has no phase '{phase}'; {hint}")
+        raise UsageError(f"{name} has no phase '{phase}'; {meant(phase, phases)}")
     body = at_rest_in(mission.robot, body.configuration)
     plan = restoring(mission, [phase], body, beginnings(mission)).get(phase)
     if plan is None:
@@ -125,8 +123,8 @@ def _to_phase(loaded: LoadedRobot, body: RobotState, text: str) -> Found:
 
 def _lines(found: Found) -> Iterator[str]:
     robot, width = found.robot, min(max(get_terminal_size().columns, _NARROWEST), _WIDEST)
-    target = f"where {found.phase} can begin" if found.phase else _said(found.states)
-    yield from _wrapped(f"from  {_said(_states(robot, found.body))}", width, 6)
+    target = f"where {found.phase} can begin" if found.phase else _pairs(found.states)
+    yield from _wrapped(f"from  {_pairs(_states(robot, found.body))}", width, 6)
     yield from _wrapped(f"to    {target}", width, 6)
     yield ""
     plan = found.way.plan
@@ -146,7 +144,7 @@ def _table(found: Found, plan: Plan, width: int) -> Iterator[str]:
             str(number),
             each["command"],
             ", ".join(each["held_by"]) or "–",
-            _said(each["changed"]) or "nothing: it is confirmed",
+            _pairs(each["changed"]) or "nothing: it is confirmed",
         )
         for number, each in enumerate(_steps(found, plan), 1)
     ]
@@ -190,12 +188,12 @@ def _steps(found: Found, plan: Plan) -> Iterator[dict[str, Any]]:
         before = after
 
 
-def _said(states: Mapping[str, str]) -> str:
+def _pairs(states: Mapping[str, str]) -> str:
     return ", ".join(f"{region}{_TOGETHER}{state}" for region, state in states.items())
 
 
 def _wrapped(text: str, width: int, indent: int) -> list[str]:
-    """Return the lines of a text; no region is parted from its state."""
+    """Return the wrapped lines of a text, with each region next to its state."""
     lines = wrap(text, width, subsequent_indent=" " * indent, break_on_hyphens=False)
     return [line.replace(_TOGETHER, " ") for line in lines]
 

@@ -1,4 +1,4 @@
-"""`pirate repair`: a recording whose writer was cut short gets its end."""
+"""`pirate repair`: completes a recording that was cut short."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pirate_sm.visible import visible
 
 
 def run_repair(options: RepairOptions) -> int:
-    """Write whatever is whole into a new file, and say what is lost; return the exit code.
+    """Write everything whole to a new file and print what is lost; return the exit code.
 
     Raises:
         RecordingError: The recording cannot be read.

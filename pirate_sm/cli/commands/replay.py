@@ -1,4 +1,4 @@
-"""`pirate replay`: execute a recording again and tell whether the same comes out."""
+"""`pirate replay`: replays a recording and reports whether the result is the same."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from pirate_sm.units import TIME, QuantityError, read_quantity
 SAME, DIFFERENT = 0, 1
 
 LONG_S = 900.0
-"""From so much mission time on it is worth while to share a replay out among processes."""
+"""From this mission time on, several processes are worth while."""
 
 
 class Stretch(NamedTuple):
-    """The part of a run that is asked for.
+    """The requested part of a run.
 
     Attributes:
-        from_s: Where it begins, 0 or more; ``until_s`` where it ends, infinite for the end.
+        from_s: Its beginning, 0 or more; ``until_s`` is its end, infinite for that of the run.
     """
 
     from_s: float = 0.0
@@ -39,12 +39,12 @@ class Stretch(NamedTuple):
 
 
 def run_replay(options: ReplayOptions) -> int:
-    """Execute a recording again and print how that went; return the exit code.
+    """Replay a recording and print the result; return the exit code.
 
     Raises:
-        RecordingError: The recording cannot be read, or there is nothing to execute in it.
-        LoadError: What it shall be replayed with cannot be used.
-        UsageError: Likewise, or an option reads otherwise than it should.
+        RecordingError: The recording cannot be read or contains nothing to replay.
+        LoadError: The files for the replay have errors.
+        UsageError: A file or an option does not fit.
     """
     stretch, other = _stretch(options.begin, options.until), _changed(options)
     if other and stretch.from_s:
@@ -72,10 +72,10 @@ def run_replay(options: ReplayOptions) -> int:
 
 
 def _stretch(begin: str | None, until: str | None) -> Stretch:
-    """Return the stretch between two times in words, such as ``3 h``.
+    """Return the stretch between two times as text, such as ``3 h``.
 
     Raises:
-        UsageError: They are no times, or it ends before it begins.
+        UsageError: They are not times, or the end is before the beginning.
     """
     found = Stretch(_time("--from", begin, 0.0), _time("--until", until, inf))
     if found.until_s <= 0:
@@ -98,14 +98,14 @@ def _time(option: str, text: str | None, otherwise: float) -> float:
 
 
 def _changed(options: ReplayOptions) -> bool:
-    """Whether something else is executed than what was recorded."""
+    """Return whether other files than the recorded ones are used."""
     return (options.mission, options.robot, options.pipe) != (None, None, None)
 
 
 def _replayed(
     recording: Recording, loaded: LoadedMission, options: ReplayOptions, stretch: Stretch
 ) -> Replayed:
-    """Execute the stretch again, in several processes where it is long."""
+    """Replay the stretch, in several processes if it is long."""
     other = _changed(options)
     after = recording.checkpoint(stretch.from_s) if stretch.from_s else None
     if stretch.from_s and after is None:
@@ -132,7 +132,7 @@ def _print_difference(result: Replayed, loaded: LoadedMission, changed: RunHeade
 
 
 def _jobs(recording: Recording, stretch: Stretch) -> int:
-    """Return the number of processors, 1 where sharing the work out does not pay."""
+    """Return the number of processors, 1 if several processes do not pay."""
     if min(stretch.until_s, recording.until_s) - stretch.from_s < LONG_S:
         return 1
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -168,7 +168,7 @@ def _mission(recording: Recording, options: ReplayOptions) -> Iterator[LoadedMis
 
 
 def _described(difference: Difference, steps: int) -> tuple[list[str], list[str]]:
-    """Return lines about what was recorded, and lines about what comes out now."""
+    """Return lines about the recorded effects, and lines about the replayed ones."""
     step = difference.step
     event = field_words(step.event)
     same = f"the first {steps} inputs gave the same; then, at {step.at_s:.3f} s, this does not:"
@@ -191,7 +191,7 @@ def _listed(effects: tuple[Effect, ...]) -> Iterator[str]:
 
 
 def _renamed(line: str, loaded: LoadedMission, header: RunHeader) -> str:
-    """Return the line with the files that are executed now in place of those that were recorded."""
+    """Return the line with the names of the replayed files in place of the recorded ones."""
     for old, new in zip(header.files, loaded.documents, strict=False):
         line = line.replace(f"{old.name}:", f"{new.name}:")
     return line

@@ -1,4 +1,4 @@
-"""`pirate report`: a recording as one page, many as a list with a page for each."""
+"""`pirate report`: writes a page of a recording, or a list of many with a page for each."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from pirate_sm.visible import visible
 
 _INDEX = "index.html"
 _HEAD = 2_000
-"""How many bytes of a page hold the name of what made it."""
+"""The part of a page that contains the name of its generator, bytes."""
 
 _GENERATOR = b'<meta name="generator" content="pirate-sm '
-"""By this line a page of any version of this program is known."""
+"""The line that identifies a page of any version of this program."""
 
 
 def write_reports(options: ReportOptions) -> int:
-    """Write the page of a recording; of several, or of a folder, a list besides.
+    """Write the page of a recording; for several, or a folder, also a list.
 
     Raises:
-        RecordingError: The recording cannot be read; of several: none can.
-        UsageError: A page cannot be written, or what plots is not installed.
+        RecordingError: The recording cannot be read; for several: none can be read.
+        UsageError: A page cannot be written, or the plotting library is not installed.
     """
     places, output = options.recordings, options.output
     paths = tuple(dict.fromkeys(found for place in places for found in _recordings(Path(place))))
@@ -79,7 +79,7 @@ def _write_index(paths: Sequence[Path], index: Path) -> int:
 
 
 def _page(path: Path, index: Path) -> Path:
-    """Return where a recording's page belongs: beside it, or beside the list if that cannot be."""
+    """Return the path of a recording's page: beside it, or beside the list if that is read-only."""
     page = path.with_suffix(".html")
     return page if _is_writable(page.parent) else index.parent / page.name
 
@@ -90,7 +90,7 @@ def _is_writable(folder: Path) -> bool:
 
 
 def _refuse_read_only(place: Path) -> None:
-    """Raise an error that says what to do where no file can be made in the folder of a page."""
+    """Raise an error with advice if no file can be created in the page's folder."""
     if not _is_writable(place.parent):
         raise UsageError(
             f"the folder '{place.parent}' is read-only: name with --output a file in another one"
@@ -116,17 +116,17 @@ def _one(path: Path, page: Path, index: Path) -> ListedRun:
 
 
 def _is_fresh(page: Path, recording: Recording) -> bool:
-    """Whether this version of the program made the page of this very recording."""
+    """Return whether this version of the program made the page of this very recording."""
     head = begins(page, _HEAD).decode(errors="replace")
     made_by = f'content="pirate-sm {__version__}"' in head
     return made_by and f'<meta name="recording" content="{recording.sha256}">' in head
 
 
 def _refuse_foreign(*places: Path) -> None:
-    """Check that no file is written over that is not a page of ours.
+    """Check that only pages of this program are overwritten.
 
     Raises:
-        UsageError: Something does; all of it is told.
+        UsageError: Another file would be overwritten; the message lists all.
     """
     problems = []
     for place in places:

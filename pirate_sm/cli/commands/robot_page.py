@@ -1,4 +1,4 @@
-"""`pirate robot`: what a robot's commands mean, as a page."""
+"""`pirate robot`: writes a page on what a robot's commands mean."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def write_page(options: RobotOptions) -> int:
     """Write the robot's page to the file, or to standard output; return the exit code.
 
     Raises:
-        LoadError: The robot's files have faults.
+        LoadError: The robot's files have errors.
         UsageError: There is no such robot, or the file cannot be written.
     """
     name, output = options.name, options.output

@@ -1,4 +1,4 @@
-"""`pirate run`: prepare a mission, run it, show it, and say how it ended."""
+"""`pirate run`: prepares a mission, runs it, shows it, and reports how it ended."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ if TYPE_CHECKING:
     from pirate_sm.detectors.operator_keys import WordKeys
 
 ON_A_TERMINAL = 4.0
-"""Mission seconds per second where a person is thought to watch."""
+"""Mission seconds per second if a person probably watches."""
 
 
 class Output(Observer, Protocol):
     """One of the ways to show a run."""
 
     def begin(self) -> None:
-        """Say what is about to run."""
+        """Print what is about to run."""
         ...
 
 
@@ -51,9 +51,9 @@ class _Manner(NamedTuple):
     """How a run is shown.
 
     Attributes:
-        on_terminal: Whether a person sees what happens on standard output.
-        live: Whether it is drawn in place there.
-        factor: Mission seconds per second of the wall.
+        on_terminal: Whether a person reads standard output.
+        live: Whether it is redrawn in place.
+        factor: Mission seconds per second of the wall clock.
     """
 
     on_terminal: bool
@@ -62,17 +62,17 @@ class _Manner(NamedTuple):
 
 
 class _People(NamedTuple):
-    """What a person at the keyboard does: answer, and say the detector's words."""
+    """The companions for a person at the keyboard: for answers, and for detector words."""
 
     operator: Operator | None = None
     words: WordKeys | None = None
 
 
 def run_mission(options: RunOptions) -> int:
-    """Run the mission that is asked for; return the exit code.
+    """Run the mission of the options; return the exit code.
 
     Raises:
-        LoadError: Everything that is wrong with the files; nothing has moved.
+        LoadError: The files have errors; nothing has moved.
         UsageError: An argument does not fit; nothing has moved.
     """
     if options.json and options.quiet:
@@ -98,7 +98,7 @@ def run_mission(options: RunOptions) -> int:
 def _shown(
     prepared: Prepared, options: RunOptions, manner: _Manner, requests: StopRequests
 ) -> Result | None:
-    """Run the mission and show it; return how it ended, None where nothing could be written."""
+    """Run the mission and show it; return its result, None if nothing could be written."""
     recording = RecordingOptions(options.record, options.no_record, options.live)
     with ExitStack() as stack:
         kept = stack.enter_context(
@@ -144,10 +144,10 @@ def _mission_run(
 
 
 def _companions(prepared: Prepared, kept: Kept, people: _People, *, yes: bool) -> list[Companion]:
-    """Return who is beside the mission, among them somebody who answers its questions."""
+    """Return the companions of the mission, with one that answers its questions."""
     operator, words = people
     companions: list[Companion] = [*prepared.companions, *kept.companions]
-    if operator and answers(prepared.loaded):  # a person may decide otherwise the next time
+    if operator and answers(prepared.loaded):  # a person may decide differently the next time
         companions = [each for each in companions if not isinstance(each, LoopWatch)]
     if not prepared.attended:
         nobody = FirstChoice("--yes") if yes else FirstChoice("no terminal", "warning")
@@ -156,7 +156,7 @@ def _companions(prepared: Prepared, kept: Kept, people: _People, *, yes: bool) -
 
 
 def _begun(output: Output) -> bool:
-    """Whether the beginning of the output could be written; where not, that has been said."""
+    """Write the beginning of the output; return whether it could be written."""
     try:
         output.begin()
     except OSError as error:
@@ -167,7 +167,7 @@ def _begun(output: Output) -> bool:
 
 
 def _say_unused(prepared: Prepared) -> None:
-    """Say which triggers that were asked for have never fired, and why."""
+    """Print which of the requested triggers have never fired, and why."""
     for companion in prepared.companions:
         if isinstance(companion, TriggerScript):
             _say_never_fired(companion.unused, "no wait came that had it")
@@ -181,10 +181,10 @@ def _say_never_fired(firings: Sequence[Firing], why: str) -> None:
 
 
 def _people(prepared: Prepared, options: RunOptions, manner: _Manner, stack: ExitStack) -> _People:
-    """Return the person at the keyboard, where one sees what is asked and what happens.
+    """Return the companions for a person at the keyboard, if the person sees the run.
 
     Raises:
-        UsageError: The detector shall be a person, and there is none.
+        UsageError: The detector is a person, and there is no terminal.
     """
     shown = sys.stdout if manner.on_terminal else sys.stderr
     present = shown is not None and shown.isatty() and can_type()
@@ -228,7 +228,7 @@ def _output(observed: ObservedRun, options: RunOptions, manner: _Manner, people:
 
 
 def _conclude(result: Result, options: RunOptions) -> int:
-    """Say on standard error what the output has not said; return the exit code."""
+    """Print on standard error what the output lacks; return the exit code."""
     if result.error is not None and result.exit_code == BUG:
         say_bug(result.error, options.debug)
     elif result.error is not None and options.debug:

@@ -1,4 +1,4 @@
-"""`pirate schema`: what editors complete and explain files with."""
+"""`pirate schema`: prints the JSON Schemas for editors."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pirate_sm.schemas.schema_files import mission_schema_text, schema_text
 
 
 def print_schema(options: SchemaOptions) -> int:
-    """Print the JSON Schema of a kind of files; return the exit code.
+    """Print the JSON Schema of a kind of file; return the exit code.
 
     Raises:
         LoadError: The robot's files cannot be used.

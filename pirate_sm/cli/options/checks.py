@@ -12,10 +12,10 @@ from pirate_sm.cli.options import common
 
 @dataclass(frozen=True, kw_only=True)
 class CheckOptions:
-    """Find what is wrong with robots, missions and pipes before anything moves.
+    """Find faults in robots, missions, pipes before anything moves.
 
-    `pirate explain CODE` tells more about a finding. On its line a finding is allowed by a
-    comment with a reason: `# pirate: allow CODE: reason`.
+    `pirate explain CODE` explains a finding. A comment with a reason on its line allows it:
+    `# pirate: allow CODE: reason`.
 
     Exit codes: 0 clean, 1 findings of the severity of --fail-on or worse, 2 usage, or there was
     nothing to check.
@@ -62,7 +62,7 @@ class CheckOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class ExplainOptions:
-    """Say what a finding's code means, why it matters and how it is mended."""
+    """Explain a finding's code: what it means and how to mend it."""
 
     code: Annotated[
         str | None, typer.Argument(metavar="[CODE]", help="All of them when none is named.")

@@ -1,6 +1,6 @@
 """Options that several commands share, each written once.
 
-An option is an annotated type: the type of its value, its name where that differs from the field's,
+An option is an annotated type: the type of its value, its name if that differs from the field's,
 and its help text.
 """
 
@@ -28,7 +28,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
 
 
 def _backends() -> list[str]:
-    """Return the names that a shell may complete."""
+    """Return the names for a shell's completion."""
     from pirate_sm.wiring import BACKENDS
 
     return BACKENDS.names
@@ -71,7 +71,7 @@ States = Annotated[
         help="The robot is in this state, in place of starts_in.",
     ),
 ]
-Seed = Annotated[int, typer.Option(min=0, help="Of everything random.")]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of all random numbers.")]
 Defects = Annotated[
     list[str] | None,
     typer.Option("--defect", metavar="NAME", help="Switch on a known defect. Repeatable."),
@@ -97,12 +97,12 @@ Detector = Annotated[
     str | None,
     typer.Option(
         metavar="sim|odometry|operator|socket:ADDRESS|NAME",
-        help="Who says where the robot is. For sim: sim, for serial: odometry.",
+        help="What reports where the robot is. For sim: sim, for serial: odometry.",
     ),
 ]
 StartAt = Annotated[
     str | None,
-    typer.Option(metavar="LENGTH", help="Where odometry takes the first wheel to begin."),
+    typer.Option(metavar="LENGTH", help="Where the first wheel begins, for odometry."),
 ]
 Calibration = Annotated[
     bool,
@@ -111,7 +111,7 @@ Calibration = Annotated[
 Check = Annotated[
     bool, typer.Option("--check/--no-check", help="Whether a faulty mission is refused.")
 ]
-NoRecord = Annotated[bool, typer.Option("--no-record", help="Nothing is kept.")]
+NoRecord = Annotated[bool, typer.Option("--no-record", help="Record nothing.")]
 
 Recording = Annotated[str, typer.Argument(metavar="RUN.mcap", help="A recording.")]
 Output = Annotated[

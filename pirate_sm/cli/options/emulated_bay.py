@@ -13,7 +13,10 @@ from pirate_sm.cli.options import common
 
 @dataclass(frozen=True, kw_only=True)
 class BayOptions:
-    """Emulate the bay of a robot: print the name of a serial port and serve it until Ctrl-C."""
+    """Emulate a robot's bay behind a serial port until Ctrl-C.
+
+    The name of the port is printed first.
+    """
 
     mission: Annotated[
         str | None,

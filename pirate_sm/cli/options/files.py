@@ -13,7 +13,10 @@ from pirate_sm.cli.options import common
 
 @dataclass(frozen=True, kw_only=True)
 class ListOptions:
-    """Show robots, commands, signals, defects, missions, pipes, backends and detectors."""
+    """Show the names of robots, missions, pipes, backends and more.
+
+    The rest are the commands, signals and defects of a robot, and detectors.
+    """
 
     what: Annotated[
         Literal[
@@ -37,7 +40,7 @@ class ListOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class SchemaOptions:
-    """Print the JSON Schema with which an editor completes and explains files."""
+    """Print the JSON Schema by which an editor completes files."""
 
     files: Annotated[
         Literal["mission", "pipe", "profile", "chart"], typer.Argument(help="Of which files.")
@@ -81,7 +84,7 @@ class GraphOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class PlanOptions:
-    """Print the fewest commands that lead from one configuration of a robot to another.
+    """Print the fewest commands from one configuration to another.
 
     No command is proposed that lets go of a clamp while no other part holds.
 
@@ -112,7 +115,7 @@ class PlanOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class RobotOptions:
-    """Write a robot's page: what each command means, what it needs, where it leads.
+    """Write a robot's page: what each command needs and leads to.
 
     Exit codes: 0 written, 2 invalid files or arguments.
     """

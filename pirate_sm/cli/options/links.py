@@ -12,7 +12,7 @@ from pirate_sm.cli.options import common
 
 @dataclass(frozen=True, kw_only=True)
 class DoctorOptions:
-    """Look at a connected robot: what it says, what is missing, go or no-go.
+    """Examine a connected robot: what it reports, go or no-go.
 
     Without --move nothing is sent to its motors. Opening the port restarts most controllers.
 
@@ -38,7 +38,7 @@ class DoctorOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class CalibrateOptions:
-    """Straighten the robot, and keep what its joints then show as their zeros.
+    """Straighten the robot and keep what its joints show as zeros.
 
     Exit codes: 0 kept, 1 not straight or not still, 2 invalid files or arguments, 3 it cannot be
     connected to.

@@ -13,9 +13,9 @@ from pirate_sm.cli.options import common
 
 @dataclass(frozen=True, kw_only=True)
 class ReplayOptions:
-    """Execute a recording again and tell whether the same comes out.
+    """Replay a recording and report whether the result is the same.
 
-    Exit codes: 0 the same, 1 something else, 2 it cannot be read or holds nothing to execute.
+    Exit codes: 0 the same, 1 different, 2 it cannot be read or contains nothing to replay.
     """
 
     recording: common.Recording
@@ -43,9 +43,9 @@ class ReplayOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class CompareOptions:
-    """Lay two runs side by side by what the mission has come to.
+    """Compare two recorded runs, aligned by the mission's progress.
 
-    Exit codes: 0 both took one course, 1 they part, 2 one cannot be read.
+    Exit codes: 0 the same course, 1 they part, 2 one cannot be read.
     """
 
     first: Annotated[str, typer.Argument(metavar="A.mcap", help="A recording.")]
@@ -76,7 +76,7 @@ class ExportOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class ReportOptions:
-    """Tell a recorded run on one page that opens anywhere, offline; list many runs.
+    """Write a recorded run as one HTML page that works offline.
 
     Of several recordings, or of a folder, each has its page beside it, and index.html lists them.
     Pages of a folder that is read-only stand beside the list: name that with --output.
@@ -98,7 +98,7 @@ class ReportOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class RepairOptions:
-    """Give a recording that was cut short its end and its index, in a new file.
+    """Complete a recording that was cut short, in a new file.
 
     Exit codes: 0 written, or it is whole already; 2 it cannot be read or the file not be written.
     """

@@ -77,7 +77,7 @@ class RunOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class ConsoleOptions:
-    """See the robot and steer it: by hand, or with a mission that one can take over.
+    """See the robot and steer it by hand, or take over a mission.
 
     A mission begins paused. Space brings the robot to its safe state at any time, and so does
     every way out of the console.

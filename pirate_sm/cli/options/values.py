@@ -1,4 +1,4 @@
-"""The values of options that are given as text: pairs, lengths, durations, speeds."""
+"""Reads the values of options that are given as text: pairs, lengths, durations, speeds."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from pirate_sm.units import LENGTH, SPEED, TIME, Dimension, QuantityError, read_
 
 
 def read_settings(texts: Iterable[str] | None) -> dict[str, str]:
-    """Return the values of parameters that ``--set NAME=VALUE`` gives, as text, by name.
+    """Return the values of parameters from ``--set NAME=VALUE``, as text, by name.
 
     Raises:
-        UsageError: One of them has another form, or a name comes twice.
+        UsageError: A text has another form, or a name occurs twice.
     """
     return read_pairs("--set", texts or (), "NAME=VALUE")
 
 
 def read_pairs(option: str, texts: Iterable[str], form: str) -> dict[str, str]:
-    """Return what a repeatable option of the form NAME=VALUE gives.
+    """Return the pairs of a repeatable option in the form NAME=VALUE.
 
     Raises:
-        UsageError: One of them has another form, or a name comes twice.
+        UsageError: A text has another form, or a name occurs twice.
     """
     pairs: dict[str, str] = {}
     for text in texts:
@@ -36,19 +36,19 @@ def read_pairs(option: str, texts: Iterable[str], form: str) -> dict[str, str]:
 
 
 def read_length(option: str, text: str | None) -> float | None:
-    """Return the length that an option gives, m.
+    """Return the length in an option, m.
 
     Raises:
-        UsageError: It is none.
+        UsageError: It is not a length.
     """
     return _read(option, text, LENGTH)
 
 
 def read_duration(option: str, text: str | None) -> float | None:
-    """Return the duration that an option gives, s.
+    """Return the duration in an option, s.
 
     Raises:
-        UsageError: It gives none, or none above zero.
+        UsageError: It is not a duration above zero.
     """
     duration_s = _read(option, text, TIME)
     if duration_s is not None and duration_s <= 0.0:
@@ -78,10 +78,10 @@ def _read(option: str, text: str | None, dimension: Dimension) -> float | None:
 
 
 def read_speed(text: str | None, default: float) -> float:
-    """Return mission seconds per second of the wall; infinite for ``max``.
+    """Return mission seconds per second of the wall clock; infinite for ``max``.
 
     Raises:
-        UsageError: The text is none of these.
+        UsageError: The text is not a speed.
     """
     if text is None:
         return default

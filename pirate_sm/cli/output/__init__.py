@@ -1,1 +1,1 @@
-"""What commands print: lines, tables, live views, JSON Lines, progress, files."""
+"""The output of commands: lines, tables, live views, JSON Lines, progress, files."""

@@ -1,4 +1,4 @@
-"""What was found out about a connected robot, as tables on a terminal or as plain lines."""
+"""The facts about a connected robot, as tables on a terminal or as plain lines."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SENSOR = ("board", "sensor", "raw", "value", "least", "most", "remark")
 
 
 class Section(NamedTuple):
-    """One table; numbers stand right."""
+    """A table; numbers are right-aligned."""
 
     title: str
     headers: tuple[str, ...]
@@ -33,7 +33,7 @@ class Section(NamedTuple):
 
 
 def sections(facts: Facts) -> list[Section]:
-    """Return the tables for a person: topics, boards, sensors."""
+    """Return the tables for people: topics, boards, sensors."""
     sensors = [row for board in facts.boards for row in _sensors(board)]
     return [
         Section("topics", _TOPIC, frozenset({2, 5}), list(map(_topic, facts.topics))),
@@ -72,7 +72,7 @@ def _sensors(board: BoardFact) -> Iterator[tuple[str, ...]]:
 
 
 def link_lines(facts: Facts) -> list[str]:
-    """Return lines about what became of bytes and frames."""
+    """Return lines with the statistics of the link."""
     link = facts.link
     lines = [
         f"answered {link.answer_s:.1f} s after the port was opened; {facts.baud} baud",
@@ -99,7 +99,7 @@ def _trips(times_ms: Sequence[float]) -> str:
 
 
 def verdict(facts: Facts) -> str:
-    """Return go or no-go, in a line."""
+    """Return go or no-go, in one line."""
     if facts.go:
         doubts = sum(finding.level == "suspicious" for finding in facts.findings)
         if doubts:
@@ -129,7 +129,7 @@ def plain_text(facts: Facts) -> str:
 
 
 class LiveTables:
-    """Tables that change in place while the robot is listened to; a context manager."""
+    """Tables that are redrawn in place while the robot is examined; a context manager."""
 
     def __init__(self) -> None:
         self._live = Live(auto_refresh=False, transient=True)
@@ -141,18 +141,18 @@ class LiveTables:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Remove the tables; leave the terminal as it was."""
+        """Remove the tables; restore the terminal."""
         self._live.__exit__(None, None, None)
 
     def update(self, facts: Facts, now_s: float) -> None:
-        """Show what the sensors say, a few times a second."""
+        """Show the sensors' values, a few times a second."""
         if now_s >= self._shown_s + _REFRESH_S:
             self._shown_s = now_s
             self._live.update(sensors_now(facts), refresh=True)
 
     @staticmethod
     def show(facts: Facts) -> None:
-        """Print the facts for good, with the verdict below."""
+        """Print the final facts, with the verdict below."""
         console = Console()
         console.print(_group(facts))
         for line in link_lines(facts):
@@ -165,7 +165,7 @@ class LiveTables:
 
 
 def sensors_now(facts: Facts) -> Columns:
-    """Return what the sensors say, a table for each board, side by side where there is room."""
+    """Return the sensors' values, a table for each board, side by side if there is room."""
     tables = []
     for board in facts.boards:
         title = f"{board.id} {board.module}, {board.per_s:.1f} per s"

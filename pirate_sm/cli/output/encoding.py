@@ -1,4 +1,4 @@
-"""Output on a terminal whose encoding lacks some of the signs that are used here."""
+"""Replaces signs that a terminal's encoding lacks."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ _ALIKE = {
     "✓": "v", "✕": "x", "●": "*", "○": "o", "◐": "o", "◆": "*", "■": "#", "▶": ">", "▷": ">",
     "‖": "||", "⚠": "!", "⌀": "diameter", "─": "-", "━": "=", "│": "|", "├": "|", "└": "`",
 }  # fmt: skip
-"""What is written in place of a sign that the encoding lacks; a question mark for any other."""
+"""Replacements for signs that the encoding lacks; a question mark for any other."""
 
 
 def shows_signs(stream: TextIO | None) -> bool:
-    """Return whether the stream's encoding has every sign that the pictures are made of."""
+    """Return whether the stream's encoding has every sign of the pictures."""
     try:
         "→●⣿━".encode(getattr(stream, "encoding", None) or "ascii")
     except UnicodeEncodeError:
@@ -27,14 +27,14 @@ def shows_signs(stream: TextIO | None) -> bool:
 
 
 def degrade(stream: TextIO | None) -> None:
-    """Let the stream write signs that its encoding lacks as something alike."""
+    """Make the stream replace signs that its encoding lacks."""
     if stream is not None and not shows_signs(stream) and hasattr(stream, "reconfigure"):
         codecs.register_error("alike", _alike)
         stream.reconfigure(errors="alike")
 
 
 def writable(text: str) -> str:
-    """Return the text with the signs written out that the encoding of standard output lacks."""
+    """Return the text with signs written out that the encoding of standard output lacks."""
     encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
     return text.encode(encoding, "backslashreplace").decode(encoding)
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Lines:
-    """Writes lines as things happen; quiet, only how it ended."""
+    """Writes a line for each event; if quiet, only how the run ended."""
 
     def __init__(self, out: TextIO, observed: ObservedRun, *, quiet: bool = False) -> None:
         self._out = out
@@ -36,7 +36,7 @@ class Lines:
             self._out.flush()
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Write what has just happened, and flush it."""
+        """Write the latest effects, and flush them."""
         for effect in effects:
             if isinstance(effect, Ended):
                 there = self._observed
@@ -58,22 +58,22 @@ class Lines:
 
 
 class SaysWhyItWaits:
-    """Says on standard error for what a stop waits; looks at a run that has no view."""
+    """Prints on standard error why a stop has to wait, for a run without a view."""
 
     def __init__(self, link: Callable[[], LinkHealth], requests: StopRequests) -> None:
         self._link = link
         self._requests = requests
-        self._said = False
+        self._explained = False
 
     def pulse(self, now_s: float) -> None:
-        """Say once if a stop waits for the link."""
+        """Print once that a stop waits for the link."""
         stop = self._requests.stop
-        if stop is not None and not self._said and (why := away(self._link(), stopping=True)):
-            self._said = True
+        if stop is not None and not self._explained and (why := away(self._link(), stopping=True)):
+            self._explained = True
             say(f"{stop.reason}: {why}; a second signal ends at once")
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Say if the port stays open because the robot has not confirmed its stop."""
+        """Print that the port stays open because the robot has not confirmed its stop."""
         if any(isinstance(each, Ended) for each in effects) and not self._link().stopped:
             say(f"{UNCONFIRMED}: waiting for it before the port is closed")
 
@@ -86,7 +86,7 @@ def headline(observed: ObservedRun) -> str:
 
 
 def how_it_runs(order: Order) -> str:
-    """Return the backend and what is particular about it."""
+    """Return the backend and its particular options."""
     ways = {"sim": f"seed {order.seed}", "serial": str(order.port)}
     how = ways.get(order.backend, "ideal")
     defects = f", defects: {', '.join(order.defects)}" if order.defects else ""

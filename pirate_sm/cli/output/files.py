@@ -1,4 +1,4 @@
-"""Writes the files of a command, never over a recording or over one another."""
+"""Writes the output files of a command, without overwriting a recording or another output."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from pirate_sm.errors import UsageError
 
 
 def refuse_losses(places: Iterable[Path]) -> None:
-    """Refuse to write over a recording, or twice to one place.
+    """Refuse to overwrite a recording, or to write twice to one file.
 
     Args:
-        places: The files that are to be written.
+        places: The files to write.
 
     Raises:
-        UsageError: A place is a recording, by whatever name, or is named twice; all are told.
+        UsageError: A file is a recording or is named twice; the message lists all.
     """
     places = list(places)
     whole = [place.resolve() for place in places]
@@ -29,7 +29,7 @@ def refuse_losses(places: Iterable[Path]) -> None:
 
 
 def is_recording(place: Path) -> bool:
-    """Whether there is a file that begins as recordings do."""
+    """Return whether there is a file that begins like a recording."""
     from mcap.writer import MCAP0_MAGIC
 
     return begins(place, len(MCAP0_MAGIC)) == MCAP0_MAGIC

@@ -1,4 +1,4 @@
-"""The view of a running mission on a terminal; loaded only when there is one."""
+"""The view of a running mission on a terminal; loaded only if there is one."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.text_styles import BAD, FLAG, GOOD, MUTED, STRONG, WARN, fitted, line
 
 _LEFT = 40
-"""Width of the column of words; a region and the longest usual name of a state fit in."""
+"""Width of the text column; a region and the longest usual name of a state fit in."""
 
 _TABLE, _WITH_TABLE = 70, 30
-"""From this width and height on there is room for all that is measured of each motor."""
+"""From this size on there is room for all readings of each motor."""
 
 _WITH_SENSORS = 20
-"""And from this height on for angles and other readings."""
+"""From this height on there is room for angles and other readings."""
 
 _LEAST_PICTURE = 10, 4
 
 
 class View:
-    """Shows a run in place while it is entered; its last frame stays."""
+    """Shows a run in place while it is entered; its last frame remains."""
 
     def __init__(
         self,
@@ -73,10 +73,10 @@ class View:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Leave the last frame, and below it how the run ended."""
+        """Leave the last frame, with how the run ended below it."""
         with suppress(OSError):  # the terminal may have gone, and the run stopped for it
             conclusion = self._conclusion()
-            # Room for it and for the shell's prompt, so that nothing scrolls away.
+            # Keep room for it and for the shell's prompt, so that nothing scrolls away.
             self._spare += -(-len(conclusion.plain) // self._console.width)
             self._live.stop()
             self._console.print(conclusion, soft_wrap=True)
@@ -89,12 +89,12 @@ class View:
         return line((f"{self._scene.mission}: {text}", panels.OUTCOME.get(ended.outcome, BAD)))
 
     def begin(self) -> None:
-        """Print above the view what a person must know."""
+        """Print the notices above the view."""
         for notice in self._observed.prepared.notices:
             self._console.print(line((notice, WARN)), soft_wrap=True)
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Take note of what happened; the next frame shows it."""
+        """Note the effects for the next frame."""
         self._memory.see(effects, now_s)
         if self._memory.ended is not None and self._live.is_started:
             self._live.refresh()  # it may be the last one for a while
@@ -106,7 +106,7 @@ class View:
         self._live.refresh()
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        """Yield the lines of a frame less high than the terminal, so that nothing scrolls."""
+        """Yield the lines of a frame lower than the terminal, so that nothing scrolls."""
         width, height = console.size
         for shown in self.frame(width, height - self._spare):
             shown.no_wrap, shown.end = True, "\n"
@@ -122,13 +122,13 @@ class View:
         table = beside >= _TABLE and height >= _WITH_TABLE and not self._scene.engine.nominal
         brief = not table and height >= _WITH_SENSORS and not self._scene.engine.nominal
         below = _brief(snapshot, width) if brief else []
-        told = max(2, (height - len(below) - 18) // 3)
-        rows = max(height - len(lines) - len(below) - 1 - told, 0)
+        log_rows = max(2, (height - len(below) - 18) // 3)
+        rows = max(height - len(lines) - len(below) - 1 - log_rows, 0)
         motors = _motors(snapshot, beside) if table else []
         right = [*self._picture(snapshot, beside, rows - len(motors)), *motors]
         lines += _beside(_words(snapshot, rows), right, rows)
-        recent = [panels.told_line(each) for each in snapshot.story.recent[-told:]]
-        lines = [*lines, *below, _title("events", width), *_filled(recent, told)][:height]
+        recent = [panels.told_line(each) for each in snapshot.story.recent[-log_rows:]]
+        lines = [*lines, *below, _title("events", width), *_filled(recent, log_rows)][:height]
         for each in lines:
             each.rstrip()
             each.truncate(width, overflow="ellipsis")
@@ -147,7 +147,7 @@ class View:
         )
 
     def _bars(self, snapshot: Snapshot, width: int) -> list[Text]:
-        """Return lines about trouble with the link and about what keys are for."""
+        """Return lines about problems of the link and about the keys."""
         trouble, bars = panels.trouble(snapshot), []
         if trouble is not None:
             bars.append(line((fitted(trouble, width).plain, f"{FLAG}.{BAD}")))
@@ -165,7 +165,7 @@ class View:
 
 
 def _words(snapshot: Snapshot, rows: int) -> list[Text]:
-    """Return phases, what is waited for, states; the phases get what room the others leave."""
+    """Return phases, waits and states; the phases get the room that the others leave."""
     states = panels.states(snapshot, _LEFT)
     most = max(3, min(6, rows - len(states) - 6))
     now = _filled(panels.now(snapshot, _LEFT)[:most], most)
@@ -189,7 +189,7 @@ def _brief(snapshot: Snapshot, width: int) -> list[Text]:
 
 
 def _setpoints(snapshot: Snapshot, changed: frozenset[int], rows: int) -> list[Text]:
-    """Return every slot with its setpoint; what the last array changed stands out."""
+    """Return every slot with its setpoint, with those of the last change emphasized."""
     slots, values = snapshot.scene.robot.slots, snapshot.story.setpoints
     wide = max(len(slot.name) for slot in slots)
     down = min(rows, len(slots)) or 1

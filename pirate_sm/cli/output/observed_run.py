@@ -1,4 +1,4 @@
-"""A run as seen from outside while it goes on; every kind of output looks at it through this."""
+"""The present state of a run; every kind of output reads it here."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class ObservedRun:
-    """Where a run stands; ``run`` is given once it exists."""
+    """The present state of a run; ``run`` is set once it exists."""
 
     def __init__(self, prepared: Prepared) -> None:
         self.prepared = prepared
@@ -32,11 +32,11 @@ class ObservedRun:
         return self.run.state if self.run else None
 
     def truth(self) -> Truth | None:
-        """Return where the robot really is, where that is known."""
+        """Return the robot's true position, if it is known."""
         return self.prepared.truth() if self.prepared.truth else None
 
     def odometry_m(self) -> float | None:
-        """Return what the wheels have rolled, m, where that is measured."""
+        """Return the distance that the wheels have rolled, m, if it is measured."""
         state = self.state
         if state is None or self.robot.odometry < 0 or self.prepared.engine.nominal:
             return None
@@ -44,6 +44,6 @@ class ObservedRun:
         return None if isnan(value) else value
 
     def distance_m(self) -> float | None:
-        """Return how far the robot has really come, m, where that is known."""
+        """Return the true distance of the robot, m, if it is known."""
         truth = self.truth()
         return truth.distance_m if truth else None

@@ -1,4 +1,4 @@
-"""Shows on a terminal how far something has come that takes a while."""
+"""Shows the progress of a lengthy task on a terminal."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from time import monotonic
 from typing import TextIO
 
 _FIRST_S = 0.5
-"""Nothing is shown for what takes less."""
+"""Shorter tasks show nothing."""
 
 _EVERY_S = 0.1
 _CLEARED = "\r\x1b[K"
@@ -20,14 +20,14 @@ _CLEARED = "\r\x1b[K"
 def progress(
     what: str, out: TextIO | None = None, clock: Callable[[], float] = monotonic
 ) -> Iterator[Callable[[float], None]]:
-    """Yield a function that takes the share that is done, 0 to 1, and shows it on a terminal.
+    """Yield a function that takes the finished share, 0 to 1, and shows it on a terminal.
 
-    The line is gone when the block ends. A share that is smaller than the last one begins anew.
+    The line is removed when the block ends. A smaller share than the last one begins anew.
 
     Args:
-        what: What is being done.
-        out: Where to; None: standard error.
-        clock: Seconds of the wall's clock.
+        what: Description of the task.
+        out: Output; None: standard error.
+        clock: The wall clock, s.
     """
     out = sys.stderr if out is None else out
     if out is None or not out.isatty() or os.environ.get("TERM") == "dumb":
@@ -51,7 +51,7 @@ class _Line:
         self._there = self._over = False
 
     def show(self, share: float) -> None:
-        if self._over:  # something else has the terminal now
+        if self._over:  # something else uses the terminal now
             return
         now_s = self._clock()
         if share < self._last:
@@ -69,7 +69,7 @@ class _Line:
             self._write(_CLEARED)
 
     def _left(self, share: float, now_s: float) -> str:
-        """Return about how long it still takes; empty where that is a guess or soon over."""
+        """Return the approximate remaining time; empty if it is uncertain or short."""
         taken_s = now_s - self._began_s
         left_s = taken_s * (1 / share - 1) if share > 0 else 0.0
         if taken_s < 1.0 or left_s < 1.0:

@@ -1,4 +1,4 @@
-"""The terminal that a person looks at: whether there is one, and whether that person agrees."""
+"""The user's terminal: whether there is one, and whether the user agrees."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from pirate_sm.errors import UsageError
 
 
 def is_terminal(stream: object) -> bool:
-    """Whether a person sees the stream, on something that can do more than lines."""
+    """Return whether the stream is a terminal that can do more than lines."""
     isatty = getattr(stream, "isatty", None)
     return bool(isatty and isatty()) and os.environ.get("TERM", "dumb") != "dumb"
 
 
 def agree(question: str, nobody: str) -> None:
-    """Ask a person at the terminal for consent.
+    """Ask the user at the terminal for consent.
 
     Args:
-        question: What is asked.
-        nobody: The message of the error where there is nobody to ask.
+        question: The question.
+        nobody: The message of the error if there is no terminal.
 
     Raises:
         UsageError: Nobody has agreed; nothing has moved.

@@ -1,1 +1,1 @@
-"""The neutral graph that is drawn, and how missions and charts become one."""
+"""The neutral graph of a drawing, made from missions and charts."""

@@ -11,15 +11,15 @@ from pirate_sm.loading.chart.outline import ChartOutline, Transition
 
 START = "(start)"
 LONGEST_GUARD = 24
-"""Characters of a guard that is written out; a longer one becomes a note."""
+"""Guards up to this length are written out; longer ones become a note."""
 
 _IN = re.compile(r"In\(\s*(['\"])(.*?)\1\s*\)")
 
 
 def chart_graph(outline: ChartOutline, title: str) -> Graph:
-    """Return the graph of a chart; a state is called ``Region.State``.
+    """Return the graph of a chart; a state's id is ``Region.State``.
 
-    Guards are written without their ``In('…')``. Long ones are numbered, each different one once;
+    Guards are written without their ``In('…')``. Long ones are numbered, each different one once:
     the label has the number, the graph's notes the text.
     """
     marks: dict[str, Note] = {}

@@ -1,4 +1,4 @@
-"""What is drawn, whatever it was made from and however it is written."""
+"""The content of a drawing, independent of its source and its output format."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from pirate_sm.errors import PirateError
 
 
 class NodeKind(StrEnum):
-    """What a node stands for."""
+    """The meaning of a node."""
 
     INITIAL = "initial"
     ANYWHERE = "anywhere"
-    """Whatever is current: what leads away from it does so from everywhere in the cluster."""
+    """Any current node: edges from it leave from every node of the cluster."""
     PHASE = "phase"
     STATE = "state"
     SUCCEED = "succeed"
@@ -21,7 +21,7 @@ class NodeKind(StrEnum):
 
 
 class EdgeKind(StrEnum):
-    """Why one node follows another."""
+    """The reason for an edge."""
 
     START = "start"
     GO = "go"
@@ -33,15 +33,15 @@ class EdgeKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """Something that can be current.
+    """A node of the graph.
 
     Attributes:
-        id: Unique in its graph; what :func:`pirate_sm.drawing.graph.highlight.highlight` calls it.
-        title: Its name, as a reader shall see it.
-        lines: What it does, in order; a line is indented by blanks.
-        tooltip: More about it, for whoever asks.
-        cluster: Id of the cluster that it stands in.
-        visits: When it was reached, counted from 1; empty when it was not.
+        id: Unique id; :func:`pirate_sm.drawing.graph.highlight.highlight` uses it.
+        title: Its name for readers.
+        lines: Its actions, in order; a line is indented by blanks.
+        tooltip: Details.
+        cluster: Id of its cluster.
+        visits: Numbers of the visits, from 1; empty if it was not visited.
         current: Whether the path ends here.
     """
 
@@ -57,12 +57,12 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """Leads from one node to another of the same cluster, or back to itself.
+    """An edge from a node to another of the same cluster, or to itself.
 
     Attributes:
         label: When it is taken.
-        tooltip: The same in full, where the label is short.
-        taken: When it was taken: the numbers of the visits it leads to.
+        tooltip: The same in full, if the label is shortened.
+        taken: The numbers of the visits that it led to.
     """
 
     source: str
@@ -75,7 +75,7 @@ class Edge:
 
 @dataclass(frozen=True, slots=True)
 class Cluster:
-    """A group of nodes; one without a title has no frame."""
+    """A group of nodes; a cluster without a title has no frame."""
 
     id: str
     title: str = ""
@@ -84,7 +84,7 @@ class Cluster:
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """What a label was too short for; labels refer to it by its mark."""
+    """The full text for a label that refers to it by its mark."""
 
     mark: str
     text: str
@@ -92,10 +92,10 @@ class Note:
 
 @dataclass(frozen=True)
 class Graph:
-    """A whole drawing. Nodes and edges stand in the order in which they shall be read.
+    """A whole drawing, with nodes and edges in reading order.
 
     Raises:
-        GraphError: An id stands twice, or something refers to nothing.
+        GraphError: An id occurs twice, or a reference leads nowhere.
     """
 
     title: str
@@ -120,4 +120,4 @@ class Graph:
 
 
 class GraphError(PirateError):
-    """Is raised for a graph that does not hold together: a fault of whoever built it."""
+    """Is raised for an inconsistent graph, which is a fault of this program."""

@@ -1,4 +1,4 @@
-"""A path through a graph, marked in it: a run that took place, or a counterexample."""
+"""Marks a path in a graph: a past run, or a counterexample."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from typing import TypeAlias
 
 from pirate_sm.drawing.graph.graph import EdgeKind, Graph, NodeKind
 from pirate_sm.errors import UsageError
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 
 Stop: TypeAlias = str | tuple[str, str] | tuple[str, str, EdgeKind]
 
 
 def highlight(graph: Graph, path: Sequence[Stop]) -> Graph:
-    """Return the graph with the path marked: nodes numbered in order, the edges between them taken.
+    """Return the graph with the path marked: nodes numbered in order, edges marked as taken.
 
-    What a mission's drawing does not show, a phase of a mission that it calls, counts as the phase
-    that calls. A stop follows the last one in its own cluster. Where the drawing has no edge for
-    that, the one from anywhere in the cluster is taken.
+    A phase of a called mission that is not drawn counts as the phase that calls it. A stop
+    follows the last one in its own cluster. If the drawing has no edge between them, the edge from
+    any node of the cluster is taken.
 
     Args:
         graph: Any graph.
-        path: What was reached, in order. ``(from, to)`` stands for both, unless the path is at
-            the first already; ``(from, to, kind)`` also says which edge between them it was.
+        path: The nodes reached, in order. ``(from, to)`` stands for both, unless the path is at the
+            first already; ``(from, to, kind)`` also gives the kind of the edge between them.
 
     Raises:
         UsageError: The graph has no such node.
@@ -54,7 +54,7 @@ def highlight(graph: Graph, path: Sequence[Stop]) -> Graph:
 def _between(
     graph: Graph, cluster: str, source: str | None, target: str, kind: EdgeKind | None
 ) -> tuple[int, ...]:
-    """Return the places of the edges that may have been taken, the likeliest alone."""
+    """Return the indices of the edges that may have been taken; of the likeliest kind only."""
     hub = NodeKind.INITIAL if source is None else NodeKind.ANYWHERE
     hubs = {node.id for node in graph.nodes if node.kind is hub and node.cluster == cluster}
     direct = _edges(graph, {source or ""}, target)
@@ -75,7 +75,7 @@ def _edges(graph: Graph, sources: set[str], target: str) -> tuple[int, ...]:
 
 
 def _stops(graph: Graph, path: Iterable[Stop]) -> list[tuple[str, EdgeKind | None]]:
-    """Return each node reached, and by which kind of edge, where that is known."""
+    """Return each node reached, with the kind of edge that led to it, if known."""
     known = {node.id for node in graph.nodes}
     stops: list[tuple[str, EdgeKind | None]] = []
     for stop in path:
@@ -93,7 +93,7 @@ def _stops(graph: Graph, path: Iterable[Stop]) -> list[tuple[str, EdgeKind | Non
 
 
 def _shown(name: str, known: set[str]) -> str | None:
-    """Return the node of this name, or the one of the phase that it is called from."""
+    """Return the node with this name, or that of the phase that calls it."""
     while name not in known and "/" in name:
         name = name.rpartition("/")[0]
     return name if name in known else None
@@ -102,6 +102,4 @@ def _shown(name: str, known: set[str]) -> str | None:
 def _unknown(graph: Graph, name: str) -> str:
     hidden = {NodeKind.INITIAL, NodeKind.ANYWHERE}
     names = [node.id for node in graph.nodes if node.kind not in hidden]
-    close = nearest(name, names)
-    hint = f"did you mean '{close}'?" if close else f"expected {one_of(names)}"
-    return f"{graph.title} has no '{name}' to mark: {hint}"
+    return f"{graph.title} has no '{name}' to mark: {meant(name, names)}"

@@ -1,4 +1,4 @@
-"""A mission as a graph: its phases with their steps, and every way from one to another."""
+"""A mission as a graph: its phases with their steps, and the transitions between them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
-from pirate_sm.drawing.graph.step_text import amount, every_step, short, step_lines, trigger_text
+from pirate_sm.drawing.graph.step_text import amount, short, step_lines, trigger_text
 from pirate_sm.loading import library
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.yaml.document import read_document
@@ -20,10 +20,10 @@ ANY_PHASE = "(any phase)"
 
 @dataclass(frozen=True)
 class Called:
-    """A mission that is drawn because a phase calls it.
+    """A called mission that is drawn as well.
 
     Attributes:
-        prefix: What the engine puts before the names of its phases.
+        prefix: The engine's prefix for the names of its phases.
     """
 
     prefix: str
@@ -33,7 +33,7 @@ class Called:
 def mission_graph(mission: model.Mission, called: Sequence[Called] = ()) -> Graph:
     """Return the graph of a mission, each called mission in a cluster of its own.
 
-    A node is called as the engine calls its phase; an end has its name after the same prefix.
+    Ids are the engine's names of phases; the id of an end has the same prefix.
     """
     parts = (Called("", mission), *called)
     clusters = tuple(Cluster(_cluster(part), _title(part), _about(part.mission)) for part in parts)
@@ -43,12 +43,12 @@ def mission_graph(mission: model.Mission, called: Sequence[Called] = ()) -> Grap
 
 
 def called_missions(mission: model.Mission, file: Path, prefix: str = "") -> tuple[Called, ...]:
-    """Return every mission that is called, directly or through others, in the order of the phases.
+    """Return all missions that are called, directly or indirectly, in the order of the phases.
 
     Args:
-        mission: One that was loaded without faults, so it does not call itself.
-        file: Where it stands.
-        prefix: What the engine puts before the names of its phases.
+        mission: A mission that was loaded without errors, so it does not call itself.
+        file: Its file.
+        prefix: The engine's prefix for the names of its phases.
 
     Raises:
         LoadError: A called mission cannot be read.
@@ -56,13 +56,13 @@ def called_missions(mission: model.Mission, file: Path, prefix: str = "") -> tup
     """
     found: dict[str, Called] = {}
     for name, phase in mission.phases.items():
-        for step in every_step(phase.do):
+        for step, _ in model.every_step(phase.do):
             if not isinstance(step, model.CallStep):
                 continue
             path = library.find_mission(step.call, file.resolve().parent)
             callee = validate(read_document(path, shown(path)), model.Mission)
             inside = f"{prefix}{name}/{callee.mission}."
-            if inside not in found:  # a repeated call has its phases once
+            if inside not in found:  # a repeated call is drawn once
                 found[inside] = Called(inside, callee)
                 found |= {each.prefix: each for each in called_missions(callee, path, inside)}
     return tuple(found.values())
@@ -120,11 +120,11 @@ def _edges(part: Called) -> Iterator[Edge]:
 
 
 def _ways(phase: model.Phase) -> Iterator[tuple[str, EdgeKind, str]]:
-    """Yield each way out of the phase: the name it leads to, why, and its label."""
+    """Yield each transition out of the phase: its target, kind and label."""
     if phase.go is not None:
         yield phase.go, EdgeKind.GO, ""
     yield from _wait_ways(phase)
-    for step in every_step(phase.do):
+    for step, _ in model.every_step(phase.do):
         if isinstance(step, model.WaitStep):
             yield from _wait_ways(step)
         if isinstance(step, model.AskStep):
@@ -138,7 +138,7 @@ def _ways(phase: model.Phase) -> Iterator[tuple[str, EdgeKind, str]]:
 
 
 def _wait_ways(it: model.Phase | model.WaitStep) -> Iterator[tuple[str, EdgeKind, str]]:
-    """Yield the ways out of a wait that lead to a phase or end."""
+    """Yield the transitions of a wait that lead to a phase or end."""
     for trigger in it.wait:
         if trigger.go is not None:
             yield trigger.go, EdgeKind.TRIGGER, trigger_text(trigger)

@@ -17,7 +17,7 @@ from pirate_sm.model.effects import (
 
 
 class RunPath:
-    """Notes what a run reaches, and by which kind of line.
+    """Records the phases that a run reaches, and by which kind of edge.
 
     Attributes:
         stops: For :func:`pirate_sm.drawing.graph.highlight.highlight`.

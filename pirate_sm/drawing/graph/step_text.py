@@ -1,4 +1,4 @@
-"""The steps and triggers of a mission in the few words that fit into a drawing."""
+"""Short texts for the steps and triggers of a mission in a drawing."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pirate_sm.model.triggers import ConditionTrigger, OperatorTrigger, TimeTrig
 
 
 def amount(value: float | int | Parameter, unit: str = "") -> str:
-    """Return the quantity as a mission might write it: ``200 ms``, ``3``, ``$give_up``."""
+    """Return the quantity as written in a mission: ``200 ms``, ``3``, ``$give_up``."""
     if isinstance(value, Parameter):
         return f"${value.name}"
     if unit == "s" and 0 < value < 1:
@@ -22,7 +22,7 @@ def amount(value: float | int | Parameter, unit: str = "") -> str:
 
 
 def step_lines(steps: Iterable[model.Step], indent: str = "") -> tuple[str, ...]:
-    """Return one line for each step; what stands inside a step is indented below it."""
+    """Return one line for each step, with inner steps indented below it."""
     lines: list[str] = []
     deeper = indent + " " * INDENT
     for step in steps:
@@ -81,14 +81,14 @@ def _command(step: model.CommandStep) -> str:
 
 
 def _leads(step: model.Step) -> str:
-    """Return what becomes of the step's failure, where that is not what becomes of any other's."""
+    """Return where a failure of the step leads, if that differs from the mission's default."""
     if step.on_failure is None:
         return ""
     return ", or go on" if step.on_failure == model.CONTINUE else f", or {step.on_failure}"
 
 
 def short(step: model.Step) -> str:
-    """Return what a step is called where its failure is told."""
+    """Return the name of a step in messages about its failure."""
     match step:
         case model.CommandStep():
             return step.command
@@ -106,29 +106,8 @@ def short(step: model.Step) -> str:
             return "log"
 
 
-def every_step(steps: Iterable[model.Step]) -> Iterator[model.Step]:
-    """Yield the steps and those inside them, in the order of the file."""
-    for step in steps:
-        yield step
-        match step:
-            case model.RepeatStep():
-                yield from every_step(step.repeat.do)
-            case model.ChooseStep():
-                for choice in step.choose:
-                    yield from every_step(choice.do)
-                yield from every_step(step.otherwise)
-            case (
-                model.CommandStep()
-                | model.CallStep()
-                | model.AskStep()
-                | model.WaitStep()
-                | model.LogStep()
-            ):
-                pass
-
-
 def trigger_text(trigger: Trigger) -> str:
-    """Return when the trigger fires, after its name if it was given one."""
+    """Return the condition of the trigger, after its name if it has one."""
     match trigger:
         case ConditionTrigger():
             held = trigger.held if isinstance(trigger.held, Parameter) or trigger.held else None

@@ -1,4 +1,4 @@
-"""How far to the right each vertex stands: near its neighbours, long links straight."""
+"""The x coordinate of each vertex: near its neighbours, with long links straight."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from itertools import pairwise
 ROUNDS = 40
 STRAIGHTENINGS = 12
 SNAP = 14.0
-"""What is nearly straight, by so many pixels, becomes straight."""
+"""Deviations up to this many pixels are straightened."""
 NO_PULL = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
 class Vertex:
-    """Something on a rank; it stands at its anchor, which need not be its middle."""
+    """A vertex on a rank; its x is that of its anchor, which may be off its middle."""
 
     left: float
     right: float
@@ -23,11 +23,11 @@ class Vertex:
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """Joins two vertices on ranks that follow each other.
+    """A connection between two vertices on consecutive ranks.
 
     Attributes:
-        upper_port: How far right of the upper anchor it begins.
-        lower_port: How far right of the lower anchor it ends.
+        upper_port: Distance of its upper end to the right of the upper anchor.
+        lower_port: Distance of its lower end to the right of the lower anchor.
     """
 
     upper: int
@@ -44,13 +44,13 @@ def abscissae(
     chains: Sequence[Sequence[int]],
     gap: float,
 ) -> list[float]:
-    """Return the x of each vertex's anchor; neighbours on a rank are ``gap`` apart at least.
+    """Return the x of each vertex's anchor; neighbours on a rank are at least ``gap`` apart.
 
     Args:
         layers: The vertices of each rank from left to right.
-        vertices: How much room each needs.
-        segments: What joins them.
-        chains: Vertices, one below the other, that had better be on one vertical.
+        vertices: The width of each vertex.
+        segments: The connections.
+        chains: Vertices, one below the other, that should be on one vertical.
         gap: In pixels.
     """
     pulls: list[list[tuple[int, float, float]]] = [[] for _ in vertices]
@@ -58,109 +58,96 @@ def abscissae(
         shift = each.upper_port - each.lower_port
         pulls[each.lower].append((each.upper, shift, each.weight))
         pulls[each.upper].append((each.lower, -shift, each.weight))
-    x = [0.0] * len(vertices)
+    rows = _Rows(layers, vertices, gap, [0.0] * len(vertices))
     for layer in layers:
-        _settle(layer, vertices, [(0.0, 1.0)] * len(layer), gap, x)
+        rows.settle(layer, [(0.0, 1.0)] * len(layer))
     for number in range(ROUNDS):
         for layer in layers if number % 2 == 0 else reversed(layers):
-            wishes = [_wish(vertex, pulls[vertex], x) for vertex in layer]
-            _settle(layer, vertices, wishes, gap, x)
-    _straighten(layers, vertices, chains, gap, x)
-    _snap(layers, vertices, pulls, gap, x)
-    return x
+            rows.settle(layer, [_wish(vertex, pulls[vertex], rows.x) for vertex in layer])
+    rows.straighten(chains)
+    rows.snap(pulls)
+    return rows.x
 
 
 def _wish(
     vertex: int, pulls: Sequence[tuple[int, float, float]], x: Sequence[float]
 ) -> tuple[float, float]:
-    """Return where the vertex would stand if it were alone, and how much it matters."""
+    """Return the preferred x of the vertex alone, and its weight."""
     weight = sum(pull for _, _, pull in pulls)
     if not weight:
         return x[vertex], NO_PULL
     return sum((x[other] + shift) * pull for other, shift, pull in pulls) / weight, weight
 
 
-def _settle(
-    layer: Sequence[int],
-    vertices: Sequence[Vertex],
-    wishes: Sequence[tuple[float, float]],
-    gap: float,
-    x: list[float],
-) -> None:
-    """Move a layer as near to its wishes as its order and the gaps allow (least squares).
+@dataclass(frozen=True, slots=True)
+class _Rows:
+    """The vertices of each rank and where they stand at present."""
 
-    Taking from each wish the room that is needed left of it makes this the isotonic regression,
-    which pooling adjacent violators solves.
-    """
-    if not layer:  # between parts of a graph that nothing joins
-        return
-    room = [0.0]
-    for one, other in pairwise(layer):
-        room.append(room[-1] + vertices[one].right + vertices[other].left + gap)
-    blocks: list[tuple[float, float, int]] = []
-    for (wish, weight), needed in zip(wishes, room, strict=True):
-        value, heavy, size = wish - needed, weight, 1
-        while blocks and blocks[-1][0] > value:
-            before, more, members = blocks.pop()
-            value = (before * more + value * heavy) / (more + heavy)
-            heavy, size = heavy + more, size + members
-        blocks.append((value, heavy, size))
-    values = [value for value, _, size in blocks for _ in range(size)]
-    for vertex, value, needed in zip(layer, values, room, strict=True):
-        x[vertex] = value + needed
+    layers: Sequence[Sequence[int]]
+    vertices: Sequence[Vertex]
+    gap: float
+    x: list[float]
 
+    def settle(self, layer: Sequence[int], wishes: Sequence[tuple[float, float]]) -> None:
+        """Move a layer as near to its wishes as its order and the gaps allow (least squares).
 
-def _straighten(
-    layers: Sequence[Sequence[int]],
-    vertices: Sequence[Vertex],
-    chains: Sequence[Sequence[int]],
-    gap: float,
-    x: list[float],
-) -> None:
-    """Move each chain to one vertical, or as near to one as its neighbours allow."""
-    place = {vertex: (layer, p) for layer in layers for p, vertex in enumerate(layer)}
-    for _ in range(STRAIGHTENINGS):
-        for chain in sorted(chains, key=len, reverse=True):
-            free = [_free(*place[vertex], vertices, gap, x) for vertex in chain]
-            least, most = max(low for low, _ in free), min(high for _, high in free)
-            wanted = sum(x[vertex] for vertex in chain) / len(chain)
-            if least <= most:
-                wanted = min(max(wanted, least), most)
-            for vertex, (low, high) in zip(chain, free, strict=True):
-                x[vertex] = min(max(wanted, low), high)
+        Taking from each wish the room that is needed left of it makes this the isotonic regression,
+        which pooling adjacent violators solves.
+        """
+        if not layer:  # between parts of a graph that nothing joins
+            return
+        room = [0.0]
+        for one, other in pairwise(layer):
+            room.append(room[-1] + self.vertices[one].right + self.vertices[other].left + self.gap)
+        blocks: list[tuple[float, float, int]] = []
+        for (wish, weight), needed in zip(wishes, room, strict=True):
+            value, heavy, size = wish - needed, weight, 1
+            while blocks and blocks[-1][0] > value:
+                before, more, members = blocks.pop()
+                value = (before * more + value * heavy) / (more + heavy)
+                heavy, size = heavy + more, size + members
+            blocks.append((value, heavy, size))
+        values = [value for value, _, size in blocks for _ in range(size)]
+        for vertex, value, needed in zip(layer, values, room, strict=True):
+            self.x[vertex] = value + needed
 
+    def straighten(self, chains: Sequence[Sequence[int]]) -> None:
+        """Move each chain to one vertical, or as near to one as its neighbours allow."""
+        place = {vertex: (layer, p) for layer in self.layers for p, vertex in enumerate(layer)}
+        for _ in range(STRAIGHTENINGS):
+            for chain in sorted(chains, key=len, reverse=True):
+                free = [self._free(*place[vertex]) for vertex in chain]
+                least, most = max(low for low, _ in free), min(high for _, high in free)
+                wanted = sum(self.x[vertex] for vertex in chain) / len(chain)
+                if least <= most:
+                    wanted = min(max(wanted, least), most)
+                for vertex, (low, high) in zip(chain, free, strict=True):
+                    self.x[vertex] = min(max(wanted, low), high)
 
-def _snap(
-    layers: Sequence[Sequence[int]],
-    vertices: Sequence[Vertex],
-    pulls: Sequence[Sequence[tuple[int, float, float]]],
-    gap: float,
-    x: list[float],
-) -> None:
-    """Move each vertex straight below what it hangs on most, where little is missing for it."""
-    seen: set[int] = set()
-    for layer in layers:
-        for place, vertex in enumerate(layer):
-            hung = [pull for pull in pulls[vertex] if pull[0] in seen]
-            if hung:
-                other, shift, _ = max(hung, key=lambda pull: pull[2])
-                wanted = x[other] + shift
-                low, high = _free(layer, place, vertices, gap, x)
-                if abs(wanted - x[vertex]) <= SNAP and low <= wanted <= high:
-                    x[vertex] = wanted
-        seen.update(layer)
+    def snap(self, pulls: Sequence[Sequence[tuple[int, float, float]]]) -> None:
+        """Move each vertex straight below what it hangs on most, where little is missing for it."""
+        seen: set[int] = set()
+        for layer in self.layers:
+            for place, vertex in enumerate(layer):
+                hung = [pull for pull in pulls[vertex] if pull[0] in seen]
+                if hung:
+                    other, shift, _ = max(hung, key=lambda pull: pull[2])
+                    wanted = self.x[other] + shift
+                    low, high = self._free(layer, place)
+                    if abs(wanted - self.x[vertex]) <= SNAP and low <= wanted <= high:
+                        self.x[vertex] = wanted
+            seen.update(layer)
 
-
-def _free(
-    layer: Sequence[int], place: int, vertices: Sequence[Vertex], gap: float, x: Sequence[float]
-) -> tuple[float, float]:
-    """Return between which x the vertex can stand while its neighbours stay."""
-    vertex = layer[place]
-    low, high = float("-inf"), float("inf")
-    if place:
-        left = layer[place - 1]
-        low = x[left] + vertices[left].right + gap + vertices[vertex].left
-    if place + 1 < len(layer):
-        right = layer[place + 1]
-        high = x[right] - vertices[right].left - gap - vertices[vertex].right
-    return low, max(low, high)
+    def _free(self, layer: Sequence[int], place: int) -> tuple[float, float]:
+        """Return between which x the vertex can stand while its neighbours stay."""
+        vertex = layer[place]
+        low, high = float("-inf"), float("inf")
+        if place:
+            left = layer[place - 1]
+            low = self.x[left] + self.vertices[left].right + self.gap + self.vertices[vertex].left
+        if place + 1 < len(layer):
+            right = layer[place + 1]
+            high = (
+                self.x[right] - self.vertices[right].left - self.gap - self.vertices[vertex].right
+            )
+        return low, max(low, high)

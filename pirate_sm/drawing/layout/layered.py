@@ -1,4 +1,4 @@
-"""From boxes and links to a layout: the stages one after the other."""
+"""Makes a layout of boxes and links, stage by stage."""
 
 from __future__ import annotations
 
@@ -12,29 +12,29 @@ from pirate_sm.drawing.layout.rank_order import Layers, ordered
 from pirate_sm.drawing.layout.ranks import ranks, turned
 
 GAP = 22.0
-"""Between neighbours on a rank."""
+"""Distance between neighbours on a rank."""
 RANK_GAP = 28.0
-"""The least between two ranks; it grows with how far the links between them swing."""
+"""The least distance between two ranks; it grows with the width of the links between them."""
 LARGEST_RANK_GAP = 80.0
 SLOPE = 0.16
 PORT_GAP = 64.0
-"""The most between two links on one side of a box."""
+"""The largest distance between two links on one side of a box."""
 LABEL_GAP = 6.0
-"""Between a link and its label."""
+"""Distance between a link and its label."""
 LOOP = 30.0
-"""How far a link to its own box reaches out."""
+"""Width of a link to its own box."""
 LEAST_STRAIGHT = 10.0
-"""At the end of a link, for the arrow head."""
+"""Length of the arrow head at the end of a link."""
 INNER_WEIGHT = 4
-"""How much more it matters that a long link is straight than how it begins and ends."""
+"""Weight of a long link's middle over its ends, which keeps it straight."""
 
 
 @dataclass
 class _Plan:
-    """Grows from stage to stage.
+    """The state of the layout between stages.
 
     Attributes:
-        sizes: Of each vertex; those after the boxes are corners and labels of links.
+        sizes: Size of each vertex; those after the boxes are bends and labels of links.
         chains: For each link its vertices from top to bottom.
         labels: The vertex of each link's label.
     """
@@ -54,8 +54,8 @@ def layered(boxes: Sequence[Size], links: Sequence[LayoutLink]) -> GraphLayout:
     """Return a layout in which no label lies on a box, another label or a foreign link.
 
     Args:
-        boxes: In reading order: where a circle must be cut, it is before its first box.
-        links: Between boxes, by their numbers.
+        boxes: In reading order: a cycle is cut before its first box.
+        links: Links between boxes, by their indices.
     """
     plan = _Plan(boxes, links, turned(len(boxes), links), [])
     plan.rank = _ranks(plan)
@@ -104,7 +104,7 @@ def _add(plan: _Plan, rank: int, size: Size, vertex: Vertex) -> int:
 
 
 def _chain(plan: _Plan, number: int, link: LayoutLink, upwards: bool) -> list[int]:
-    """Return the vertices of a link from the top; its label is on the rank beside its source."""
+    """Return the vertices of a link from the top; its label is on the rank next to its source."""
     upper, lower = (link.target, link.source) if upwards else (link.source, link.target)
     ways = range(plan.rank[upper] + 1, plan.rank[lower])
     chain = [upper]
@@ -120,7 +120,7 @@ def _chain(plan: _Plan, number: int, link: LayoutLink, upwards: bool) -> list[in
 
 
 def _joints(plan: _Plan) -> dict[tuple[int, int], Segment]:
-    """Return each piece of each link, with the ports at the boxes, by link and piece."""
+    """Return each segment of each link, with the ports at the boxes, by link and segment."""
     place = {vertex: p for layer in plan.layers for p, vertex in enumerate(layer)}
     below: dict[int, list[tuple[int, int]]] = {}
     above: dict[int, list[tuple[int, int]]] = {}
@@ -142,7 +142,7 @@ def _joints(plan: _Plan) -> dict[tuple[int, int], Segment]:
 
 
 def _ports(plan: _Plan, sides: dict[int, list[tuple[int, int]]]) -> dict[int, float]:
-    """Return for each link how far right of the box's middle it meets this side of the box."""
+    """Return where each link meets this side of its box, to the right of the box's middle."""
     ports: dict[int, float] = {}
     for box, meeting in sides.items():
         gap = min(PORT_GAP, plan.boxes[box].width / (len(meeting) + 1))
@@ -185,7 +185,7 @@ def _way(
     joints: dict[tuple[int, int], Segment],
     spans: list[tuple[float, float]],
 ) -> list[Point]:
-    """Return the link's points from top to bottom; it bends between the ranks only."""
+    """Return the link's points from top to bottom; it bends only between ranks."""
     upper, *ways, lower = plan.chains[number]
     begin = x[upper] + joints[number, 0].upper_port
     end = x[lower] + joints[number, len(ways)].lower_port
@@ -205,7 +205,7 @@ def _way(
 def _bands(
     plan: _Plan, x: list[float], joints: dict[tuple[int, int], Segment]
 ) -> tuple[list[float], list[float]]:
-    """Return where each rank begins and where it ends."""
+    """Return the top and the bottom of each rank."""
     rank = {vertex: r for r, layer in enumerate(plan.layers) for vertex in layer}
     swing = [0.0] * len(plan.layers)
     for each in joints.values():

@@ -1,4 +1,4 @@
-"""What is laid out, and what comes of it. Lengths are in pixels, y grows downwards."""
+"""The input and the result of a layout. Lengths are in pixels, y grows downwards."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """How much room something needs."""
+    """The size of a box or label."""
 
     width: float
     height: float
@@ -20,11 +20,11 @@ NOTHING = Size(0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class LayoutLink:
-    """Leads from one box to another.
+    """A link from one box to another.
 
     Attributes:
-        label: The room that its label needs.
-        weight: How much it matters that it is short and straight.
+        label: The size of its label.
+        weight: How much its shortness and straightness count.
     """
 
     source: int
@@ -35,13 +35,13 @@ class LayoutLink:
 
 @dataclass(frozen=True, slots=True)
 class EdgeRoute:
-    """The way of a link.
+    """The route of a link.
 
     Attributes:
-        points: From border to border. Where two follow each other with different x, the link
-            swings from one vertical to the next; other pieces are straight.
-        loop: Whether it leads back to its own box, beside which it then stands.
-        label: Left upper corner of the label.
+        points: From border to border. If two consecutive points have different x, the link curves
+            from one vertical to the next; other pieces are straight.
+        loop: Whether it leads back to its own box and is drawn beside it.
+        label: Upper left corner of the label.
     """
 
     points: tuple[Point, ...]
@@ -51,10 +51,10 @@ class EdgeRoute:
 
 @dataclass(frozen=True, slots=True)
 class GraphLayout:
-    """Where everything stands; nothing lies left of or above (0, 0).
+    """The positions of all boxes and links; nothing is left of or above (0, 0).
 
     Attributes:
-        corners: Left upper corner of each box.
+        corners: Upper left corner of each box.
         routes: One for each link.
     """
 

@@ -1,4 +1,4 @@
-"""In which order the vertices of a rank stand: with few crossings."""
+"""The order of the vertices on each rank, with few crossings."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ Layers = list[list[int]]
 
 
 def ordered(layers: Layers, segments: Sequence[tuple[int, int]]) -> Layers:
-    """Return the layers, each in the order with the fewest crossings that was found.
+    """Return the layers, each in the order with the fewest crossings found.
 
     Args:
-        layers: Vertices by rank; the order in each decides where nothing else does.
-        segments: Upper and lower vertex, on ranks that follow each other.
+        layers: Vertices by rank; the given order breaks ties.
+        segments: Upper and lower vertex, on consecutive ranks.
     """
     count = sum(map(len, layers))
     above: list[list[int]] = [[] for _ in range(count)]
@@ -31,7 +31,7 @@ def ordered(layers: Layers, segments: Sequence[tuple[int, int]]) -> Layers:
 def _walked(
     layers: Layers, below: Sequence[Sequence[int]], above: Sequence[Sequence[int]], turn: bool
 ) -> Layers:
-    """Return the layers in the order in which a walk along the segments comes by, depth first."""
+    """Return the layers in the order of a depth-first walk along the segments."""
     rank = {vertex: number for number, layer in enumerate(layers) for vertex in layer}
     walked: Layers = [[] for _ in layers]
     seen: set[int] = set()
@@ -50,7 +50,7 @@ def _walked(
 def _improved(
     layers: Layers, above: Sequence[Sequence[int]], below: Sequence[Sequence[int]]
 ) -> tuple[int, Layers]:
-    """Return the fewest crossings that sweeping down and up finds, and the layers then."""
+    """Return the fewest crossings found by sweeping down and up, and the layers with them."""
     best = [list(layer) for layer in layers]
     fewest = _crossings(best, below)
     current = [list(layer) for layer in layers]
@@ -67,7 +67,7 @@ def _improved(
 
 
 def _sweep(layers: Layers, neighbours: Sequence[Sequence[int]], downwards: bool) -> None:
-    """Sort each layer by the mean place of what its vertices hang on."""
+    """Sort each layer by the mean position of each vertex's neighbours."""
     for layer in layers[1:] if downwards else layers[-2::-1]:
         place = _places(layers)
         middle = {
@@ -86,7 +86,7 @@ def _places(layers: Layers) -> dict[int, int]:
 def _exchange(
     layers: Layers, above: Sequence[Sequence[int]], below: Sequence[Sequence[int]]
 ) -> None:
-    """Swap neighbours in a layer as long as that saves crossings."""
+    """Swap neighbours in a layer while that reduces crossings."""
     place = _places(layers)
     improved = True
     while improved:
@@ -105,7 +105,7 @@ def _exchange(
 
 
 def _pair(left: Sequence[int], right: Sequence[int], place: dict[int, int]) -> int:
-    """Return crossings between the segments of two vertices that stand side by side."""
+    """Return the crossings between the segments of two neighbouring vertices."""
     return sum(place[one] > place[other] for one in left for other in right)
 
 

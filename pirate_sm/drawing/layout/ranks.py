@@ -1,4 +1,4 @@
-"""On which rank each box stands: links lead downwards, those that close a circle upwards."""
+"""The rank of each box: links lead downwards, except those that close a cycle."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from pirate_sm.drawing.layout.plan import LayoutLink
 def turned(count: int, links: Sequence[LayoutLink]) -> tuple[bool, ...]:
     """Return for each link whether it leads upwards.
 
-    Those do that lead to an earlier box from which their source can be reached; without them
-    nothing goes in a circle.
+    A link does if it leads to an earlier box from which its source is reachable. Without these
+    links there is no cycle.
     """
     reached = _reached(count, links)
     return tuple(
@@ -41,7 +41,7 @@ def ranks(count: int, pairs: Sequence[tuple[int, int, int, int]]) -> list[int]:
 
     Args:
         count: How many boxes there are.
-        pairs: Upper box, lower box, least difference of their ranks, weight. No circle.
+        pairs: Upper box, lower box, least difference of their ranks, weight. No cycle.
     """
     order = _sorted(count, pairs)
     above: list[list[tuple[int, int, int]]] = [[] for _ in range(count)]
@@ -55,12 +55,12 @@ def ranks(count: int, pairs: Sequence[tuple[int, int, int, int]]) -> list[int]:
             lowest = (rank[upper] + length for upper, length, _ in above[box])
             rank[box] = max(lowest, default=rank[box])
         for box in order:
-            # Nothing leads here: it may stand just above the first box that others reach too.
+            # No link leads here: it may be just above the first box that others reach too.
             shared = [rank[low] - length for low, length, _ in below[box] if len(above[low]) > 1]
             if not above[box] and shared:
                 rank[box] = min(shared)
     for box in reversed(order):
-        # As low as it can, where more hangs below than above.
+        # As low as possible, if more links lead down than up.
         if sum(w for *_, w in below[box]) > sum(w for *_, w in above[box]):
             rank[box] = min(rank[lower] - length for lower, length, _ in below[box])
     first = min(rank, default=0)
@@ -68,7 +68,7 @@ def ranks(count: int, pairs: Sequence[tuple[int, int, int, int]]) -> list[int]:
 
 
 def _sorted(count: int, pairs: Sequence[tuple[int, int, int, int]]) -> list[int]:
-    """Return the boxes, each after all above it, otherwise in their own order."""
+    """Return the boxes in topological order, otherwise in their own order."""
     missing = [0] * count
     below: list[list[int]] = [[] for _ in range(count)]
     for upper, lower, *_ in pairs:

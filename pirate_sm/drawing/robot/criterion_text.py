@@ -1,4 +1,4 @@
-"""What shows that a command is done, in words."""
+"""The criteria of commands, in words."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from pirate_sm.units import ANGLE, Quantity, format_quantity
 
 
 def done_when(profile: Profile, criterion: Criterion) -> str:
-    """Return what shows that a command with this criterion is done."""
+    """Return how a command with this criterion is found to be done, in words."""
     match criterion:
         case Accepted():
             return "its setpoints are accepted: no sensor shows more"

@@ -1,4 +1,4 @@
-"""A robot as a page: what its commands mean, read off its profile and its chart."""
+"""A robot as a page: what its commands mean, from its profile and its chart."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pirate_sm.drawing.graph.chart_graph import chart_graph
 from pirate_sm.drawing.graph.graph import Cluster, Graph
 from pirate_sm.drawing.robot.criterion_text import angle, done_when, listed, seconds
 from pirate_sm.drawing.robot.written_page import Block, Drawing, Heading, Paragraph, Table
-from pirate_sm.engine.robot.command_needs import Change, Need, changes, needs
+from pirate_sm.engine.robot.command_needs import Need, RegionChange, changes, needs
 from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.pipe_file import reach
 from pirate_sm.loading.robot import LoadedRobot
@@ -151,7 +151,7 @@ def _need(robot: LoadedRobot, need: Need, word: str = "") -> str:
     return (listed(parts, word) if word else "; ".join(parts)) or "nothing"
 
 
-def _change(robot: LoadedRobot, change: Change) -> tuple[str, str, str, str]:
+def _change(robot: LoadedRobot, change: RegionChange) -> tuple[str, str, str, str]:
     region = robot.table.regions[change.region]
     slots = {robot.profile.slots[slot].name for slot in change.slots}
     before = listed(change.before, "or") + (" (or it stays)" if change.sometimes else "")
@@ -200,7 +200,7 @@ def _picture(outline: ChartOutline, place: int) -> Graph:
 
 
 def _holding(robot: LoadedRobot, place: int, state: str) -> str:
-    """Return the parts that are held wherever the region is in this state and decides on that."""
+    """Return the parts that are held in this state of the region, where it decides on that."""
     spec = robot.normal
     inside = [
         index for index, states in enumerate(robot.table.configurations) if states[place] == state
@@ -217,7 +217,7 @@ def _holding(robot: LoadedRobot, place: int, state: str) -> str:
 
 
 def _given(profile: Profile, stages: Sequence[Stage], only: set[str] | None = None) -> str:
-    """Return what the stages give to slots; with ``only`` to these alone."""
+    """Return what the stages write to all slots, or only to those in ``only``."""
     slots = {slot.name: slot for slot in profile.slots}
     texts = []
     for stage in stages:
@@ -246,7 +246,7 @@ def _value(value: object) -> str:
 
 
 def _thing(slot: Slot) -> str:
-    """Return what a slot moves, in the words of missions."""
+    """Return the part that a slot moves, in the words of missions."""
     return slot.joint or slot.wheel or slot.roll or slot.name
 
 

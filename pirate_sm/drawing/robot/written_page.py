@@ -13,21 +13,21 @@ from pirate_sm.drawing.text_wrapping import printable
 
 
 class Heading(NamedTuple):
-    """A heading; level 1 is that of the page."""
+    """A heading; the page's own has level 1."""
 
     level: int
     text: str
 
 
 class Paragraph(NamedTuple):
-    """A paragraph; ``lead`` are its first words, in bold."""
+    """A paragraph; ``lead`` is its bold beginning."""
 
     text: str
     lead: str = ""
 
 
 class Table(NamedTuple):
-    """Rows of as many cells as the header has; a header without words is not shown."""
+    """Rows with as many cells as the header; an empty header is not shown."""
 
     header: Sequence[str]
     rows: Sequence[Sequence[str]]
@@ -55,7 +55,7 @@ def markdown(blocks: Sequence[Block], note: str = "") -> str:
 
     Args:
         blocks: The page.
-        note: A comment that readers of the page do not see.
+        note: A comment in the source of the page.
     """
     texts = [_markdown(block) for block in blocks]
     if note:
@@ -82,7 +82,7 @@ def _markdown(block: Block) -> str:
 
 
 def html(blocks: Sequence[Block]) -> str:
-    """Return the page as one HTML file that needs nothing else, with drawings in SVG."""
+    """Return the page as one HTML file without external resources, with drawings in SVG."""
     title = next((block.text for block in blocks if isinstance(block, Heading)), "")
     return "\n".join(
         [
@@ -123,6 +123,6 @@ def _text(text: str) -> str:
 
 
 def _marked(text: str) -> str:
-    """Return the text on one line, with every sign that Markdown would take for markup escaped."""
+    """Return the text on one line, with all characters of Markdown's markup escaped."""
     line = printable(" ".join(text.split()))
     return "".join(f"\\{each}" if each in "\\|<*`[]" else each for each in line)

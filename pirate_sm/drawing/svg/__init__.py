@@ -1,1 +1,1 @@
-"""A graph as one SVG: no script, no font and no picture from elsewhere."""
+"""A graph as one SVG without scripts, fonts or other external resources."""

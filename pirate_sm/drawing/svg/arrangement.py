@@ -1,4 +1,4 @@
-"""Where everything of a graph stands in the picture, in pixels."""
+"""The positions of all parts of a graph in the picture, in pixels."""
 
 from __future__ import annotations
 
@@ -11,34 +11,34 @@ from pirate_sm.drawing.layout.plan import NOTHING, EdgeRoute, LayoutLink, Point,
 from pirate_sm.drawing.text_wrapping import INDENT, balanced, cells, wrapped
 
 ADVANCE = 0.61
-"""Width of a character over the size of a fixed-width font; 0.602 in the widest common one."""
+"""Width of a character per font size of a fixed-width font; 0.602 in the widest common one."""
 TITLE_FONT, TEXT_FONT, LABEL_FONT = 13.0, 12.0, 11.0
 TITLE_LINE, TEXT_LINE, LABEL_LINE = 20.0, 16.0, 14.0
 PADDING = 10.0
 MARGIN = 16.0
 FRAME = 14.0
-"""Between a cluster's frame and what is in it."""
+"""Distance between a cluster's frame and its content."""
 FRAME_TITLE = 22.0
 BETWEEN_FRAMES = 24.0
 DOT = 14.0
 SIGN = 16.0
-"""Room for the sign that says how an end ended."""
+"""Width of the sign of an end's outcome."""
 SHAPE = 1.6
-"""Width over height that clusters are arranged to."""
+"""Preferred ratio of width to height of all clusters together."""
 NODE_COLUMNS, END_COLUMNS, LABEL_COLUMNS = 46, 30, 28
 LEAST_HEADING = 60
 
 _ONWARDS, _ASIDE = 8, 1
-"""Weights of the first way out of a node and of all others."""
+"""Weights of the first edge out of a node and of all others."""
 
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A node where it stands.
+    """A node with its position.
 
     Attributes:
-        corner: Left upper one.
-        lines: Its lines, broken.
+        corner: Upper left corner.
+        lines: Its lines, wrapped.
     """
 
     node: Node
@@ -49,11 +49,11 @@ class Box:
 
 @dataclass(frozen=True, slots=True)
 class Arrow:
-    """Every edge of one kind from one node to another.
+    """All edges of one kind from one node to another.
 
     Attributes:
-        lines: Each line of the label with the edge that it is about.
-        room: What the label takes, from ``route.label`` on.
+        lines: Each line of the label, with its edge.
+        room: Size of the label at ``route.label``.
     """
 
     edges: tuple[Edge, ...]
@@ -86,7 +86,7 @@ class Arrangement:
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """One cluster by itself, from (0, 0) on."""
+    """One cluster, positioned from (0, 0)."""
 
     size: Size
     frames: tuple[ClusterFrame, ...]
@@ -95,7 +95,7 @@ class _Part:
 
 
 def arranged(graph: Graph) -> Arrangement:
-    """Return the place of everything, so that nothing lies on anything else."""
+    """Return the positions of all parts, without overlaps."""
     parts = [_part(graph, cluster) for cluster in graph.clusters]
     places, inside = _side_by_side([part.size for part in parts])
     columns = max(LEAST_HEADING, int(inside.width / (TEXT_FONT * ADVANCE)))
@@ -203,7 +203,7 @@ def _room(label: Sequence[tuple[str, Edge]]) -> Size:
 
 
 def _side_by_side(sizes: Sequence[Size]) -> tuple[list[Point], Size]:
-    """Return a place for each, row by row, the whole as near to the wanted shape as can be."""
+    """Return a position for each, row by row, with an overall shape near the preferred one."""
     widths = {sum(size.width + BETWEEN_FRAMES for size in sizes[:n]) for n in range(len(sizes) + 1)}
     return min(
         (_rows(sizes, width) for width in sorted(widths)),

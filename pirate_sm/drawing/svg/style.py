@@ -1,7 +1,7 @@
-"""What a drawing looks like by day and by night.
+"""The look of drawings in light and dark mode.
 
-No difference is told by colour alone: kinds of edges differ in their dashes, ends in their signs,
-what was visited has numbers and thicker lines.
+No difference is shown by colour alone: kinds of edges differ in their dashes, ends in their signs,
+and visited parts have numbers and thicker lines.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ FONT = 'ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, "Liberation Mono", mo
 
 
 def _palette(text: str) -> dict[str, str]:
-    """Return the colours in a text of names, each with its colour behind it."""
+    """Return the colours in a text of names, each followed by its colour."""
     words = text.split()
     return dict(zip(words[::2], words[1::2], strict=True))
 
@@ -79,14 +79,14 @@ _COLOURS = """
 
 
 def stylesheet() -> str:
-    """Return the style of every drawing, in the colours that the reader's system asks for.
+    """Return the style of every drawing, in the light or dark mode of the reader's system.
 
-    Every rule is about things inside ``.drawing``, so that it may stand in a larger page.
+    Every rule is limited to ``.drawing``, so that it can be part of a larger page.
     """
     night = f"@media (prefers-color-scheme: dark) {{{colours(NIGHT)}}}\n"
     return f"{_SHAPES}{colours(DAY)}{night}"
 
 
 def colours(palette: Mapping[str, str]) -> str:
-    """Return the rules that give the drawing the colours of the palette."""
+    """Return the rules for the colours of the palette."""
     return _COLOURS.format(**palette)

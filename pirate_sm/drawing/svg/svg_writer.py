@@ -29,16 +29,16 @@ from pirate_sm.drawing.text_wrapping import cells, printable
 
 HEAD = 8.0
 BASELINE = 0.75
-"""How far down a line of text its baseline is, over the line's height."""
+"""Position of the baseline in a line of text, as a share of the line's height."""
 RING = 4.0
 BADGE = 16.0
 MOST_VISITS = 4
 
 
 def svg(graph: Graph) -> str:
-    """Return the graph as one SVG element, complete in itself: for a file, or for inside a page.
+    """Return the graph as one self-contained SVG element, for a file or a page.
 
-    Nodes carry ``data-node``, edges ``data-from`` and ``data-to``, for scripts of such a page.
+    Nodes have ``data-node``, edges ``data-from`` and ``data-to``, for scripts of a page.
     """
     whole = arranged(graph)
     width, height = _number(whole.size.width), _number(whole.size.height)
@@ -189,7 +189,7 @@ def _way(route: EdgeRoute) -> tuple[str, str]:
 def _loop(route: EdgeRoute) -> tuple[str, str]:
     begin, apex, end = route.points
     base = (end[0] + HEAD, end[1])
-    reach = begin[0] + (apex[0] - begin[0]) * 4 / 3  # a cubic gets three quarters of the way
+    reach = begin[0] + (apex[0] - begin[0]) * 4 / 3  # a cubic reaches three quarters of the way
     path = f"M{_point(begin)}C{_point((reach, begin[1]))} {_point((reach, end[1]))} {_point(base)}"
     corners = [end, (base[0], end[1] - HEAD / 2), (base[0], end[1] + HEAD / 2)]
     return path, " ".join(map(_point, corners))

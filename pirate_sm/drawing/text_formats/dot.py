@@ -1,4 +1,4 @@
-"""A graph in the language of Graphviz, for whoever wants its layouts."""
+"""A graph in Graphviz's language, for use of Graphviz's layouts."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _STYLES = {
 }
 _PATH = "#0860ca"
 LEFT = r"\l"
-"""What ends a line that stands to the left."""
+"""The end of a left-aligned line."""
 
 
 def dot(graph: Graph) -> str:
@@ -95,7 +95,7 @@ def _edge_attributes(edge: Edge) -> Iterator[str]:
 
 
 def _left(lines: list[str] | tuple[str, ...]) -> str:
-    """Return the lines as one quoted string, each to the left."""
+    """Return the lines as one quoted string, each left-aligned."""
     text = "".join(_inside(line) + LEFT for line in lines)
     return f'"{text}"'
 
@@ -105,7 +105,7 @@ def _quoted(text: str) -> str:
 
 
 def _inside(text: str) -> str:
-    """Return the text within quotes: a backslash would begin an escape, an ampersand an entity."""
+    """Return the text for use within quotes, without escapes and entities."""
     blanks = len(text) - len(text.lstrip(" "))
     flat = "\N{NO-BREAK SPACE}" * blanks + " ".join(printable(text).split())
     return flat.replace("\\", "\\\\").replace('"', '\\"').replace("&", "&amp;")

@@ -1,4 +1,4 @@
-"""Names of nodes and clusters that every language of graphs can read."""
+"""Identifiers of nodes and clusters that every graph language accepts."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterable
 def plain_names(ids: Iterable[str], prefix: str) -> dict[str, str]:
     """Return a different name of ASCII letters, digits and underscores for each id.
 
-    The prefix keeps them apart from the words that a language reserves.
+    The prefix keeps them distinct from a language's reserved words.
     """
     names: dict[str, str] = {}
     used: set[str] = set()

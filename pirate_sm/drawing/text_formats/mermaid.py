@@ -1,6 +1,6 @@
 """A graph as a Mermaid flowchart, for pages that draw Mermaid: GitHub, GitLab, many wikis.
 
-A flowchart and not a state diagram, because only there can every character stand in a label.
+It is a flowchart, not a state diagram, because only its labels may contain every character.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ def _class_names(node: Node) -> Iterator[str]:
 
 
 def _escaped(text: str, *, indent: bool = False) -> str:
-    """Return the text with every character that could mean something written by its number."""
+    """Return the text with every special character as its number."""
     bare = text.lstrip(" ")
     blanks = BLANK * (len(text) - len(bare)) if indent else ""
     return blanks + "".join(

@@ -1,1 +1,1 @@
-"""Setpoints of a stage, and the loops that bring joints to their angles."""
+"""Compute the setpoints of a stage and run the control loops of joints and wheels."""

@@ -1,8 +1,8 @@
-"""The loops that set duties from signals: a closed union, and which of them a write begins.
+"""Control loops that compute duty cycles from signals, as a closed union.
 
-Every loop has a ``slot``, the ``signal`` that it controls, and says whether it
-``ends_with_command``; ``heard`` returns it after a fresh frame of its signal's board, with what it
-remembers, and ``duty`` what its slot gets now.
+Every loop has a ``slot``, the ``signal`` that it controls, and the property ``ends_with_command``.
+``heard`` returns the loop after a new frame of the signal's board; ``duty`` returns the duty cycle
+for the slot.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ Loops: TypeAlias = tuple[Loop, ...]
 
 
 def begun(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) -> Loop | None:
-    """Return the loop that a write names; None for a write that names none.
+    """Return the loop that a write starts or continues, None where it needs no loop.
 
     Args:
         write: What a stage does to the slot.
-        slot: The slot.
-        numbers: Signals; a share of an angle is taken of the one that is measured now.
-        running: The loop that runs on the slot. Where the write names the same, it goes on with
-            what it remembers.
+        slot: The slot that is written.
+        numbers: Signals; an angle given as a share is computed from the angle measured now.
+        running: The loop that runs on the slot. It continues, with its integral, if the write
+            asks for the same loop.
     """
     match write.how:
         case "seek":
@@ -49,17 +49,19 @@ def begun(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) 
 
 
 def after_frame(board: BoardSpec, loops: Loops, numbers: Numbers) -> Loops:
-    """Return the loops after a frame of the board; it tells those of other boards nothing.
+    """Return the loops after a frame of the board; loops on signals of other boards are unchanged.
 
     Args:
-        board: Whose frame it was.
+        board: The board that reported.
         loops: The running loops.
-        numbers: Signals with the frame in them.
+        numbers: Signals, updated by the frame.
     """
-    after = tuple([each.heard(numbers) if each.signal in board.told else each for each in loops])
+    after = tuple(
+        [each.heard(numbers) if each.signal in board.number_set else each for each in loops]
+    )
     return loops if after == loops else after
 
 
 def quantised(value: float, resolution: float) -> float:
-    """Return the nearest step of the wire."""
+    """Return the value rounded to the resolution of the wire."""
     return round(value / resolution) * resolution

@@ -1,4 +1,4 @@
-"""A position loop, which brings a joint to an angle by its duty (thesis section 4-2-3)."""
+"""A proportional position loop that drives a joint to an angle (thesis section 4-2-3)."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ class PositionLoop(NamedTuple):
     """A running position loop.
 
     Attributes:
-        slot: Whose duty it sets.
-        angle: Number index of the controlled angle; ``rate`` that of its rate.
-        torque: Number index of the torque that its joint bears.
-        target_rad: Where it shall come to.
+        slot: The slot that it writes.
+        angle: Number index of the controlled angle; ``rate`` is the index of its rate.
+        torque: Number index of the torque at the joint.
+        target_rad: The angle to reach.
     """
 
     slot: int
@@ -28,29 +28,29 @@ class PositionLoop(NamedTuple):
 
     @property
     def ends_with_command(self) -> bool:
-        """Return that it ends when its command does."""
+        """Return True: the loop ends with its command."""
         return True
 
     @property
     def signal(self) -> int:
-        """Return the number index of the signal that it controls."""
+        """Return the number index of the controlled signal."""
         return self.angle
 
     def heard(self, numbers: Numbers) -> PositionLoop:
-        """Return the loop after a fresh frame: it remembers nothing."""
+        """Return the loop unchanged: it has no memory."""
         return self
 
     def arrived(self, numbers: Numbers) -> bool:
-        """Whether the angle is inside the threshold; an unknown angle has not arrived."""
+        """Return whether the angle is within the threshold; False while it is unknown."""
         return abs(self.target_rad - numbers[self.angle]) <= self.spec.threshold_rad
 
     def duty(self, numbers: Numbers, loss: float = 0.0) -> float:
-        """Return the duty cycle of a proportional controller, 0 once arrived or when blind.
+        """Return the duty cycle of the controller; 0 within the threshold or for an unknown angle.
 
         Args:
             numbers: Signals.
-            loss: Share of reports that is lost. The gain is smaller by it: where the array that
-                stops the joint may come late, the joint comes to its angle more slowly.
+            loss: Share of reports that is lost. It reduces the gain: the array that stops the
+                joint may come late, so the joint approaches its angle more slowly.
         """
         error = self.target_rad - numbers[self.angle]
         if not abs(error) > self.spec.threshold_rad:
@@ -61,7 +61,7 @@ class PositionLoop(NamedTuple):
         return size if error > 0 else -size
 
     def pushes(self, numbers: Numbers, setpoints: Numbers, share: float) -> bool:
-        """Whether the joint bears ``share`` of the torque that its duty gives at stall."""
+        """Return whether the joint's torque exceeds ``share`` of the stall torque at its duty."""
         duty = setpoints[self.slot]
         borne = numbers[self.torque] * (1.0 if duty > 0 else -1.0)
         return duty != 0 and borne > share * abs(duty) * self.spec.stall_torque_nm

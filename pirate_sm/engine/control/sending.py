@@ -1,8 +1,8 @@
-"""Submit arrays, and follow what becomes of them.
+"""Submit setpoint arrays and track whether they are accepted.
 
-A command's arrays are awaited: nothing is sent after one before its fate is known, the safe array
-apart. What the loops of states send is a *stream*: the newest array wins, a command or the safe
-array overtakes it at any time, and nobody waits for it.
+The arrays of a command are awaited: until one is accepted or refused, only the safe array may
+follow it. The arrays that the loops of states send are a *stream*: the newest array replaces older
+ones, a command or the safe array may overtake it at any time, and nothing waits for it.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ def send(
     loops: Loops,
     purpose: Purpose,
 ) -> RobotState:
-    """Submit an array, and let these loops run from now on.
+    """Submit an array and replace the running loops.
 
     Args:
-        moment: When it is, and what happens.
+        moment: The time, the robot and program, and the effects so far.
         state: The robot's state.
         motion: The command under way from now on.
         values: The array.
         loops: All loops that run from now on.
         purpose: What the array is for.
     """
-    moment.tell(Setpoints(state.next_id, values))
+    moment.emit(Setpoints(state.next_id, values))
     slots = moment.robot.slots
     seeking = [
         each.slot for each in loops if each.ends_with_command or slots[each.slot].self_locking
@@ -67,7 +67,7 @@ def send(
 def send_if_new(
     moment: Moment, state: RobotState, motion: Motion | None, values: Numbers, loops: Loops
 ) -> RobotState:
-    """Submit an array of the command under way if it differs from the newest."""
+    """Submit an array of the command under way if it differs from the last one sent."""
     if values != state.latest:
         return send(moment, state, motion, values, loops, "loop")
     if motion is state.motion and loops is state.loops:
@@ -76,21 +76,21 @@ def send_if_new(
 
 
 def resend(moment: Moment, state: RobotState, sensing: Sensing) -> RobotState:
-    """Send an array of unknown fate again when that is due; in a stream only the newest."""
+    """Resend an unconfirmed array when that is due; of a stream only the newest array."""
     flight = state.flight
     if flight is None or not has_come(moment.now_s, flight.resend_at_s):
         return state
     if flight.purpose == "stream" and (newer := stream(moment, state, sensing)) is not state:
         return newer
-    moment.tell(Setpoints(flight.setpoint_id, flight.values))
+    moment.emit(Setpoints(flight.setpoint_id, flight.values))
     return state._replace(flight=flight._replace(tries=flight.tries + 1, resend_at_s=inf))
 
 
 def stream(moment: Moment, state: RobotState, sensing: Sensing) -> RobotState:
-    """Submit what the loops of states ask for now, if it differs from the newest array.
+    """Submit the present duties of the loops of states, if they differ from the last array sent.
 
-    Nothing is submitted while an array is awaited. Where position loops run too, the arrays of
-    their command carry the duties of all loops.
+    Nothing is submitted while an array is awaited. While position loops run, the arrays of their
+    command carry the duties of all loops.
     """
     if state.awaited is not None or state.seekers:
         return state
@@ -101,10 +101,10 @@ def stream(moment: Moment, state: RobotState, sensing: Sensing) -> RobotState:
 
 
 def hear(board: BoardSpec, state: RobotState, sensing: Sensing) -> RobotState:
-    """Return the robot after a frame of the board, with what its loops have learned.
+    """Return the robot's state with the loops updated by a frame of the board.
 
-    While a command's first array is pending its loops do not run yet, and the frame tells them
-    nothing.
+    While a command's first array is pending its loops do not run yet, so the frame does not
+    update them.
     """
     flight = state.flight
     if flight is not None and flight.purpose == "gate":
@@ -114,7 +114,7 @@ def hear(board: BoardSpec, state: RobotState, sensing: Sensing) -> RobotState:
 
 
 def overtaken_result(moment: Moment, state: RobotState, result: SubmitResult) -> RobotState:
-    """Take in what has become of an array of the stream that a newer one has overtaken."""
+    """Handle the result of a stream array that a newer array has overtaken."""
     older = state.overtaken
     for at, each in enumerate(older):
         if each.setpoint_id != result.setpoint_id:
@@ -129,13 +129,13 @@ def overtaken_result(moment: Moment, state: RobotState, result: SubmitResult) ->
 
 
 def why_unconfirmed(link: LinkSpec, state: RobotState, result: SubmitResult, now_s: float) -> str:
-    """Return why the link is held to be broken after a result; empty: it is not.
+    """Return why the link counts as broken after a result; empty where it does not.
 
     Args:
-        link: How often an array is repeated. A stream may be as long without a confirmation as a
-            board may be silent.
+        link: Limits of the link. A stream may stay unconfirmed for as long as a board may be
+            silent.
         state: The robot's state before the result.
-        result: What has become of an array.
+        result: The result of an array.
         now_s: The time.
     """
     flight = state.flight

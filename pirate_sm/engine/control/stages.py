@@ -1,7 +1,7 @@
-"""What a stage of a command's actuation writes, and whether that has been reached.
+"""Compute what a stage of a command's actuation writes, and whether it has been reached.
 
-A command that has a posture takes it first, in the stage ``POSTURE``; then come the stages of the
-states that it leads to.
+A command with a posture first brings the robot to the posture, in the stage ``POSTURE``. The
+stages of the states that it leads to follow.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ def stage_array(
     regions: tuple[int, ...],
     stage: int,
 ) -> tuple[Numbers, Loops]:
-    """Return the array that puts a stage of the regions' states in force, and the loops that run.
+    """Return the array and the loops of one stage of the regions' states.
 
-    Loops of states go on where the stage does not write their slot. A posture that needs an unknown
-    angle changes nothing.
+    A loop of a state continues where the stage does not write its slot. A posture that depends on
+    an unknown angle changes nothing.
     """
     target = robot.table.configurations[motion.target]
     values = list(known_values(state.latest, sensing.numbers, robot))
@@ -52,7 +52,7 @@ def stage_array(
 
 
 def unknown_angle(robot: RobotSpec, stage: StageSpec, sensing: Sensing) -> str:
-    """Return why the stage's angles cannot be told: which signal is unknown; empty: they can."""
+    """Return which unknown signal the stage's angles depend on, as a reason; empty if none."""
     for write in stage:
         if write.share_of >= 0 and isnan(sensing.numbers[write.share_of]):
             name = robot.vocabulary.numbers[write.share_of]
@@ -63,14 +63,14 @@ def unknown_angle(robot: RobotSpec, stage: StageSpec, sensing: Sensing) -> str:
 def is_done(
     robot: RobotSpec, state: RobotState, motion: Motion, done: CriterionSpec, sensing: Sensing
 ) -> bool:
-    """Whether the stage in force is done; a posture also needs every joint at its angle."""
+    """Return whether the present stage is done; a posture also needs every joint at its angle."""
     if motion.blind or not holds(done, sensing.numbers, state.values, state.seekers):
         return False
     return not _away(robot, state, motion, sensing)
 
 
 def _away(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing) -> list[str]:
-    """Return the joints that are not at the angle which the posture under way gives them."""
+    """Return the names of the joints that have not reached their angles in the posture."""
     posture = posture_of(robot, motion) if motion.stage == POSTURE else None
     if posture is None:
         return []
@@ -86,7 +86,7 @@ def _away(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing)
 
 
 def why_late(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing) -> str:
-    """Return what was not done in time."""
+    """Return the reason of a timeout: what was not done in time."""
     posture = posture_of(robot, motion) if motion.stage == POSTURE else None
     if posture is None:
         return f"not done within {motion.timeout_s:g} s"
@@ -96,7 +96,7 @@ def why_late(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensi
 
 
 def looped_values(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Numbers:
-    """Return the values in force with the present duty of each loop."""
+    """Return the accepted values with the present duty of each loop."""
     values = list(state.values)
     for loop in state.loops:
         resolution = robot.slots[loop.slot].resolution
@@ -105,7 +105,7 @@ def looped_values(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Numb
 
 
 def without_loops(state: RobotState) -> Numbers:
-    """Return the newest values, with zero for every slot that a position loop has driven."""
+    """Return the newest values with zero for every slot that a position loop has driven."""
     driven = state.seeking.difference(
         each.slot for each in state.loops if not each.ends_with_command
     )

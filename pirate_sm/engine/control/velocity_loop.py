@@ -1,4 +1,4 @@
-"""A velocity loop, which keeps a wheel at a speed by its duty."""
+"""A velocity loop that keeps a wheel at a speed."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ Numbers = tuple[float, ...]
 class VelocityLoop(NamedTuple):
     """A running velocity loop: u = target / no-load speed + integral.
 
-    A geared motor is nearly static at the rate of the frames: its speed follows its duty within
-    one. So the loop has no proportional term, and each fresh frame corrects the integral.
+    The speed of a geared motor follows its duty within one frame, so the plant is nearly static.
+    The loop therefore has no proportional term; each new frame corrects the integral.
 
     Attributes:
-        slot: Whose duty it sets.
-        target_rad_s: The speed that the wheel shall have.
-        integral: What has been learned to be missing, as a duty cycle.
+        slot: The slot that it writes.
+        target_rad_s: The speed to keep.
+        integral: The correction learned so far, as a duty cycle.
     """
 
     slot: int
@@ -29,19 +29,19 @@ class VelocityLoop(NamedTuple):
 
     @property
     def ends_with_command(self) -> bool:
-        """Return that it runs until another state writes the slot."""
+        """Return False: the loop runs until another state writes the slot."""
         return False
 
     @property
     def signal(self) -> int:
-        """Return the number index of the signal that it controls."""
+        """Return the number index of the controlled signal."""
         return self.spec.speed
 
     def heard(self, numbers: Numbers) -> VelocityLoop:
-        """Return the loop after a fresh frame of the wheel's board.
+        """Return the loop after a new frame of the wheel's board.
 
-        The integral takes the share ``gain`` of the error. It stays where it is while the speed is
-        unknown, and grows no further than to the limit of the duty.
+        The integral grows by ``gain`` times the error. It does not change while the speed is
+        unknown, and it stops at the limit of the duty (anti-windup).
         """
         speed = numbers[self.spec.speed]
         if isnan(speed):
@@ -51,12 +51,12 @@ class VelocityLoop(NamedTuple):
         return self._replace(integral=wanted - self._expected)
 
     def duty(self, numbers: Numbers, loss: float = 0.0) -> float:
-        """Return the duty cycle; neither the signals nor lost reports matter between frames."""
+        """Return the duty cycle; it changes with new frames only and ignores its arguments."""
         return self._limited(self._expected + self.integral)
 
     @property
     def _expected(self) -> float:
-        """Return the duty cycle at which the motor has its speed without load."""
+        """Return the feedforward: the duty cycle for the target speed without load."""
         return self.target_rad_s / self.spec.no_load_rad_s
 
     def _limited(self, duty: float) -> float:

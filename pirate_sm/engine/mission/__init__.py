@@ -1,1 +1,1 @@
-"""The mission as it runs: its program, pauses, diversions, what the operator asks for, its end."""
+"""The running mission: its program, its interpreter, pauses, faults, operator requests, its end."""

@@ -6,35 +6,35 @@ from pirate_sm.engine.mission import pausing
 from pirate_sm.engine.mission.ending import end_by_fault, withdraw
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, robot_state
-from pirate_sm.engine.safety.faults import Found
+from pirate_sm.engine.safety.faults import FoundFault
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Fault
 
 
-def meet(moment: Moment, state: EngineState, fault: Found) -> EngineState:
-    """Handle a fault as the mission says; end the mission where it says nothing."""
+def meet(moment: Moment, state: EngineState, fault: FoundFault) -> EngineState:
+    """Log the fault and start its handler in the mission, or end the mission without one."""
     mission = state.mission
     if mission.ended:
         return state
     if fault.denies:
         state = state._replace(robot=commands.deny(moment, state.robot, fault.denies))
     if mission.ending:
-        moment.tell(Fault(fault.code, fault.message, "stop"))
+        moment.emit(Fault(fault.code, fault.message, "stop"))
         return state
     handler = moment.program.handler(mission.pc, fault.code) if fault.catchable else None
     cause = f"{fault.code}: {fault.message}"
     if handler is not None and handler.go is None:
-        moment.tell(Fault(fault.code, fault.message, "continue"))
+        moment.emit(Fault(fault.code, fault.message, "continue"))
         return state
     if handler is None or mission.handling or mission.diverting:
         return end_by_fault(moment, state, fault.code, fault.message)
-    moment.tell(Fault(fault.code, fault.message, handler.go_name))
+    moment.emit(Fault(fault.code, fault.message, handler.go_name))
     mission = mission._replace(diverting=handler, stopped=False, cause=cause)
     return state._replace(mission=mission)
 
 
 def divert(moment: Moment, state: EngineState) -> EngineState:
-    """Stop the wheels once no array is awaited, then begin the fault's handler."""
+    """Stop the wheels as soon as no array is awaited, then start the fault's handler."""
     mission, robot = state.mission, state.robot
     handler = mission.diverting
     if handler is None or handler.go is None or robot.awaited is not None:
@@ -45,7 +45,7 @@ def divert(moment: Moment, state: EngineState) -> EngineState:
             reason = f"interrupted by {mission.cause}"
             robot = commands.fail(moment, robot, reason)
         robot = commands.doubt(moment.robot, robot)
-        moment.tell(robot_state.state_change(moment.robot, robot))
+        moment.emit(robot_state.state_change(moment.robot, robot))
         robot = commands.stop(moment, robot, state.sensing)
         mission = mission._replace(stopped=True, begun=False)
         return state._replace(robot=robot, mission=mission)

@@ -1,4 +1,4 @@
-"""End a run: the safe stop, and the end once its fate is known."""
+"""End a run: send the safe array, then end once it is confirmed or has timed out."""
 
 from __future__ import annotations
 
@@ -10,33 +10,33 @@ from pirate_sm.engine.state import Ending, EngineState
 from pirate_sm.model.effects import Ask, CommandStatus, Ended, Fault, Outcome
 
 SAFE_STOP_LIMIT_S = 2.0
-"""How long the fate of the safe array is awaited before the run ends without knowing it."""
+"""How long the run waits for the safe array's confirmation before it ends without it."""
 
 
 def withdraw(moment: Moment, state: EngineState) -> None:
-    """Withdraw the question that is still open, if there is one."""
+    """Withdraw the open question to the operator, if there is one."""
     mission = state.mission
     if mission.begun and isinstance(moment.program.instructions[mission.pc], Question):
-        moment.tell(Ask("", ()))
+        moment.emit(Ask("", ()))
 
 
 def end_by_fault(moment: Moment, state: EngineState, code: str, message: str) -> EngineState:
     """Report the fault and end the run because of it."""
-    moment.tell(Fault(code, message, "stop"))
+    moment.emit(Fault(code, message, "stop"))
     return end(moment, state, "fault", f"{code}: {message}")
 
 
 def end(
     moment: Moment, state: EngineState, outcome: Outcome, message: str, name: str = ""
 ) -> EngineState:
-    """Send the safe array, or end the run at once where nothing has ever been sent (rule 11).
+    """Send the safe array, or end the run at once if nothing was ever sent (rule 11).
 
     Args:
-        moment: When it is, and what happens.
-        state: The state; a run that is ending already goes on ending.
+        moment: The time, the robot and program, and the effects so far.
+        state: The state; if the run is ending already, only that is continued.
         outcome: How the run ends.
         message: Why, in one sentence.
-        name: Of the mission's end, if it has come to one.
+        name: Name of the mission's end, if it has reached one.
     """
     if state.mission.ending or state.mission.ended:
         return state
@@ -45,24 +45,24 @@ def end(
     if robot.motion is not None:
         motion = robot.motion
         command = moment.robot.commands[motion.command].name
-        moment.tell(CommandStatus(command, "failed", "the mission ended", motion.place))
+        moment.emit(CommandStatus(command, "failed", "the mission ended", motion.place))
         robot = commands.doubt_grip(moment.robot, robot)._replace(motion=None)
     if not robot.sent and _may_stay(moment, state):
-        moment.tell(Ended(outcome, message, name))
+        moment.emit(Ended(outcome, message, name))
         return state._replace(mission=state.mission._replace(ended=True), robot=robot)
     doubted = commands.doubt(moment.robot, robot)
     if doubted.marks != state.robot.marks:
-        moment.tell(robot_state.state_change(moment.robot, doubted))
+        moment.emit(robot_state.state_change(moment.robot, doubted))
     robot = commands.stop(moment, doubted, state.sensing)
     ending = Ending(outcome, message, name, moment.now_s + SAFE_STOP_LIMIT_S)
     return state._replace(robot=robot, mission=state.mission._replace(ending=ending))
 
 
 def _may_stay(moment: Moment, state: EngineState) -> bool:
-    """Whether a robot that has not been sent anything is left as it is.
+    """Return whether a robot to which nothing was sent may end without the safe array.
 
-    While its sensors are looked at, the safe array could actuate clamps that are not there; wheels
-    that are declared to be driven are stopped all the same.
+    During the start check the safe array could actuate clamps that do not hold. Wheels that are
+    declared to be driven are stopped nevertheless.
     """
     if moment.program.start_configuration == moment.robot.table.initial:
         return True
@@ -70,7 +70,7 @@ def _may_stay(moment: Moment, state: EngineState) -> bool:
 
 
 def finish(moment: Moment, state: EngineState) -> EngineState:
-    """End the run once the safe array's fate is known, or has been awaited long enough."""
+    """End the run once the safe array is confirmed, rejected or timed out."""
     ending = state.mission.ending
     if ending is None:
         return state
@@ -79,5 +79,5 @@ def finish(moment: Moment, state: EngineState) -> EngineState:
         if not has_come(moment.now_s, ending.give_up_s):
             return state
         message += " (the safe setpoints were not confirmed)"
-    moment.tell(Ended(ending.outcome, message, ending.end))
+    moment.emit(Ended(ending.outcome, message, ending.end))
     return state._replace(mission=state.mission._replace(ended=True))

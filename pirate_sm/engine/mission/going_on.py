@@ -1,4 +1,4 @@
-"""Take the mission to another instruction, also after a failure."""
+"""Move the mission to another instruction, also after a failure."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pirate_sm.engine.state import EngineState, MissionState
 
 
 def fail(moment: Moment, state: EngineState, cause: str, target: int) -> EngineState:
-    """Go where the failure leads; without a handler end the mission as failed (rule 4).
+    """Continue at the failure's target; without a handler end the mission as failed (rule 4).
 
-    A failure that is passed over leaves an earlier cause, the one that led here, as it is.
+    A failure that the mission ignores does not replace the cause of an earlier one.
     """
     passed_over = target == getattr(moment.program.instructions[state.mission.pc], "next", STOP)
     kept = state.mission.cause if passed_over else ""
@@ -25,7 +25,7 @@ def fail(moment: Moment, state: EngineState, cause: str, target: int) -> EngineS
 
 
 def moved(mission: MissionState, target: int) -> MissionState:
-    """Return the mission at another instruction; it pauses there after a single step."""
+    """Return the mission at another instruction; a single step ends there with a pause."""
     mission = mission.at(target)
     if mission.one_step:
         return mission._replace(one_step=False, pause_wanted=True)

@@ -31,9 +31,9 @@ ROUND_AND_ROUND = "the phases go round without ever waiting"
 
 
 def advance(moment: Moment, state: EngineState) -> EngineState:
-    """Execute instructions until one has to wait.
+    """Execute instructions until one must wait.
 
-    Once its time is up no command begins any more; what else is due now comes before (rule 6).
+    No command begins after the mission's time limit; all else that is due comes first (rule 6).
     """
     instructions = moment.program.instructions
     for _ in range(MOST_TURNS * len(instructions)):
@@ -80,10 +80,10 @@ def _execute(moment: Moment, state: EngineState, it: Instruction) -> EngineState
 
 
 def without_requests(moment: Moment, state: EngineState) -> MissionState:
-    """Return the mission without the operator's answer and skip, which have had their effect.
+    """Return the mission without the operator's answer and skip, which have been processed.
 
-    A skip is kept while a command's array is in flight: whether that has moved the chart is not
-    known before.
+    A skip is kept while a command's array is in flight: until its result it is open whether the
+    chart has moved.
     """
     mission = state.mission
     doing = mission.begun and isinstance(moment.program.instructions[mission.pc], Do)
@@ -92,7 +92,7 @@ def without_requests(moment: Moment, state: EngineState) -> MissionState:
 
 
 def _enter(moment: Moment, state: EngineState, it: Enter) -> EngineState:
-    moment.tell(PhaseChange(it.phase))
+    moment.emit(PhaseChange(it.phase))
     mission = state.mission
     handling = mission.handling
     if handling and it.phase != handling and not it.phase.startswith(f"{handling}/"):
@@ -112,10 +112,10 @@ def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
         return state  # the array in flight is resolved first
     reason = command_outcome.refusal(moment.robot, state.robot, it.command)
     if reason.startswith("unneeded") and it.skip_unneeded:
-        moment.tell(CommandStatus(name, "skipped", reason, it.place))
+        moment.emit(CommandStatus(name, "skipped", reason, it.place))
         return go(state, it.next)
     if reason:
-        moment.tell(CommandStatus(name, "refused", reason, it.place))
+        moment.emit(CommandStatus(name, "refused", reason, it.place))
         cause = f"{name} ({it.place}) was refused as {reason}"
         return fail(moment, state, cause, it.failed)
     trial = moment.trial()
@@ -153,7 +153,7 @@ def _branch(moment: Moment, state: EngineState, it: Branch) -> EngineState:
 
 def _require(moment: Moment, state: EngineState, it: Require) -> EngineState:
     names = robot_state.states_of(moment.robot, state.robot)
-    # What any accepted array confirms is so as soon as the called mission commands something.
+    # States that any accepted array confirms will hold with the called mission's first command.
     open_ = state.robot.marks - confirmation.awaiting(moment.robot, state.robot)
     doubtful = robot_state.unconfirmed(moment.robot, state.robot._replace(marks=open_))
     wrong = [
@@ -166,13 +166,13 @@ def _require(moment: Moment, state: EngineState, it: Require) -> EngineState:
     if not wrong:
         return go(state, it.next)
     reason = "; ".join(wrong)
-    moment.tell(CommandStatus(it.what, "refused", f"impossible: {reason}", it.place))
+    moment.emit(CommandStatus(it.what, "refused", f"impossible: {reason}", it.place))
     cause = f"{it.what} ({it.place}) cannot begin: {reason}"
     return fail(moment, state, cause, it.failed)
 
 
 def _say(moment: Moment, state: EngineState, it: Say) -> EngineState:
-    moment.tell(Log(it.level, it.message.replace("{cause}", state.mission.cause)))
+    moment.emit(Log(it.level, it.message.replace("{cause}", state.mission.cause)))
     return go(state, it.next)
 
 

@@ -1,4 +1,4 @@
-"""What the operator may do, and why not; asked by the engine and by views."""
+"""Decide which requests of the operator are possible, for the engine and for views."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from pirate_sm.model.events import (
 
 
 def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
-    """Return why a command of the operator would be refused now; empty: it would be taken.
+    """Return why a command of the operator would be refused now; empty if it would be accepted.
 
     Args:
         robot: The robot.
@@ -44,7 +44,7 @@ def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
 
 
 def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
-    """Do what a person asks for, or say why not."""
+    """Carry out a request of the operator, or emit a warning that says why it is refused."""
     match request:
         case OperatorCommand():
             return _command(moment, state, request)
@@ -72,14 +72,14 @@ def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
 
 
 def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> EngineState:
-    """Begin the command, or refuse it with the reason; a suspended command is ended by it."""
+    """Begin the command or refuse it with a reason; a command suspended by a pause ends."""
     index = moment.robot.table.command_index.get(event.command)
     if index is None:
         reason = "impossible: there is no such command"
     else:
         reason = why_not_command(moment.robot, state, index)
     if reason or index is None:
-        moment.tell(CommandStatus(event.command, "refused", reason))
+        moment.emit(CommandStatus(event.command, "refused", reason))
         return state
     state = pausing.take_over(moment, state)
     robot = commands.begin(moment, state.robot, state.sensing, index, None, "")

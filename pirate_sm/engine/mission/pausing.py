@@ -1,4 +1,4 @@
-"""Pause and resume: wheels stopped, loops and deadlines held; all goes on afterwards."""
+"""Pause and resume: stop the wheels, hold loops and deadlines, and continue all of it later."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TAKEN_OVER = "the operator took over"
 
 
 def wanted(state: EngineState) -> EngineState:
-    """Return the state of a mission that pauses as soon as no array is awaited."""
+    """Return the state with a pause requested, which begins as soon as no array is awaited."""
     mission = state.mission
     if mission.paused or mission.ending:
         return state
@@ -24,7 +24,7 @@ def wanted(state: EngineState) -> EngineState:
 
 
 def begin_if_wanted(moment: Moment, state: EngineState) -> EngineState:
-    """Begin a wanted pause, unless an array is still awaited."""
+    """Begin a requested pause, unless an array is still awaited."""
     mission, body = state.mission, state.robot
     if not mission.pause_wanted or mission.ending or mission.diverting or body.awaited:
         return state
@@ -33,15 +33,15 @@ def begin_if_wanted(moment: Moment, state: EngineState) -> EngineState:
         doubted = commands.doubt(moment.robot, body)
         before = before._replace(doubts=doubted.marks - body.marks)
         if before.doubts:
-            moment.tell(robot_state.state_change(moment.robot, doubted))
+            moment.emit(robot_state.state_change(moment.robot, doubted))
         body = commands.stop(moment, doubted, state.sensing)
-    moment.tell(Log("info", "paused: wheels stopped, deadlines frozen"))
+    moment.emit(Log("info", "paused: wheels stopped, deadlines frozen"))
     paused = mission._replace(pause_wanted=False, paused_s=moment.now_s, before_pause=before)
     return state._replace(robot=body, mission=paused)
 
 
 def forget(mission: MissionState, body: RobotState) -> MissionState:
-    """Return a mission that will not assert again what was in force before its pause."""
+    """Return the mission without the actuation that it would restore after its pause."""
     if mission.before_pause is None:
         return mission
     now = BeforePause(body.values, (), body.configuration, False)
@@ -49,10 +49,9 @@ def forget(mission: MissionState, body: RobotState) -> MissionState:
 
 
 def take_over(moment: Moment, state: EngineState) -> EngineState:
-    """End the command that the pause has suspended: the operator gives another one.
+    """End the command that the pause has suspended, because the operator gives another one.
 
-    A mission that goes on afterwards finds that its step has failed, and everything else as the
-    operator leaves it.
+    When the mission resumes, its step has failed, and the robot is as the operator leaves it.
     """
     before, body = state.mission.before_pause, state.robot
     if before is None or not before.suspended:
@@ -67,9 +66,9 @@ def take_over(moment: Moment, state: EngineState) -> EngineState:
 
 
 def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
-    """Go on with a phase after a pause, if the robot is still as it was when that was decided.
+    """Resume at the beginning of a phase, if the robot's states have not changed since the request.
 
-    Whether the phase can run from there is known to who sends the event: see
+    The sender of the event has checked that the phase can run from these states, see
     :mod:`pirate_sm.checking.plans.phase_entry`.
     """
     here = robot_state.state_change(moment.robot, state.robot)
@@ -84,7 +83,7 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
         body = commands.fail(moment, body, TAKEN_OVER)
     begin = moment.program.beginning(event.phase)
     assert begin is not None  # why_not_to has looked
-    moment.tell(Log("info", f"handed back at {event.phase}"))
+    moment.emit(Log("info", f"handed back at {event.phase}"))
     mission = mission.at(begin)._replace(
         handling="",
         cause="",
@@ -96,7 +95,7 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
 
 
 def why_not_to(program: Program, state: EngineState, phase: str) -> str:
-    """Return why no phase can be gone on with now, whatever it does; empty: one can."""
+    """Return why the mission cannot resume at this phase now; empty if it can."""
     if program.beginning(phase) is None:
         return "the mission has no such phase"
     if not state.mission.paused:
@@ -111,7 +110,7 @@ def why_not_to(program: Program, state: EngineState, phase: str) -> str:
 
 
 def why_not_on(state: EngineState) -> str:
-    """Return why a paused mission cannot go on where it was; empty: it can, or is not paused."""
+    """Return why a paused mission cannot resume where it was; empty if it can or is not paused."""
     before, body = state.mission.before_pause, state.robot
     if before is None:
         return ""
@@ -125,10 +124,10 @@ def why_not_on(state: EngineState) -> str:
 
 
 def resume(moment: Moment, state: EngineState, *, one_step: bool) -> EngineState:
-    """Go on where the mission was, all deadlines later by the length of the pause.
+    """Resume the mission where it was; the pause shifts all deadlines by its length.
 
-    In another configuration than before the pause it stays paused: its actuation must not be
-    asserted there. So it does while a command of the operator is under way.
+    The mission stays paused if the configuration has changed, because its earlier actuation must
+    not be restored there. It also stays paused while a command of the operator is under way.
     """
     mission, body = state.mission, state.robot
     before = mission.before_pause
@@ -149,8 +148,8 @@ def resume(moment: Moment, state: EngineState, *, one_step: bool) -> EngineState
     body = commands.reassert(moment, body, before.values, before.loops)
     if body.marks & before.doubts:
         body = body._replace(marks=body.marks - before.doubts)
-        moment.tell(robot_state.state_change(moment.robot, body))
-    moment.tell(Log("info", "resumed"))
+        moment.emit(robot_state.state_change(moment.robot, body))
+    moment.emit(Log("info", "resumed"))
     running = mission._replace(
         paused_s=nan, offset_s=mission.offset_s + length, before_pause=None, one_step=one_step
     )

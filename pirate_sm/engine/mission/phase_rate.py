@@ -7,24 +7,25 @@ from pirate_sm.engine.state import MissionState
 from pirate_sm.model.fault_codes import BuiltInFault
 
 RUNAWAY = BuiltInFault.MISSION_RUNAWAY.code
-"""The fault of a mission whose phases follow each other faster than sensors can speak."""
+"""The fault of a mission whose phases follow each other faster than sensors report."""
 
 MOST_TURNS = 4
-"""In one moment an instruction's turn comes again at most where the operator's word has been heard
-in between, or the handling of a fault is over. One that comes more often comes for ever."""
+"""How often one instruction may be reached at the same time. It is reached again only after an
+answer of the operator or at the end of a fault's handling; more often means an endless loop."""
 
 
 def counted(mission: MissionState, clock: float) -> MissionState:
-    """Return the mission with one more phase begun."""
+    """Return the mission with one more phase counted."""
     if clock >= mission.second_s + 1.0:
         return mission._replace(second_s=clock, entered=1)
     return mission._replace(entered=mission.entered + 1)
 
 
 def too_fast(program: Program, mission: MissionState) -> str:
-    """Return why the mission may not go on; empty while it may.
+    """Return why the mission must end; empty while it may continue.
 
-    A long mission may begin more phases: those that go round at one moment are reported as that.
+    The limit grows with the length of the mission. Phases that repeat without any time passing
+    are reported separately.
     """
     most = max(program.most_phases, MOST_TURNS * len(program.instructions))
     if mission.entered <= most:

@@ -1,8 +1,8 @@
 """A mission as the interpreter runs it: a flat list of instructions, targets resolved to indexes.
 
-Calls are inlined and repeats unrolled (:mod:`pirate_sm.loading.mission.program`), so a program
-has no variables and no stack: the program counter alone says where it is, and a checker can walk
-it.
+Calls are inlined and repeats unrolled (:mod:`pirate_sm.loading.mission.program`), so a program has
+no variables and no stack. The program counter alone gives its position, and a checker can follow
+every path.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from typing import Literal, NamedTuple, TypeAlias
 from pirate_sm.expressions import Expression
 
 MOST_PHASES = 1_000
-"""Within one second of mission time [decided]: a bus cycle of 10 ms lets 100 waits end in it. A
-mission that begins more goes round and round, and writes a line about each."""
+"""Limit of phases begun within one second of mission time [decided]. At a bus cycle of 10 ms at
+most 100 waits can end in a second; a mission that begins more phases runs in a circle."""
 
 STOP = -1
 """A failure's target when nothing handles it: the safe stop, mission failed."""
@@ -28,14 +28,14 @@ class Enter(NamedTuple):
 
 
 class Do(NamedTuple):
-    """Gives a command and awaits that it is done.
+    """Gives a command and waits until it is done.
 
     Attributes:
-        timeout_s: In place of the robot's own; None for that.
-        retries: How often the same command is sent again after a failure.
+        timeout_s: Overrides the robot's own timeout; None for the robot's.
+        retries: How often the command is repeated after a failure.
         skip_unneeded: Whether an unneeded command counts as done.
-        failed: Where a failure leads; ``expected``: its step says so itself; ``handled``: its
-            phase or a step around it does.
+        failed: Target of a failure. ``expected``: the step itself names it. ``handled``: its phase
+            or an enclosing step does.
         place: Where it stands, ``file:line:col``.
     """
 
@@ -51,7 +51,7 @@ class Do(NamedTuple):
 
 
 class Branch(NamedTuple):
-    """Goes one way or the other; an unknown condition goes the false way and says so."""
+    """Branches on a condition; an unknown condition takes the false branch with a warning."""
 
     condition: Expression
     if_true: int
@@ -60,7 +60,7 @@ class Branch(NamedTuple):
 
 
 class Require(NamedTuple):
-    """Fails unless the robot is, confirmed, in these states: (region, state name).
+    """Fails unless the robot is confirmed to be in these states: (region, state name).
 
     ``expected`` and ``handled`` are those of :class:`Do`.
     """
@@ -75,12 +75,12 @@ class Require(NamedTuple):
 
 
 class TriggerSpec(NamedTuple):
-    """One thing that a wait waits for; exactly one of the three is given.
+    """A trigger of a wait; exactly one of ``condition``, ``after_s`` and ``answer`` is given.
 
     Attributes:
-        condition: Must have been true for ``held_s``.
+        condition: Fires when this has been true for ``held_s``.
         after_s: Seconds since the wait was armed.
-        answer: The operator's word.
+        answer: The answer of the operator.
         place: Where it stands, ``file:line:col``.
     """
 
@@ -99,8 +99,8 @@ class Wait(NamedTuple):
     """Waits for one of the triggers, at most ``within_s``.
 
     Attributes:
-        within: Where it leads when the time is over. ``fails``: as a failure of a step.
-        compares: Whether a condition looks at how much a signal has changed since it began.
+        within: Target after the time limit. ``fails``: whether that is a failure of the step.
+        compares: Whether a condition uses the change of a signal since the wait began.
     """
 
     phase: str
@@ -114,7 +114,7 @@ class Wait(NamedTuple):
 
 
 class Question(NamedTuple):
-    """Asks the operator; each choice has its target."""
+    """Asks the operator; each choice leads to its own target."""
 
     text: str
     choices: tuple[tuple[str, int], ...]
@@ -154,11 +154,11 @@ class RuleSpec(NamedTuple):
     """A safety rule in force for this mission; :mod:`pirate_sm.engine.safety.rules` judges it.
 
     Attributes:
-        after: From when on it applies; None: always.
-        must: What must hold then.
-        within: How many commands may be accepted until it does; None: none, it must hold always.
-        why: What happens otherwise.
-        waived_by: The key with which a mission may be allowed to break it; empty: none may.
+        after: The rule applies once this has been true; None: always.
+        must: The condition that must hold then.
+        within: How many commands may be accepted until it holds; None: it must hold at all times.
+        why: What happens if it is broken.
+        waived_by: Key with which a mission may waive the rule; empty: no mission may.
     """
 
     name: str
@@ -171,7 +171,7 @@ class RuleSpec(NamedTuple):
 
 
 class HandlerSpec(NamedTuple):
-    """What to do about a fault; ``go`` is None to only log it."""
+    """The handling of a fault: the target ``go``, or None to only log the fault."""
 
     code: str
     go: int | None
@@ -184,15 +184,15 @@ class Program:
 
     Attributes:
         start: Index of the first instruction.
-        start_configuration: Index of the configuration the robot must be in.
+        start_configuration: Index of the configuration in which the robot must start.
         handlers: Per instruction the fault handlers in force, innermost first.
-        phases: Names of the phases in the order of the file; inlined ones are ``caller/callee``.
+        phases: Phase names in the order of the file; inlined phases are ``caller/callee``.
         phase_of: Per instruction the name of its phase.
-        time_limit_s: Longest run; infinite without one.
-        diameter_m: Inner diameter of the pipe that the robot is in; None where it is not known.
-        rules: The robot's safety rules, without those that the mission is allowed to break.
+        time_limit_s: Longest duration of the run; infinite without a limit.
+        diameter_m: Inner diameter of the pipe; None where it is unknown.
+        rules: The robot's safety rules, without those that the mission waives.
         most_phases: How many phases may begin within one second of mission time.
-        turn_of: Per instruction which round of a repeat it belongs to, ``2 of 4``, or empty.
+        turn_of: Per instruction the round of its repeat, such as ``2 of 4``, or empty.
     """
 
     mission: str
@@ -210,12 +210,12 @@ class Program:
     turn_of: tuple[str, ...] = ()
 
     def round_note(self, at: int) -> str:
-        """Return which round of a repeat an instruction belongs to, `` (2 of 4)``, or nothing."""
+        """Return an instruction's round of a repeat as `` (2 of 4)``; empty outside repeats."""
         turn = self.turn_of[at] if at < len(self.turn_of) else ""
         return f" ({turn})" if turn else ""
 
     def beginning(self, phase: str) -> int | None:
-        """Return the index of the instruction that enters a phase, None where there is none."""
+        """Return the index of the instruction that enters a phase, None for an unknown phase."""
         for index, each in enumerate(self.instructions):
             if isinstance(each, Enter) and each.phase == phase:
                 return index

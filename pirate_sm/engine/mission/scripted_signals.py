@@ -1,4 +1,4 @@
-"""A script in the place of sensors, in a run where commands take their nominal time."""
+"""Signals from a script in place of sensors, in runs where commands take their nominal time."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.model.events import CommandFailed, SignalReport
 
 _OUTSIDE = ("detector", "segment")
-"""Words that come from outside, in the order in which they end the words of the state."""
+"""Names of the last words of the state, which come from outside, in their order."""
 
 
 def show(moment: Moment, state: EngineState, report: SignalReport) -> EngineState:
-    """Let conditions see what the script says; refuse that where sensors report."""
+    """Set the signals that conditions see to those of the script; refuse that on real sensors."""
     if not moment.nominal:
         moment.warn("a script cannot say what sensors show that speak")
         return state
@@ -40,7 +40,7 @@ def show(moment: Moment, state: EngineState, report: SignalReport) -> EngineStat
 
 
 def fail_command(moment: Moment, state: EngineState, event: CommandFailed) -> EngineState:
-    """Let the command under way fail as by its timeout, unless its array is still in flight."""
+    """End the command under way as timed out, unless its array is still in flight."""
     body = state.robot
     if not moment.nominal or body.motion is None or body.awaited is not None:
         moment.warn("no command is under way that a script could let fail")

@@ -1,4 +1,4 @@
-"""Execute waits and questions, and tell when time alone takes the mission on."""
+"""Execute waits and questions, and compute the next deadline of the mission."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pirate_sm.model.effects import TAKEN, Ask, TriggerFired, WaitArmed
 
 
 def next_deadline(moment: Moment, state: EngineState) -> float:
-    """Return when time alone takes the mission on, in run time."""
+    """Return the next time at which the mission continues without an event, in run time."""
     mission = state.mission
     if mission.ending:
         return mission.ending.give_up_s
@@ -23,7 +23,7 @@ def next_deadline(moment: Moment, state: EngineState) -> float:
     deadline = moment.program.time_limit_s
     instruction = moment.program.instructions[mission.pc]
     if mission.diverting or mission.pause_wanted:
-        pass  # what is in flight comes first
+        pass  # the result of the array in flight comes first
     elif mission.begun and isinstance(instruction, Wait):
         deadline = min(deadline, mission.armed_s + instruction.within_s)
         for trigger, since in zip(instruction.triggers, mission.since, strict=True):
@@ -37,7 +37,7 @@ def next_deadline(moment: Moment, state: EngineState) -> float:
 
 
 def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
-    """Arm a wait, and go on once a trigger fires or its time limit has passed."""
+    """Arm a wait, and continue once a trigger fires or the time limit has passed."""
     mission = state.mission
     clock = mission.clock(moment.now_s)
     if not mission.begun:
@@ -47,18 +47,18 @@ def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
         deadline = clock + it.within_s + mission.offset_s
         names = tuple(trigger.name for trigger in it.triggers)
         texts = tuple(trigger.text for trigger in it.triggers)
-        moment.tell(WaitArmed(it.phase, names, texts, deadline, it.place))
+        moment.emit(WaitArmed(it.phase, names, texts, deadline, it.place))
         state = state._replace(mission=mission)
     sensing = state.sensing
     numbers = with_changes(sensing, mission.origin) if it.compares else sensing.shown
     since, fired, reason = _look(it, mission, numbers, state.words, clock)
     if fired >= 0:
         trigger = it.triggers[fired]
-        moment.tell(TriggerFired(it.phase, trigger.name, trigger.go_name, reason, it.place))
+        moment.emit(TriggerFired(it.phase, trigger.name, trigger.go_name, reason, it.place))
         return go(state, trigger.go)
     if has_come(clock, mission.armed_s + it.within_s):
         cause = f"the wait of {it.phase} ({it.place}) lasted longer than {it.within_s:g} s"
-        moment.tell(TriggerFired(it.phase, "within", it.within_name, cause, it.place))
+        moment.emit(TriggerFired(it.phase, "within", it.within_name, cause, it.place))
         if it.fails:
             return fail(moment, state, cause, it.within)
         mission = mission._replace(cause=cause)
@@ -73,7 +73,7 @@ def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
 def _look(
     it: Wait, mission: MissionState, numbers: tuple[float, ...], words: Words, clock: float
 ) -> tuple[tuple[float, ...], int, str]:
-    """Return since when each condition is true, the trigger that fires (-1: none), and why."""
+    """Return when each condition became true, the trigger that fires (-1: none), and why."""
     if mission.skipped is not None:
         for index, trigger in enumerate(it.triggers):
             if mission.skipped in {"", trigger.name}:
@@ -97,25 +97,25 @@ def _look(
 
 
 def _is_time(trigger: TriggerSpec, mission: MissionState, clock: float) -> bool:
-    """Whether a trigger without a condition fires: its time has come, or its answer."""
+    """Return whether a time trigger is due, or the answer of an operator trigger has come."""
     if trigger.after_s is not None:
         return has_come(clock, mission.armed_s + trigger.after_s)
     return trigger.answer == mission.answer
 
 
 def question(moment: Moment, state: EngineState, it: Question) -> EngineState:
-    """Ask the operator, and go on once there is an answer or the time for it has passed."""
+    """Ask the operator, and continue once there is an answer or the timeout has passed."""
     mission = state.mission
     clock = mission.clock(moment.now_s)
     choices = tuple(choice for choice, _ in it.choices)
     if not mission.begun:
-        moment.tell(Ask(it.text, choices))
+        moment.emit(Ask(it.text, choices))
         return state._replace(mission=mission._replace(begun=True, armed_s=clock))
     answer = choices[0] if mission.skipped is not None else mission.answer
     if answer is not None:
         for choice, target in it.choices:
             if choice == answer:
-                moment.tell(Ask("", ()))
+                moment.emit(Ask("", ()))
                 mission = mission._replace(cause=f"the operator answered '{answer}' ({it.place})")
                 return state._replace(mission=moved(mission, target))
         moment.warn(f"'{answer}' is no answer to '{it.text}'")

@@ -1,1 +1,1 @@
-"""The robot as it is commanded: its chart, its commands, and what confirms them."""
+"""The commanded robot: its chart, its commands, and the criteria that confirm them."""

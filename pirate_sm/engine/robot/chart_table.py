@@ -1,7 +1,7 @@
-"""A robot's statechart as a flat table: which command leads from which configuration where.
+"""A robot's statechart as a flat table of transitions between configurations.
 
-The table is made by exploring the chart with the statechart library, which alone knows the
-semantics (:mod:`pirate_sm.loading.chart.exploration`); here it is only looked up.
+The statechart library defines the semantics: :mod:`pirate_sm.loading.chart.exploration` explores
+the chart with it and builds the table. The engine only looks transitions up.
 """
 
 from __future__ import annotations
@@ -57,5 +57,5 @@ class ChartTable:
         return self.following[configuration][command]
 
     def why_not(self, configuration: int, command: int) -> str:
-        """Return why the chart does not move: what it needs that is not so."""
+        """Return why the chart does not move: the unmet conditions of the command."""
         return self.reasons[self.refusals[configuration][command]]

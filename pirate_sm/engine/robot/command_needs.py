@@ -1,4 +1,4 @@
-"""What a command needs and where it leads, read off the table of everything that can be."""
+"""Derive what a command requires and where it leads from the table of all configurations."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from pirate_sm.engine.robot.robot_state import RobotState
 States: TypeAlias = tuple[str, ...]
 
 Need: TypeAlias = Mapping[int, States]
-"""By region the states that it may be in; a region that is not named may be in any."""
+"""The allowed states by region; a region that is not listed may be in any state."""
 
 
 class Needs(NamedTuple):
-    """Where a command is taken, each clamp being confirmed.
+    """The configurations in which a command is possible while every clamp is confirmed.
 
     Attributes:
-        any_of: It is taken where one of these holds; none: it is taken nowhere.
-        unless: If given, it is taken everywhere but here.
-        partly: Whether it is not taken in all configurations that ``any_of`` describes.
+        any_of: The command is possible where one of these holds; empty: it is never possible.
+        unless: If given, the command is possible everywhere but here.
+        partly: Whether the command is refused in some configurations that ``any_of`` describes.
     """
 
     any_of: tuple[Need, ...]
@@ -32,14 +32,14 @@ class Needs(NamedTuple):
     partly: bool = False
 
 
-class Change(NamedTuple):
-    """What a command does to one region.
+class RegionChange(NamedTuple):
+    """The effect of a command on one region.
 
     Attributes:
-        before: States from which it leads to the same one.
-        after: That state.
-        sometimes: Whether the region may as well stay, as the other regions are.
-        slots: Those that get another value by it, or an angle to come to.
+        before: States from which the command leads to ``after``.
+        after: The state that follows.
+        sometimes: Whether it depends on the other regions that the region changes at all.
+        slots: Slots that get another value or a target angle.
     """
 
     region: int
@@ -50,7 +50,7 @@ class Change(NamedTuple):
 
 
 def taken_in(robot: RobotSpec, command: int) -> tuple[int, ...]:
-    """Return the configurations in which the command is taken, each clamp being confirmed."""
+    """Return the configurations in which the command is possible with every clamp confirmed."""
     return tuple(
         index
         for index in range(len(robot.table.configurations))
@@ -59,7 +59,7 @@ def taken_in(robot: RobotSpec, command: int) -> tuple[int, ...]:
 
 
 def needs(robot: RobotSpec, command: int) -> Needs:
-    """Return what a command needs, in as few words as describe it exactly."""
+    """Return what a command requires, as the shortest exact description."""
     accepted = set(taken_in(robot, command))
     if not accepted:
         return Needs(())
@@ -80,8 +80,8 @@ def needs(robot: RobotSpec, command: int) -> Needs:
     return Needs(tuple(_told(robot, box) for box in min(found, key=len)))
 
 
-def changes(robot: RobotSpec, command: int) -> tuple[Change, ...]:
-    """Return what the command does to each region, in the order of the chart."""
+def changes(robot: RobotSpec, command: int) -> tuple[RegionChange, ...]:
+    """Return the effects of the command on the regions, in the order of the chart."""
     table = robot.table
     moves: dict[tuple[int, str, str], None] = {}
     for index in taken_in(robot, command):
@@ -96,14 +96,14 @@ def changes(robot: RobotSpec, command: int) -> tuple[Change, ...]:
             for sometimes, some in ((False, [n for n in sources if n not in stays]), (True, stays)):
                 if some:
                     slots = _moved(robot.actuation[region], some, target)
-                    found.append(Change(region, tuple(some), target, sometimes, slots))
+                    found.append(RegionChange(region, tuple(some), target, sometimes, slots))
     return tuple(found)
 
 
 def _moved(
     actuation: Mapping[str, tuple[StageSpec, ...]], before: Iterable[str], after: str
 ) -> tuple[int, ...]:
-    """Return the slots that a state writes otherwise than the ones before it left them."""
+    """Return the slots that a state writes differently from the states before it."""
     writes = [write for stage in actuation[after] for write in stage]
     slots: set[int] = set()
     for state in before:
@@ -117,12 +117,12 @@ def _moved(
 
 
 def _left(write: Write) -> tuple[str, float]:
-    """Return what is in force once the write's command is done: a value, or a kept speed."""
+    """Return the write in force after its command: a value, or a speed that is kept."""
     return (write.how, write.value) if write.how in ("set", "turn") else ("set", 0.0)
 
 
 def _box(robot: RobotSpec, accepted: Collection[int]) -> tuple[States, ...]:
-    """Return for each region the states that it has in any of the configurations."""
+    """Return for each region its states in these configurations."""
     seen = [robot.table.configurations[each] for each in accepted]
     return tuple(
         tuple(name for name in names if any(states[region] == name for states in seen))
@@ -131,7 +131,7 @@ def _box(robot: RobotSpec, accepted: Collection[int]) -> tuple[States, ...]:
 
 
 def _exact(robot: RobotSpec, box: Sequence[States], accepted: Collection[int]) -> bool:
-    """Whether the command is taken wherever each region is in one of the box's states."""
+    """Return whether the configurations inside the box are exactly the accepted ones."""
     if prod(map(len, box)) <= len(robot.table.configurations):
         inside = {robot.table.index_of(states) for states in product(*box)} - {None}
         return inside == set(accepted)
@@ -145,7 +145,7 @@ def _exact(robot: RobotSpec, box: Sequence[States], accepted: Collection[int]) -
 def _grouped(
     robot: RobotSpec, region: int, accepted: Collection[int]
 ) -> list[tuple[States, ...]] | None:
-    """Return exact boxes, one for each group of states of the region; None: there are none."""
+    """Return exact boxes, one for each group of states of the region; None if there are none."""
     groups: dict[tuple[States, ...], list[str]] = {}
     for name in robot.table.states[region]:
         some = {each for each in accepted if robot.table.configurations[each][region] == name}
@@ -159,7 +159,7 @@ def _grouped(
 
 
 def _told(robot: RobotSpec, box: Sequence[States]) -> Need:
-    """Return the regions of a box that may not be in all of their states."""
+    """Return the regions that a box restricts, with their allowed states."""
     return {
         region: names
         for region, names in enumerate(box)

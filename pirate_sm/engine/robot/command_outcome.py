@@ -1,4 +1,4 @@
-"""What a command would change of a robot as it is, and why it would be refused."""
+"""Compute what a command would change in the robot's present state, or why it is refused."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ from pirate_sm.engine.robot.robot_state import (
 
 
 def refusal(robot: RobotSpec, state: RobotState, command: int) -> str:
-    """Return why the command would be refused now, first *unneeded* or *impossible*; or empty.
+    """Return why the command would be refused now; empty if it is possible.
 
-    A command is possible when it moves the chart, its posture does not rule it out, and it lets go
-    of no part unless a confirmed clamp remains, and drives only with one. One that moves nothing
-    is possible as a retry while what it asks for is not confirmed.
+    A reason begins with *unneeded* or *impossible*. A command is possible when it moves the chart,
+    its posture does not rule it out, a confirmed clamp remains if it releases a part, and wheels
+    are driven only with a confirmed clamp. A command that moves nothing is possible as a retry
+    while the state that it asks for is unconfirmed.
     """
     return _refusal(robot, state.configuration, state.marks, command)
 
@@ -50,10 +51,10 @@ def _refusal(robot: RobotSpec, here: int, marks: Marks, command: int) -> str:
 
 @lru_cache(maxsize=MOST_REMEMBERED)
 def touched(robot: RobotSpec, here: int, marks: Marks, command: int) -> tuple[tuple[int, ...], int]:
-    """Return the regions that the command actuates, and the stage that it begins with.
+    """Return the regions that the command actuates, and its first stage.
 
-    A command that only confirms a clamp anew asserts what is in force in that state: its last
-    stage.
+    A command that only confirms a clamp again writes the actuation in force, which is the last
+    stage of that state.
     """
     made = _made_by(robot, here, marks, command)
     clamps = [m for m in _retried(robot, here, marks, command) if m.kind == "part"]
@@ -67,7 +68,7 @@ def touched(robot: RobotSpec, here: int, marks: Marks, command: int) -> tuple[tu
 
 @lru_cache(maxsize=MOST_REMEMBERED)
 def marks_after(robot: RobotSpec, here: int, marks: Marks, command: int) -> Marks:
-    """Return what is not confirmed once the command's first array has been accepted."""
+    """Return the unconfirmed marks after the acceptance of the command's first array."""
     made = _made_by(robot, here, marks, command)
     held, was_held = robot.held[robot.table.follow(here, command)], robot.held[here]
     again = {m.which for m in _retried(robot, here, marks, command) if m.kind == "part"}
@@ -83,7 +84,7 @@ def marks_after(robot: RobotSpec, here: int, marks: Marks, command: int) -> Mark
 
 
 def _made_by(robot: RobotSpec, here: int, marks: Marks, command: int) -> frozenset[int]:
-    """Return the regions whose states the command makes: those that it moves or tries again."""
+    """Return the regions whose states the command sets: those that it moves or retries."""
     before = robot.table.configurations[here]
     after = robot.table.configurations[robot.table.follow(here, command)]
     moved = {index for index, name in enumerate(after) if name != before[index]}
@@ -92,10 +93,10 @@ def _made_by(robot: RobotSpec, here: int, marks: Marks, command: int) -> frozens
 
 
 def _retried(robot: RobotSpec, here: int, marks: Marks, command: int) -> Marks:
-    """Return what the command, given now, would confirm of what is not confirmed.
+    """Return the marks that the command, given now, would confirm.
 
-    That is what it left unconfirmed itself and, where what it asks for is commanded already, the
-    unconfirmed states or clamps that this rests on.
+    These are the marks that the same command left. If the state that it asks for is commanded
+    already, they include the unconfirmed states or clamps on which that depends.
     """
     own = {mark for mark in marks if mark.command == command}
     if not robot.unneeded[here][command] or robot.table.follow(here, command) != here:
@@ -104,13 +105,13 @@ def _retried(robot: RobotSpec, here: int, marks: Marks, command: int) -> Marks:
 
 
 def _rests_on(robot: RobotSpec, here: int, marks: Marks, command: int) -> set[Mark]:
-    """Return the marks without which it would be certain that the command is unneeded."""
+    """Return the marks that leave it open whether the command is unneeded."""
     spec = robot.commands[command]
     if spec.asks_parts:
         return {mark for mark in marks if mark.kind == "part" and mark.which in spec.asks_parts}
     doubted = {mark.which for mark in marks if mark.kind == "region"}
     names = robot.table.configurations[here]
-    if not doubted or _is_so(names, spec, doubted):
+    if _is_so(names, spec, doubted):
         return set()
     alone = {
         region
@@ -122,6 +123,6 @@ def _rests_on(robot: RobotSpec, here: int, marks: Marks, command: int) -> set[Ma
 
 
 def _is_so(names: Configuration, spec: CommandSpec, unknown: set[int]) -> bool:
-    """Whether what a command asks for is so, whatever the states of these regions are."""
+    """Return whether a command's ``asks_for`` holds for every state of the unknown regions."""
     words = tuple(None if index in unknown else name for index, name in enumerate(names))
     return spec.asks_for is not None and spec.asks_for.evaluate((), words) is True

@@ -1,4 +1,4 @@
-"""A robot's setpoints, and what states and commands make of them."""
+"""Specifications of slots, loops, writes, postures and commands, with names as indexes."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class VelocitySpec(NamedTuple):
     """A velocity loop: duty = target / no-load speed, plus an integral of the error.
 
     Attributes:
-        gain: What a fresh frame adds to the integral, as a share of the error.
+        gain: Share of the error that each new frame adds to the integral.
         limit: Largest duty cycle used.
         no_load_rad_s: Speed of the motor at full duty without load.
         speed: Number index of the wheel's angular speed.
-        radius_m: Of the wheel.
+        radius_m: Radius of the wheel.
     """
 
     gain: float
@@ -43,13 +43,13 @@ class SlotSpec:
     """One setpoint of the wire.
 
     Attributes:
-        angle: Number index of the angle that a position loop or the board's own one controls.
-        rate: Number index of that angle's rate; ``torque`` that of the joint's torque; -1 without.
-        position: How a duty slot is brought to an angle, None where it cannot be.
-        velocity: How a duty slot is kept at a speed, None where it cannot be.
-        self_locking: Whether the motor keeps its place at duty 0, whatever the load.
-        low: Least value; ``high`` the largest.
-        resolution: Steps of the wire.
+        angle: Number index of the angle that our position loop or the board's controls.
+        rate: Number index of the angle's rate; ``torque``: of the joint's torque; -1 without.
+        position: Position loop of a duty slot; None without one.
+        velocity: Velocity loop of a duty slot; None without one.
+        self_locking: Whether the motor holds its position at duty 0 under any load.
+        low: Smallest value; ``high``: the largest.
+        resolution: Step of the value on the wire.
     """
 
     name: str
@@ -66,11 +66,11 @@ class SlotSpec:
 
 
 class Write(NamedTuple):
-    """What a stage does to a slot.
+    """The write of a stage to one slot.
 
     Attributes:
-        how: ``set`` a value. ``seek`` an angle by a position loop. ``turn`` at a speed by a
-            velocity loop. ``keep`` what is in force: a value, or the loop of another state.
+        how: ``set``: a value. ``seek``: an angle, by a position loop. ``turn``: a speed, by a
+            velocity loop. ``keep``: the value or the loop in force.
         value: The value, the angle in rad, or the speed in rad/s.
         share_of: Number index of the angle that ``value`` is multiplied by when the stage begins;
             -1 where ``value`` is the angle itself.
@@ -83,7 +83,7 @@ class Write(NamedTuple):
 
     @property
     def turns(self) -> bool:
-        """Whether it turns a motor, by a duty or a speed other than zero."""
+        """Return whether the write turns a motor: a duty or a speed other than zero."""
         return self.value != 0 and self.how in ("set", "turn")
 
 
@@ -92,14 +92,14 @@ StageSpec: TypeAlias = tuple[Write, ...]
 
 @dataclass(frozen=True)
 class PostureSpec:
-    """What a command brings the joints to before its states' own actuation.
+    """A posture: joint angles that a command reaches before the actuation of its states.
 
     Attributes:
-        name: Of the posture, for people.
+        name: Name of the posture, for messages.
         writes: Its setpoints.
-        done: What shows, besides every joint at its angle, that it has been reached.
-        within_rad: How far a joint may be from its angle; NaN for the threshold of its loop.
-        refuse: Why the command is impossible here; empty where it is not.
+        done: Criterion of completion, besides every joint at its angle.
+        within_rad: Tolerance of the angles; NaN for the threshold of the position loop.
+        refuse: Why the command is impossible here; empty if it is possible.
     """
 
     name: str
@@ -111,14 +111,14 @@ class PostureSpec:
 
 @dataclass(frozen=True)
 class CommandSpec:
-    """A command beyond the chart.
+    """The properties of a command that the chart does not define.
 
     Attributes:
-        postures: By the configuration that it leads to, the posture that comes first, or None;
-            empty for a command that needs none anywhere.
-        asks_for: Condition on the states of the regions; where it holds, the command is unneeded.
-        asks_parts: Parts that are held wherever it holds; where there are any, their clamps decide
-            whether the command is unneeded.
+        postures: The posture for each target configuration, or None; empty for a command without
+            postures.
+        asks_for: Condition on the states of the regions. Where it holds, the command is unneeded.
+        asks_parts: Parts that are held wherever ``asks_for`` holds. If there are any, the command
+            is unneeded only while their clamps are confirmed.
     """
 
     name: str
@@ -131,5 +131,5 @@ class CommandSpec:
     asks_parts: frozenset[int] = frozenset()
 
     def posture(self, configuration: int) -> PostureSpec | None:
-        """Return the posture that comes first where the command leads to this configuration."""
+        """Return the posture that precedes a change to this configuration, or None."""
         return self.postures[configuration] if self.postures else None

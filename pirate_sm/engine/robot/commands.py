@@ -1,8 +1,8 @@
-"""Give commands, follow their arrays, and see that they are done.
+"""Give commands, track their arrays, and decide when they are done.
 
 Pure functions over :class:`RobotState`. The chart moves when a command's first array has been
-accepted; until the command is seen to be done its new states are *unconfirmed*, and an
-unconfirmed clamp is no clamp.
+accepted. Until sensors show that the command is done, its new states are *unconfirmed*; an
+unconfirmed clamp does not count as a clamp.
 """
 
 from __future__ import annotations
@@ -58,9 +58,9 @@ def begin(
     timeout_s: float | None,
     place: str,
 ) -> RobotState:
-    """Send the command's first array; the chart waits for its acceptance.
+    """Send the command's first array; the chart moves when it is accepted.
 
-    To be called only where :func:`refusal` is empty and no array is awaited.
+    Call it only while :func:`refusal` is empty and no array is awaited.
     """
     spec = moment.robot.commands[command]
     target = moment.robot.table.follow(state.configuration, command)
@@ -71,7 +71,7 @@ def begin(
         stage, blind = POSTURE, unknown_angle(moment.robot, posture.writes, sensing)
         motion = motion._replace(stage=POSTURE, blind=blind)
     values, loops = stage_array(moment.robot, state, motion, sensing, regions, stage)
-    moment.tell(CommandStatus(spec.name, "sent", "", place))
+    moment.emit(CommandStatus(spec.name, "sent", "", place))
     return send(moment, state, motion, values, loops, "gate")
 
 
@@ -80,10 +80,9 @@ def resolve(
     state: RobotState,
     result: SubmitResult,
 ) -> tuple[RobotState, Finished | None]:
-    """Take in what has become of the array in flight; a command's first array moves the chart.
+    """Apply the result of the array in flight; acceptance of a first array moves the chart.
 
-    A result for another array than the one in flight changes nothing of the command: a newer array
-    was sent.
+    The result of an older array does not affect the command.
     """
     flight = state.flight
     if flight is None or result.setpoint_id != flight.setpoint_id:
@@ -97,7 +96,7 @@ def resolve(
         )
         if (confirmed := confirmation.accepted(moment.robot, state)) is not state:
             state = confirmed
-            moment.tell(state_change(moment.robot, state))
+            moment.emit(state_change(moment.robot, state))
         if flight.purpose == "gate" and state.motion is not None:
             state = _accept(moment, state, state.motion)
         return state, None
@@ -116,21 +115,20 @@ def watch(
     *,
     denied: Mapping[int, str] = _NOTHING_DENIED,
 ) -> tuple[RobotState, Finished | None]:
-    """Compare the command under way with the signals and its deadline; drive its position loops.
+    """Check the command under way against the signals and its deadline; run its position loops.
 
-    While an array is awaited a command neither ends nor goes on to its next stage: that could
-    take a new array, and after one of unknown fate only the same one again or the safe stop may
-    follow.
+    While an array is awaited a command neither ends nor starts its next stage. Both could need a
+    new array, and an array of unknown fate may be followed only by itself or by the safe stop.
 
     Args:
         moment: When it is, and what happens.
         state: The robot's state.
         sensing: What is known now.
-        denied: Parts that do not hold, and the words of the fault that shows it. A command that
-            clamps one is not done.
+        denied: Parts that do not hold, each with the message of the fault that shows it. A
+            command that clamps one of them is not done.
 
     Returns:
-        The new state, and how the command ended if it did.
+        The new state, and the result of the command if it ended.
     """
     motion = state.motion
     if motion is None or isnan(motion.accepted_s):
@@ -164,34 +162,34 @@ def watch(
 
 
 def fail(moment: Moment, state: RobotState, reason: str) -> RobotState:
-    """End the command under way without its being done; its states stay unconfirmed.
+    """End the command under way as failed; its states stay unconfirmed.
 
-    Its position loops stop where they are, the loops of states go on. Where it was to take a
-    posture first, how the held parts hold now has not been seen: they are unconfirmed until they
-    are clamped again.
+    Its position loops stop; the loops of states continue. If the command had to reach a posture
+    first, the joints of held parts may have moved, so these parts are unconfirmed until they are
+    clamped again.
     """
     motion = state.motion
     if motion is None:
         return state
     name = moment.robot.commands[motion.command].name
-    moment.tell(CommandStatus(name, "failed", reason, motion.place))
+    moment.emit(CommandStatus(name, "failed", reason, motion.place))
     return _end_motion(moment, doubt_grip(moment.robot, state))
 
 
 def skip(moment: Moment, state: RobotState) -> RobotState:
-    """End the command that the operator passes over; its states stay unconfirmed."""
+    """End the command that the operator skips; its states stay unconfirmed."""
     motion = state.motion
     if motion is None:
         return state
     name = moment.robot.commands[motion.command].name
-    moment.tell(CommandStatus(name, "skipped", "by the operator", motion.place))
+    moment.emit(CommandStatus(name, "skipped", "by the operator", motion.place))
     return _end_motion(moment, doubt_grip(moment.robot, state))
 
 
 def doubt_grip(robot: RobotSpec, state: RobotState) -> RobotState:
     """Mark the held parts as unconfirmed if the command under way has moved their joints.
 
-    It has where its first array, that of a posture, was accepted.
+    It has moved them if its first array, which starts a posture, was accepted.
     """
     motion = state.motion
     if motion is None or isnan(motion.accepted_s):
@@ -203,15 +201,15 @@ def doubt_grip(robot: RobotSpec, state: RobotState) -> RobotState:
 
 
 def stop(moment: Moment, state: RobotState, sensing: Sensing) -> RobotState:
-    """Stop all loops and send the safe array, whatever else is in flight."""
+    """Stop all loops and send the safe array, even while another array is in flight."""
     values = safe_values(moment.robot, state, sensing.numbers)
     return send(moment, state, state.motion, values, (), "stop")
 
 
 def reassert(moment: Moment, state: RobotState, values: Numbers, loops: Loops) -> RobotState:
-    """Send an actuation again that was in force before a pause, and let its loops go on.
+    """Restore the actuation that was in force before a pause, with its loops.
 
-    A value of NaN keeps the present one.
+    A NaN keeps the present value.
     """
     kept = tuple(
         now if isnan(value) else value for value, now in zip(values, state.values, strict=True)
@@ -222,7 +220,7 @@ def reassert(moment: Moment, state: RobotState, values: Numbers, loops: Loops) -
 
 
 def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
-    """Mark the regions whose wheels are stopped from outside their states as unconfirmed."""
+    """Mark regions as unconfirmed whose wheels a pause or a fault has stopped."""
     driven = robot.driven[state.configuration]
     if not driven:
         return state
@@ -231,12 +229,12 @@ def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
 
 
 def deny(moment: Moment, state: RobotState, parts: frozenset[int]) -> RobotState:
-    """Mark the clamps of these parts as unconfirmed where they have been confirmed."""
+    """Mark the confirmed clamps of these parts as unconfirmed."""
     lost = confirmed_parts(moment.robot, state) & parts
     if lost:
         marks = state.marks | {Mark("part", part, DENIED) for part in lost}
         state = state._replace(marks=marks)
-        moment.tell(state_change(moment.robot, state))
+        moment.emit(state_change(moment.robot, state))
     return state
 
 
@@ -244,30 +242,30 @@ def deny(moment: Moment, state: RobotState, parts: frozenset[int]) -> RobotState
 
 
 def _why_not_clamped(state: RobotState, motion: Motion, denied: Mapping[int, str]) -> str:
-    """Return why a part that the command under way is to clamp does not hold; else empty."""
+    """Return why a part that the command under way clamps does not hold; empty if it may."""
     own = [mark for mark in sorted(state.marks) if mark.command == motion.command]
     return next((denied[m.which] for m in own if m.kind == "part" and m.which in denied), "")
 
 
 def _accept(moment: Moment, state: RobotState, motion: Motion) -> RobotState:
-    """Move the chart; what the command changes is unconfirmed."""
+    """Move the chart, and mark what the command changes as unconfirmed."""
     name = moment.robot.commands[motion.command].name
     marks = marks_after(moment.robot, state.configuration, state.marks, motion.command)
-    moment.tell(CommandStatus(name, "accepted", "", motion.place))
+    moment.emit(CommandStatus(name, "accepted", "", motion.place))
     state = state._replace(
         configuration=motion.target,
         marks=marks,
         motion=motion._replace(accepted_s=moment.now_s, deadline_s=moment.now_s + motion.timeout_s),
     )
     if not isinstance(moment.robot.commands[motion.command].done, AcceptedSpec):
-        moment.tell(state_change(moment.robot, state))
+        moment.emit(state_change(moment.robot, state))
     return state
 
 
 def _complete(
     moment: Moment, state: RobotState, sensing: Sensing, reason: str
 ) -> tuple[RobotState, Finished | None]:
-    """Begin the next stage, or end the command as done and confirm what it changed."""
+    """Start the next stage, or end the command as done and confirm its changes."""
     motion = state.motion
     assert motion is not None  # callers have looked
     regions = tuple(
@@ -289,16 +287,16 @@ def _complete(
     marks = frozenset(mark for mark in state.marks if mark.command != motion.command)
     state = state._replace(marks=marks)
     name = moment.robot.commands[motion.command].name
-    moment.tell(CommandStatus(name, "done", reason, motion.place))
-    moment.tell(state_change(moment.robot, state))
+    moment.emit(CommandStatus(name, "done", reason, motion.place))
+    moment.emit(state_change(moment.robot, state))
     return state, Finished(True, reason)
 
 
 def _end_motion(moment: Moment, state: RobotState) -> RobotState:
-    """End what is under way; set to zero the slots that a position loop has really driven.
+    """End the command under way; set the slots to zero that its position loops have driven.
 
-    Loops of states go on. A command that was never accepted has driven nothing: what its loops were
-    to take over may hold a clamp.
+    Loops of states continue. A command that was never accepted has driven nothing; the slots of
+    its loops may hold a clamp and stay as they are.
     """
     values = without_loops(state)
     loops = tuple(each for each in state.loops if not each.ends_with_command)

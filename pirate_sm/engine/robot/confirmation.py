@@ -1,9 +1,9 @@
-"""Compare what is declared of the robot with its sensors before it moves.
+"""Compare the declared states of the robot with its sensors before it moves.
 
-A robot that starts with sensors has every state and every held part marked as declared. For a
-bounded time the marks are compared with what the sensors show, by the profile's ``seen``. What
-they confirm loses its mark. What they contradict refuses the start. What they leave open, because
-a signal is unknown or lies between the limits, stays unconfirmed until a command has confirmed it.
+At the start of a run with sensors every state and every held part is marked as declared. For a
+limited time the sensors are compared with the marks, by the criteria in the profile's ``seen``. A
+confirmed mark is removed. A contradicted mark refuses the start. A mark that stays open, because
+a signal is unknown or lies between the limits, remains until a command confirms the state.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _NEVER_SHOWN = (AcceptedSpec, type(None))
 
 
 class Watched(NamedTuple):
-    """A mark, since when the sensors agree with it and since when they contradict it, else NaN."""
+    """A mark, with the times since which the sensors agree with it and contradict it, or NaN."""
 
     mark: Mark
     agrees_s: float = nan
@@ -46,12 +46,12 @@ class Watched(NamedTuple):
 
 
 class Look(NamedTuple):
-    """The sensors are being compared with what is declared.
+    """The state of a running comparison of sensors and declared states.
 
     Attributes:
-        until_s: When that ends at the latest.
-        setpoints: Those of the declared configuration.
-        marks: What is not decided yet.
+        until_s: Latest end of the comparison.
+        setpoints: Setpoints of the declared configuration.
+        marks: Marks that are not decided yet.
     """
 
     until_s: float
@@ -60,16 +60,16 @@ class Look(NamedTuple):
 
     @property
     def due_s(self) -> float:
-        """Return when time alone decides something."""
+        """Return the next time at which a mark is decided without a new frame."""
         lasting = [each.agrees_s + each.for_s for each in self.marks if not isnan(each.agrees_s)]
         return min((self.until_s, *lasting))
 
 
 class LookResult(NamedTuple):
-    """What has come of a look: where it stands, what is confirmed, and why the start is refused.
+    """The result of a comparison: its new state, confirmed marks, and contradictions.
 
     Attributes:
-        look: None once it is over.
+        look: The comparison; None once it is over.
         turning: Whether wheels turn that were declared to stand or to turn the other way.
     """
 
@@ -80,9 +80,9 @@ class LookResult(NamedTuple):
 
 
 def declared_in(robot: RobotSpec, configuration: int) -> RobotState:
-    """Return a robot that is said to be in a configuration, of which nothing is confirmed.
+    """Return a robot declared to be in a configuration, with everything unconfirmed.
 
-    Its wheels are not taken to be driven, whatever is said: only a command drives them.
+    Its wheels count as not driven in any case: only a command drives them.
     """
     rest = at_rest_in(robot, configuration)
     values = list(rest.values)
@@ -95,7 +95,7 @@ def declared_in(robot: RobotSpec, configuration: int) -> RobotState:
 
 
 def begin(robot: RobotSpec, body: RobotState, now: float) -> Look | None:
-    """Begin to look at what is declared; None where nothing of it could be seen."""
+    """Return a new comparison; None where the sensors could show none of the declared states."""
     names = states_of(robot, body)
     marks = tuple(
         Watched(mark)
@@ -119,7 +119,7 @@ def awaiting(robot: RobotSpec, body: RobotState) -> frozenset[Mark]:
 
 
 def accepted(robot: RobotSpec, body: RobotState) -> RobotState:
-    """Confirm the declared states that the setpoints in force make, where nothing shows more."""
+    """Confirm the declared states whose only criterion is accepted setpoints."""
     names = states_of(robot, body)
     held = {
         mark
@@ -140,14 +140,14 @@ def look(
     diameter_m: float | None,
     now: float,
 ) -> LookResult:
-    """Compare what is declared with the sensors at this moment.
+    """Return the result of the comparison at this moment.
 
     Args:
         robot: The robot.
-        before: What was known so far.
-        body: What the robot is declared to be.
+        before: The comparison so far.
+        body: The declared state of the robot.
         numbers: Signals in SI.
-        diameter_m: Of the pipe; None where it is not known.
+        diameter_m: Inner diameter of the pipe; None where it is unknown.
         now: Time in seconds.
     """
     open_: list[Watched] = []
@@ -174,7 +174,7 @@ def look(
 
 
 def parts_left_open(robot: RobotSpec, body: RobotState) -> tuple[str, ...]:
-    """Return the parts that are declared to hold and that the sensors have not confirmed."""
+    """Return the names of parts that are declared to hold and are not confirmed."""
     open_ = sorted(m.which for m in body.marks if m.kind == "part" and m.command == DECLARED)
     return tuple(robot.parts[part] for part in open_)
 

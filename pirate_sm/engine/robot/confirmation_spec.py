@@ -1,4 +1,4 @@
-"""How a robot shows itself to its sensors before anything moves, with names resolved to indexes."""
+"""Criteria by which sensors confirm declared states at the start, with names as indexes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pirate_sm.engine.robot.criteria import AcceptedSpec
 
 
 class LoadedJoint(NamedTuple):
-    """A joint of a held part: its slot, number indexes of its torque and its rate."""
+    """A joint of a held part: its slot, and the number indexes of its torque and rate."""
 
     slot: int
     torque: int
@@ -18,11 +18,11 @@ class LoadedJoint(NamedTuple):
 
 
 class HeldSpec(NamedTuple):
-    """How a held part shows itself; limits as in :class:`pirate_sm.model.seen.HeldPart`.
+    """Criterion of a held part; limits as in :class:`pirate_sm.model.seen.HeldPart`.
 
     Attributes:
-        diameter: Number index of the diameter that the part shows; ``apex`` of its apex angle.
-        open_rad: From this angle of the apex on the part has opened to its end stop.
+        diameter: Number index of the part's diameter; ``apex``: of its apex angle.
+        open_rad: Apex angle from which the part counts as open to its end stop.
     """
 
     joints: tuple[LoadedJoint, ...]
@@ -38,7 +38,7 @@ class HeldSpec(NamedTuple):
 
 
 class AnglesSpec(NamedTuple):
-    """Angles near their setpoints; ``targets`` are pairs of number index and angle."""
+    """Angles are near their setpoints; ``targets`` are pairs of number index and angle."""
 
     targets: tuple[tuple[int, float], ...]
     within: float
@@ -47,7 +47,7 @@ class AnglesSpec(NamedTuple):
 
 
 class StandingSpec(NamedTuple):
-    """Wheels that stand; ``speeds`` are number indexes."""
+    """Wheels stand still; ``speeds`` are number indexes."""
 
     speeds: tuple[int, ...]
     below: float
@@ -55,7 +55,7 @@ class StandingSpec(NamedTuple):
 
 
 class DrivenSpec(NamedTuple):
-    """Wheels that do not turn against their setpoints; pairs of number index and direction."""
+    """Wheels do not turn against their setpoints; pairs of number index and direction."""
 
     wheels: tuple[tuple[int, float], ...]
     above: float
@@ -63,7 +63,7 @@ class DrivenSpec(NamedTuple):
 
 
 class ImpliedSpec(NamedTuple):
-    """Nothing that could be wrong."""
+    """The state adds no condition of its own."""
 
 
 SeenSpec: TypeAlias = AnglesSpec | StandingSpec | DrivenSpec | ImpliedSpec | AcceptedSpec
@@ -71,12 +71,12 @@ SeenSpec: TypeAlias = AnglesSpec | StandingSpec | DrivenSpec | ImpliedSpec | Acc
 
 @dataclass(frozen=True)
 class Sight:
-    """How the robot shows itself to its sensors before anything moves.
+    """All criteria by which sensors confirm declared states at the start.
 
     Attributes:
-        within_s: How long that is looked at, at most.
-        parts: Per part, None where nothing shows that it is held.
-        states: Per region and state; what is missing no sensor shows.
+        within_s: Longest duration of the comparison.
+        parts: Per part; None where no sensor can show that it is held.
+        states: Per region and state; no sensor can show a state that is missing here.
     """
 
     within_s: float = 0.0

@@ -1,4 +1,4 @@
-"""What shows that a command is done, with names resolved to indexes."""
+"""Criteria of completed commands, with names resolved to indexes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class StalledSpec(NamedTuple):
 
 
 class ReachedSpec(NamedTuple):
-    """Every running position loop has arrived, or its joint stands still while pushed."""
+    """Every position loop has reached its angle, or its joint is pushed and stands still."""
 
     still: float
     loaded: float
@@ -35,7 +35,7 @@ class TurningSpec(NamedTuple):
 
 
 class StoppedSpec(NamedTuple):
-    """No wheel that can be heard turns; ``parts`` has the number indexes of each part's speeds."""
+    """No reporting wheel turns; ``parts`` holds the number indexes of each part's speeds."""
 
     parts: tuple[tuple[int, ...], ...]
     below: float

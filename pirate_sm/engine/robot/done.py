@@ -1,4 +1,4 @@
-"""Whether signals show that what a command asked for has happened."""
+"""Evaluate the criteria that show that a command is done."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Numbers = tuple[float, ...]
 def holds(
     criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: tuple[PositionLoop, ...]
 ) -> bool:
-    """Whether the criterion is true of this moment; unknown signals never make it true."""
+    """Return whether the criterion is met at this moment; False for unknown signals."""
     match criterion:
         case AcceptedSpec():
             return True
@@ -58,7 +58,7 @@ def holds(
 
 
 def still(speeds: tuple[int, ...], numbers: Numbers, below: float) -> bool:
-    """Whether at least one of the wheels can be heard, and all of these turn slower."""
+    """Return whether at least one wheel reports and all reporting wheels turn slower."""
     heard = [abs(numbers[speed]) for speed in speeds if not isnan(numbers[speed])]
     return bool(heard) and max(heard) < below
 
@@ -75,7 +75,7 @@ def must_hold_s(
 def in_words(
     robot: RobotSpec, criterion: CriterionSpec, numbers: Numbers, loops: tuple[PositionLoop, ...]
 ) -> str:
-    """Return in words what shows that the command is done, and which joints a wall has stopped."""
+    """Return what shows that the command is done, with the joints that a wall has stopped."""
     match criterion:
         case ReachedSpec():
             names = robot.vocabulary.numbers

@@ -1,9 +1,8 @@
-"""Which commands lead from one configuration of the robot to others, the fewest first.
+"""Find the shortest sequences of commands that lead the robot to other configurations.
 
-Each command is tried on paper, by the functions that run it on the robot, and is taken as done.
-A command that the engine would refuse is never tried. One that lets go of the pipe, or breaks a
-safety rule, is tried last, so that it can be said what stands in the way: nobody is advised to
-give it.
+Each command is simulated with the functions that run it on the robot, and counts as done. Commands
+that the engine would refuse are left out. Commands that release the last clamp or break a safety
+rule are used only as a last resort, to report what prevents a plan; they are never recommended.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from pirate_sm.engine.sensing.known_signals import Sensing, nothing_known
 from pirate_sm.model.events import SubmitResult
 
 RulePlaces = tuple[int, ...]
-"""Where each safety rule is, as :func:`pirate_sm.engine.safety.rules.follow` counts."""
+"""The progress of each safety rule, see :func:`pirate_sm.engine.safety.rules.follow`."""
 
 _Key = tuple[int, frozenset[Mark], RulePlaces]
 
@@ -33,8 +32,8 @@ class PlannedStep(NamedTuple):
 
     Attributes:
         command: Index of the command.
-        body: The robot once it is done.
-        hindrance: Why nobody should give it here; empty where nothing speaks against it.
+        body: The robot after the command.
+        hindrance: Why the command should not be given here; empty if it may be given.
     """
 
     command: int
@@ -43,12 +42,12 @@ class PlannedStep(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """The way to one configuration.
+    """A sequence of commands that leads to one configuration.
 
     Attributes:
-        body: The robot at its end.
+        body: The robot after the last command.
         steps: The commands in order.
-        hindered: The first step that nobody should take; None: the plan can be followed.
+        hindered: The first step with a hindrance; None if the plan can be followed.
     """
 
     body: RobotState
@@ -56,12 +55,12 @@ class Plan(NamedTuple):
     hindered: PlannedStep | None
 
     def nominal_s(self, robot: RobotSpec) -> float:
-        """Return how long the commands take on paper."""
+        """Return the sum of the commands' nominal durations, s."""
         return sum(robot.commands[step.command].nominal_s for step in self.steps)
 
 
 class _Way(NamedTuple):
-    """A step with the one before it; the first has none."""
+    """A step, linked to the one before it."""
 
     before: _Way | None
     step: PlannedStep
@@ -79,20 +78,20 @@ class _Way(NamedTuple):
 def plans(
     robot: RobotSpec, program: Program, body: RobotState, places: RulePlaces | None = None
 ) -> Iterator[Plan]:
-    """Yield the best plan for each configuration that commands lead to, beginning with this one.
+    """Yield the best plan for each reachable configuration, beginning with the present one.
 
-    Those without a hindrance come first, then the ones with fewer commands, then the quicker ones.
+    Plans are ordered by hindrance, then by number of commands, then by nominal duration.
 
     Args:
         robot: The robot.
-        program: Its safety rules are in force.
-        body: The robot as it is, with nothing under way.
-        places: Where the rules are; None: they have not seen the robot yet.
+        program: The program whose safety rules are in force.
+        body: The robot's present state, with no command under way.
+        places: Progress of the rules; None if they have not been evaluated yet.
     """
     sensing = nothing_known(robot, blind=True)
     if places is None:
         places, _ = rules.follow(program, robot, rules.unseen(program), body, 0)
-    serial = count()  # so that states need not be compared
+    serial = count()  # breaks ties, so that states are never compared
     queue: list[tuple[int, int, float, int, RobotState, RulePlaces, _Way | None]] = []
     heappush(queue, (0, 0, 0.0, next(serial), body, places, None))
     known: set[_Key] = set()
@@ -114,7 +113,7 @@ def plans(
 
 
 def opened(robot: RobotSpec, body: RobotState, target: int) -> frozenset[int]:
-    """Return the parts that are let go on the way to a configuration while nothing else holds.
+    """Return the parts that a change to a configuration releases while no other part holds.
 
     A part holds only if its clamp is confirmed and it is held before and after.
     """
@@ -126,7 +125,7 @@ def opened(robot: RobotSpec, body: RobotState, target: int) -> frozenset[int]:
 def _steps(
     robot: RobotSpec, program: Program, sensing: Sensing, body: RobotState, places: RulePlaces
 ) -> Iterator[tuple[PlannedStep, RulePlaces]]:
-    """Yield what each command leads to that the engine would take, and the rules afterwards."""
+    """Yield the step of each possible command, with the progress of the rules after it."""
     for command, spec in enumerate(robot.commands):
         if command_outcome.refusal(robot, body, command):
             continue
@@ -146,7 +145,7 @@ def _letting_go(robot: RobotSpec, body: RobotState, target: int) -> str:
 def _done(
     robot: RobotSpec, program: Program, body: RobotState, sensing: Sensing, command: int
 ) -> RobotState:
-    """Return the robot after the command, with each of its arrays accepted and each stage done."""
+    """Return the robot after the command, with all arrays accepted and all stages done."""
     now = Moment(robot, program, True, 0.0)
     later = Moment(robot, program, True, robot.commands[command].nominal_s)
     body = commands.begin(now, body, sensing, command, None, "")

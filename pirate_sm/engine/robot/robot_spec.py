@@ -1,8 +1,8 @@
-"""A robot as the engine runs it: names resolved to indexes, nothing left to look up by text.
+"""The robot as the engine uses it, with all names resolved to indexes.
 
-Built by :mod:`pirate_sm.loading.robot` from a profile and its chart, for one polarity. Two tuples
-carry all that conditions can see: ``numbers`` (signals, SI, NaN = unknown) and ``words`` (the
-state of each region, then the detector's word and the segment, None = unknown).
+:mod:`pirate_sm.loading.robot` builds it from a profile and its chart, for one polarity. Conditions
+see two tuples: ``numbers`` (signals in SI units, NaN = unknown) and ``words`` (the state of each
+region, then the detector's word and the segment, None = unknown).
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from pirate_sm.model.fault_codes import BuiltInFault
 
 @dataclass(frozen=True)
 class FaultSpec:
-    """A condition on signals that is a fault once it has held.
+    """A condition on signals that is a fault once it has held for a time.
 
     Attributes:
-        denies: Parts whose clamps it shows not to hold.
+        denies: Parts whose clamps do not hold while the condition is true.
     """
 
     code: str
@@ -40,17 +40,17 @@ class FaultSpec:
 
 @dataclass(frozen=True, eq=False)
 class RobotSpec:
-    """Everything the engine knows of a robot; no other one is the same.
+    """Everything the engine knows about a robot; compared by identity.
 
     Attributes:
         actuation: ``actuation[region][state name]`` is the state's stages.
-        held: Per configuration the indexes of the parts that it holds.
-        part_regions: Per part the regions that its holding depends on.
-        unneeded: Per configuration and command, whether what it asks for is so already.
+        held: Per configuration the indexes of the held parts.
+        part_regions: Per part the regions on which its clamp depends.
+        unneeded: Per configuration and command, whether the command's ``asks_for`` holds already.
         safe_zero: Slots that are zero in the safe state.
-        sight: How states show themselves before anything moves.
+        sight: Criteria of the start check.
         odometry: Number indexes of odometry and speed; -1 where the robot has none.
-        words_behind: Words of the detector that say that the whole robot is beyond the bend.
+        words_behind: Words of the detector that mean that the whole robot has passed the bend.
     """
 
     name: str
@@ -101,18 +101,18 @@ class RobotSpec:
         return {part: rule.message for rule in rules for part in rule.denies}
 
     def denied_by_report(self, code: str, message: str) -> frozenset[int]:
-        """Return the parts that a reported fault denies: those of the rule whose words it has."""
+        """Return the parts that a reported fault denies: those of the rule with this message."""
         rules = [rule for rule in self.faults if (rule.code, rule.message) == (code, message)]
         return frozenset(part for rule in rules for part in rule.denies)
 
     def travel(self, values: Sequence[float]) -> int:
-        """Return which way setpoints drive the wheels, in this polarity.
+        """Return the direction in which the setpoints drive the robot, in this polarity.
 
         Args:
             values: One per slot.
 
         Returns:
-            1 forward, -1 backward; 0 where no wheel is driven, or wheels against each other.
+            1 forward, -1 backward; 0 if no wheel is driven or wheels oppose each other.
         """
         ways = {
             1 if values[wheel.slot] * wheel.metres_per_rad > 0 else -1
@@ -134,7 +134,7 @@ class RobotSpec:
         )
 
     def _wheels(self, region: int, state: str) -> tuple[int, ...]:
-        """Return the slots that the safe state stops and that the state drives."""
+        """Return the wheel slots that the state drives; the safe state stops all of them."""
         return tuple(
             write.slot
             for write in self.actuation[region][state][-1]

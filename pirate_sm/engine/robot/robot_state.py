@@ -1,4 +1,4 @@
-"""The robot as it has been commanded, and what follows from that; nothing here changes it."""
+"""The commanded state of the robot, and what can be derived from it."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ Numbers = tuple[float, ...]
 Purpose = Literal["gate", "loop", "stream", "stop"]
 
 POSTURE = -1
-"""The stage of a motion in which the robot takes the command's posture, before all others."""
+"""The stage in which the robot reaches the command's posture, before all other stages."""
 
 
 STOPPED = -1
-"""In place of a mark's command: the wheels of the region were stopped from outside its state."""
+"""In place of a mark's command: a pause or a fault has stopped the wheels of the region."""
 
 DECLARED = -2
-"""In place of a mark's command: a person or a file has said so."""
+"""In place of a mark's command: a person or a file has declared the state."""
 
 
 DENIED = -3
-"""In place of a mark's command: sensors have shown that it is not so, or may be so no more."""
+"""In place of a mark's command: sensors contradict the state, or it may have been lost."""
 
 
 class Mark(NamedTuple):
-    """A region's state, or a part's clamp, that is not confirmed.
+    """A region's state or a part's clamp that is not confirmed.
 
     Attributes:
-        command: The command that made it, or ``STOPPED``, ``DECLARED`` or ``DENIED``.
+        command: The command that set it, or ``STOPPED``, ``DECLARED`` or ``DENIED``.
     """
 
     kind: Literal["region", "part"]
@@ -48,20 +48,20 @@ class Mark(NamedTuple):
 Marks = frozenset[Mark]
 
 MOST_REMEMBERED = 4096
-"""Answers of one kind; a robot has some hundred situations and twenty commands."""
+"""Size of each cache; a robot has some hundred configurations and twenty commands."""
 
 
 class Flight(NamedTuple):
-    """An array whose fate is not known yet.
+    """An array without a result so far.
 
     Attributes:
-        purpose: ``gate``: a command's first array, moves the chart when accepted. ``stop``: wheels
-            zero. ``stream``: the duties of loops that states own. ``loop``: anything else of a
-            command, such as the duties of its position loops.
-        resend_at_s: When the same array is sent again, infinite while a result is awaited.
-        seeking: Slots whose values a loop has set that leaves zero behind when it stops.
-        since_s: Since when no array of the stream has been confirmed; NaN for another array.
-        before: The loops that go on if a command's first array is refused.
+        purpose: ``gate``: a command's first array, which moves the chart when accepted. ``stop``:
+            the safe array. ``stream``: the duties of the loops of states. ``loop``: any other
+            array of a command, such as the duties of its position loops.
+        resend_at_s: When the same array is sent again; infinite while a result is awaited.
+        seeking: Slots driven by a loop that leaves zero behind when it stops.
+        since_s: Since when no array of the stream has been confirmed; NaN for other arrays.
+        before: The loops that continue if a command's first array is refused.
     """
 
     setpoint_id: int
@@ -80,12 +80,12 @@ class Motion(NamedTuple):
 
     Attributes:
         command: Index of the command.
-        target: The configuration that acceptance leads to.
+        target: The configuration after acceptance.
         accepted_s: NaN until the array is accepted.
-        deadline_s: When it has failed; infinite until accepted.
-        since_s: Since when its criterion has been true, NaN while it is not.
-        stage: Which stage of its actuation is in force; ``POSTURE`` before the first.
-        blind: Why its posture cannot be taken: an angle that it needs is unknown. Empty otherwise.
+        deadline_s: When the command fails; infinite until it is accepted.
+        since_s: When its criterion became true; NaN while it is not.
+        stage: The stage of its actuation in force; ``POSTURE`` before the first.
+        blind: Why its posture cannot be reached: it needs an angle that is unknown; else empty.
     """
 
     command: int
@@ -100,7 +100,7 @@ class Motion(NamedTuple):
 
 
 class Finished(NamedTuple):
-    """How a command ended."""
+    """The result of a command."""
 
     done: bool
     reason: str
@@ -108,18 +108,18 @@ class Finished(NamedTuple):
 
 @often_replaced
 class RobotState(NamedTuple):
-    """The robot as far as it has been commanded.
+    """The commanded state of the robot.
 
     Attributes:
         configuration: Index into the chart's table.
-        marks: What is not confirmed.
+        marks: The states and clamps that are not confirmed.
         values: Setpoints in force: the last accepted array.
-        loops: The loops that run: those of the command under way, and those of states.
-        seeking: Slots among the values that a loop has set that leaves zero behind when it stops: a
+        loops: The running loops: those of the command under way, and those of states.
+        seeking: Slots of ``values`` driven by a loop that leaves zero behind when it stops: a
             position loop, or any loop of a self-locking motor.
-        next_id: Id of the next new array.
-        sent: Whether anything has ever been sent.
-        overtaken: Arrays of loops whose fate was not known when a newer one was sent.
+        next_id: Id for the next new array.
+        sent: Whether any array was ever sent.
+        overtaken: Arrays of the stream that had no result when a newer array was sent.
     """
 
     configuration: int
@@ -135,29 +135,29 @@ class RobotState(NamedTuple):
 
     @property
     def awaited(self) -> Flight | None:
-        """Return the array in flight that the next one waits for; none waits for a stream."""
+        """Return the array in flight that the next one must wait for; None for a stream."""
         flight = self.flight
         return None if flight is None or flight.purpose == "stream" else flight
 
     @property
     def seekers(self) -> tuple[PositionLoop, ...]:
-        """Return the position loops that run."""
-        if not self.loops:  # asked at every frame, and mostly there are none
+        """Return the running position loops."""
+        if not self.loops:  # runs at every frame; usually there are none
             return ()
         return tuple([each for each in self.loops if isinstance(each, PositionLoop)])
 
     def at_rest(self) -> RobotState:
-        """Return the robot between two missions: nothing is under way, no loop runs."""
+        """Return the robot between two missions: no command, no loop and no array in flight."""
         return self._replace(flight=None, motion=None, loops=(), overtaken=())
 
     @property
     def latest(self) -> Numbers:
-        """Return the newest values, whether accepted yet or not."""
+        """Return the values of the newest array, accepted or not."""
         return self.flight.values if self.flight else self.values
 
 
 def at_rest_in(robot: RobotSpec, configuration: int) -> RobotState:
-    """Return a robot in this configuration, confirmed, that has not been sent anything."""
+    """Return a robot confirmed in this configuration, before any array was sent."""
     values = [0.0] * len(robot.slots)
     for region, state in enumerate(robot.table.configurations[configuration]):
         for write in robot.actuation[region][state][-1]:
@@ -179,7 +179,7 @@ def states_of(robot: RobotSpec, state: RobotState) -> Configuration:
 
 
 def obeyed(robot: RobotSpec, state: RobotState) -> tuple[str | None, ...]:
-    """Return the state of each region; None where its wheels have been stopped from outside it."""
+    """Return the state of each region; None where a pause or a fault has stopped its wheels."""
     names = states_of(robot, state)
     driven = robot.driven[state.configuration]
     if not driven:
@@ -191,16 +191,16 @@ def obeyed(robot: RobotSpec, state: RobotState) -> tuple[str | None, ...]:
 
 
 def state_change(robot: RobotSpec, state: RobotState) -> StateChange:
-    """Return the effect that tells the configuration and what of it is unconfirmed."""
+    """Return the effect that reports the configuration and its unconfirmed regions."""
     return _state_change(robot, state.configuration, state.marks)
 
 
 def confirmed_parts(robot: RobotSpec, state: RobotState) -> frozenset[int]:
-    """Return the parts whose clamp has been seen to hold."""
+    """Return the held parts whose clamp is confirmed."""
     return confirmed_at(robot, state.configuration, state.marks)
 
 
-# What follows from a configuration and its marks is asked again and again: it is remembered.
+# These functions of a configuration and its marks are called often, so their results are cached.
 
 
 @lru_cache(maxsize=MOST_REMEMBERED)
@@ -214,7 +214,7 @@ def _state_change(robot: RobotSpec, here: int, marks: Marks) -> StateChange:
 
 
 def confirmed_at(robot: RobotSpec, here: int, marks: Marks) -> frozenset[int]:
-    """Return the parts that hold in a configuration of which these marks are not confirmed."""
+    """Return the held parts of a configuration, without those that these marks concern."""
     held = robot.held[here]
     if not marks:
         return held
@@ -226,9 +226,9 @@ def safe_values(robot: RobotSpec, state: RobotState, numbers: Numbers) -> Number
 
     Args:
         robot: The robot.
-        state: What has been accepted. A command that has not been is no part of it: its loops
-            may be those of a clamp that is still held.
-        numbers: Signals; an angle to be kept is the measured one.
+        state: The robot's state. Only the accepted actuation counts: the slots of a command that
+            is not accepted may still hold a clamp.
+        numbers: Signals; an angle that is kept is the measured one.
     """
     values = list(known_values(state.values, numbers, robot))
     for slot in (*robot.safe_zero, *state.seeking):
@@ -237,16 +237,16 @@ def safe_values(robot: RobotSpec, state: RobotState, numbers: Numbers) -> Number
 
 
 def is_safe(robot: RobotSpec, state: RobotState) -> bool:
-    """Whether the setpoints in force are those of the safe state already."""
+    """Return whether the setpoints in force are those of the safe state."""
     if state.loops or state.seeking:
         return False
     return all(state.values[slot] == 0 for slot in robot.safe_zero)
 
 
 def next_deadline(robot: RobotSpec, state: RobotState, nominal: bool) -> float:
-    """Return when time alone changes something: a timeout, a resend, a criterion held long."""
+    """Return the next deadline: a timeout, a resend, or a criterion held long enough."""
     if state.awaited is not None:
-        return state.awaited.resend_at_s  # a command does not end before that is resolved
+        return state.awaited.resend_at_s  # a command cannot end before its array has a result
     motion, resend_at_s = state.motion, state.flight.resend_at_s if state.flight else inf
     if motion is None:
         return resend_at_s
@@ -259,18 +259,18 @@ def next_deadline(robot: RobotSpec, state: RobotState, nominal: bool) -> float:
 
 
 def posture_of(robot: RobotSpec, motion: Motion) -> PostureSpec | None:
-    """Return the posture that the command under way takes first, or took; None without one."""
+    """Return the posture of the command under way; None without one."""
     return robot.commands[motion.command].posture(motion.target)
 
 
 def criterion_of(robot: RobotSpec, motion: Motion) -> CriterionSpec:
-    """Return what shows that the stage of the command under way is done."""
+    """Return the criterion of the present stage of the command under way."""
     posture = posture_of(robot, motion) if motion.stage == POSTURE else None
     return robot.commands[motion.command].done if posture is None else posture.done
 
 
 def known_values(values: Numbers, numbers: Numbers, robot: RobotSpec) -> Numbers:
-    """Return values of which none is unknown: a kept angle is the measured one, or 0 [decided]."""
+    """Return the values with each unknown replaced by the measured angle, or by 0 [decided]."""
     if not isnan(sum(values)):  # one unknown makes the sum unknown
         return values
     filled = list(values)

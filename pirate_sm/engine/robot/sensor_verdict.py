@@ -1,4 +1,4 @@
-"""Tell whether the sensors show a declared state or clamp, or something else."""
+"""Decide whether the sensors confirm or contradict a declared state or clamp."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from pirate_sm.engine.robot.robot_state import Mark, Numbers, RobotState, states
 
 
 class SensorVerdict(NamedTuple):
-    """What the sensors say of a mark at one moment.
+    """What the sensors show about a mark at one moment.
 
     Attributes:
-        agrees: Whether they show it.
-        against: What they show instead, and the limit; empty unless they contradict it.
-        for_s: How long either must last.
+        agrees: Whether they confirm it.
+        against: What they show instead, with the limit; empty unless they contradict it.
+        for_s: How long the agreement or contradiction must last.
     """
 
     agrees: bool
@@ -34,7 +34,7 @@ class SensorVerdict(NamedTuple):
 
 
 def spec_of(robot: RobotSpec, names: tuple[str, ...], mark: Mark) -> SeenSpec | HeldSpec | None:
-    """Return how a state or the clamp of a part shows itself; None where it does not."""
+    """Return the criterion of a declared state or clamp; None where no sensor can show it."""
     sight = robot.sight
     if mark.kind == "part":
         return sight.parts[mark.which] if sight.parts else None
@@ -49,15 +49,15 @@ def verdict(
     numbers: Numbers,
     diameter_m: float | None,
 ) -> SensorVerdict:
-    """Return what the sensors say of a mark.
+    """Return whether the sensors confirm or contradict a mark.
 
     Args:
         robot: The robot.
-        setpoints: Those of the declared configuration.
-        body: What the robot is declared to be.
-        mark: What is not confirmed.
+        setpoints: Setpoints of the declared configuration.
+        body: The declared state of the robot.
+        mark: The unconfirmed state or clamp.
         numbers: Signals in SI.
-        diameter_m: Of the pipe; None where it is not known.
+        diameter_m: Inner diameter of the pipe; None where it is unknown.
     """
     gripping = _gripping(robot, body, mark, numbers, diameter_m)
     if gripping is not None:
@@ -81,10 +81,10 @@ def verdict(
 def _gripping(
     robot: RobotSpec, body: RobotState, mark: Mark, numbers: Numbers, diameter_m: float | None
 ) -> SensorVerdict | None:
-    """Return what contradicts that no part holds, where one shows that it does; else None.
+    """Return the contradiction if a part seems to hold although none is declared to; else None.
 
-    A part that was only relaxed may show the same, since a self-locked worm keeps its spring wound.
-    So this is asked only where nothing at all is declared to hold.
+    A relaxed part may show the same torque, because a self-locking worm keeps its spring wound.
+    The check therefore applies only where no part is declared to hold.
     """
     if mark.kind != "region" or robot.held[body.configuration]:
         return None
@@ -158,16 +158,16 @@ def _held(
 
 
 def _borne(setpoint: float, torque: float) -> float:
-    """Return the torque in the direction in which the state turns the joint."""
+    """Return the torque in the direction of the state's setpoint."""
     return torque if setpoint > 0 else -torque if setpoint < 0 else abs(torque)
 
 
 def _span(
     robot: RobotSpec, body: RobotState, spec: HeldSpec, numbers: Numbers, diameter_m: float | None
 ) -> tuple[float, str]:
-    """Return how far the part's diameter is off, as a share, and the sentence that says so.
+    """Return the relative error of the part's diameter, and a sentence that explains it.
 
-    Infinite where the part touches no wall; NaN where a diameter is not known.
+    The error is infinite if the part touches no wall, and NaN if a diameter is unknown.
     """
     shown, name = numbers[spec.diameter], robot.vocabulary.numbers[spec.diameter]
     told = f"{name} shows {shown * 1000:.0f} mm"

@@ -1,4 +1,4 @@
-"""Begin, confirm or refuse a run by what the sensors show before the first command."""
+"""Check the declared states against the sensors before the first command of a run."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pirate_sm.model.effects import Ended, Fault
 
 
 def go_on(moment: Moment, state: EngineState, look: confirmation.Look) -> EngineState:
-    """Compare what is declared with the sensors; a contradiction ends the run."""
+    """Continue the comparison of declared states and sensors; a contradiction ends the run."""
     robot, body = moment.robot, state.robot
     numbers, diameter_m = state.sensing.numbers, moment.program.diameter_m
     seen = confirmation.look(robot, look, body, numbers, diameter_m, moment.now_s)
@@ -21,7 +21,7 @@ def go_on(moment: Moment, state: EngineState, look: confirmation.Look) -> Engine
         state = state._replace(robot=body)
         change = robot_state.state_change(robot, body)
         if change != before:
-            moment.tell(change)
+            moment.emit(change)
     if seen.look is not None:
         return state
     if seen.contradictions:
@@ -32,20 +32,20 @@ def go_on(moment: Moment, state: EngineState, look: confirmation.Look) -> Engine
 
 
 def _refuse(moment: Moment, state: EngineState, seen: confirmation.LookResult) -> EngineState:
-    """End the run because the sensors contradict what is declared.
+    """End the run because the sensors contradict the declared states.
 
-    Nothing has been sent. Only wheels that turn are stopped: the safe array would actuate clamps
-    that may not be there.
+    No array was sent. The safe array is sent only if wheels turn, because it would actuate clamps
+    that may not hold.
     """
     message = (
         f"the sensors contradict what is declared: {'; '.join(seen.contradictions)}. "
         "Say with --state REGION=STATE where the robot is"
     )
-    moment.tell(Fault(confirmation.CODE, message, "stop"))
+    moment.emit(Fault(confirmation.CODE, message, "stop"))
     cause = f"{confirmation.CODE}: {message}"
     if not seen.turning:
         withdraw(moment, state)
-        moment.tell(Ended("fault", cause, ""))
+        moment.emit(Ended("fault", cause, ""))
         return state._replace(mission=state.mission._replace(ended=True))
     robot = state.robot._replace(sent=True)
     return end(moment, state._replace(robot=robot), "fault", cause)

@@ -1,1 +1,1 @@
-"""What must not happen: safety rules, and faults that signals show."""
+"""Safety rules, and faults found in the signals."""

@@ -15,11 +15,11 @@ from pirate_sm.engine.state import FaultState, Words
 from pirate_sm.model.fault_codes import BuiltInFault
 
 ANEW = frozenset({BuiltInFault.FIRMWARE_RESET.code, BuiltInFault.LINK_INTERRUPTED.code})
-"""After these what was known of the robot is past, and counters may begin at zero."""
+"""Faults after which all signals are unknown again, and counters may start at zero."""
 
 
-class Found(NamedTuple):
-    """A fault that has just come to be, and the parts whose clamps it shows not to hold."""
+class FoundFault(NamedTuple):
+    """A new fault, and the parts whose clamps it shows not to hold."""
 
     code: str
     message: str
@@ -27,13 +27,13 @@ class Found(NamedTuple):
     denies: frozenset[int] = frozenset()
 
     @classmethod
-    def built_in(cls, fault: BuiltInFault, message: str) -> Found:
-        """Return a fault that any robot can have."""
+    def built_in(cls, fault: BuiltInFault, message: str) -> FoundFault:
+        """Return a built-in fault with its message."""
         return cls(fault.code, message, fault.catchable)
 
 
 def no_faults(robot: RobotSpec) -> FaultState:
-    """Return the state of a robot of which no fault is known."""
+    """Return the fault state of a robot without known faults."""
     return FaultState((nan,) * len(robot.faults))
 
 
@@ -44,16 +44,16 @@ def look(
     sensing: Sensing,
     words: Words,
     now: float,
-) -> tuple[FaultState, tuple[Found, ...]]:
-    """Judge the fault rules that the board's signals can change.
+) -> tuple[FaultState, tuple[FoundFault, ...]]:
+    """Return the fault state after a board's frame, and the faults that it shows.
 
-    A rule is raised once when its condition has held long enough, and again only after it has
-    been untrue or unknown in between.
+    Only rules that depend on the board's signals are evaluated. A rule is raised once its condition
+    has held long enough, and again only after the condition was false or unknown in between.
     """
     numbers = sensing.numbers
     since: list[float] | None = None
     raised = faults.raised
-    found: list[Found] = []
+    found: list[FoundFault] = []
     for index in board.faults:
         rule = robot.faults[index]
         began = faults.since[index]
@@ -68,7 +68,7 @@ def look(
             since[index] = began = now
         if index not in raised and has_come(now, began + rule.held_s):
             raised |= {index}
-            found.append(Found(rule.code, rule.message, rule.catchable, rule.denies))
+            found.append(FoundFault(rule.code, rule.message, rule.catchable, rule.denies))
     blind, unseen = _blind(robot, faults.blind, board, sensing)
     found += unseen
     silent = faults.silent - {board.position} if faults.silent else faults.silent
@@ -80,26 +80,28 @@ def look(
 
 def _blind(
     robot: RobotSpec, blind: frozenset[int], board: BoardSpec, sensing: Sensing
-) -> tuple[frozenset[int], list[Found]]:
-    """Return which channels have no value, and a fault for each that has just lost its own.
+) -> tuple[frozenset[int], list[FoundFault]]:
+    """Return the channels without a value, and a fault for each one that has just lost its value.
 
-    A value that is not believed is reported as such and is not missing.
+    An implausible value is reported separately and does not count as missing.
     """
-    found: list[Found] = []
+    found: list[FoundFault] = []
     numbers, doubted = sensing.numbers, sensing.records[board.position].doubted
     if not blind and not isnan(sum([numbers[target] for _, target, _ in board.channels])):
-        return blind, found  # one sum tells that none is NaN
+        return blind, found  # the sum is NaN if any value is
     for _, target, _ in board.channels:
         if (isnan(numbers[target]) and target not in doubted) != (target in blind):
             blind ^= {target}
             if target in blind:
                 name = robot.vocabulary.numbers[target]
-                found.append(Found.built_in(BuiltInFault.SENSOR_SILENT, f"{name} has no value"))
+                found.append(
+                    FoundFault.built_in(BuiltInFault.SENSOR_SILENT, f"{name} has no value")
+                )
     return blind, found
 
 
 def unsettle(robot: RobotSpec, faults: FaultState, sensing: Sensing, words: Words) -> FaultState:
-    """Let rules begin anew that do not hold any more since boards have gone silent (rule 7)."""
+    """Restart the rules that no longer hold because boards have become silent (rule 7)."""
     since = tuple(
         began if isnan(began) or rule.when.evaluate(sensing.numbers, words) is True else nan
         for rule, began in zip(robot.faults, faults.since, strict=True)
@@ -109,12 +111,12 @@ def unsettle(robot: RobotSpec, faults: FaultState, sensing: Sensing, words: Word
 
 
 def begin_anew(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
-    """Forget everything but the odometry, which leaves out what was rolled unseen."""
+    """Return unknown signals, with the odometry kept: it omits what was rolled unobserved."""
     fresh = nothing_known(robot)
     numbers = list(fresh.numbers)
     if robot.odometry >= 0:
         numbers[robot.odometry] = sensing.numbers[robot.odometry]
-    heard_s = (now,) * len(fresh.heard_s)  # each board has its time to report
+    heard_s = (now,) * len(fresh.heard_s)  # each board gets its full time to report
     records = tuple(map(plausibility.begin_anew, sensing.records))
     return fresh._replace(
         numbers=tuple(numbers),
@@ -127,11 +129,11 @@ def begin_anew(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
 
 def listen(
     robot: RobotSpec, faults: FaultState, sensing: Sensing, now: float
-) -> tuple[FaultState, tuple[Found, ...]]:
-    """Report boards that have been silent for too long, once; all of them are the link.
+) -> tuple[FaultState, tuple[FoundFault, ...]]:
+    """Report each board once that has been silent for too long; all boards together mean the link.
 
-    A single board has longer where reports are lost, and is judged only while others report:
-    where all of them stop, one stops first.
+    The limit of a single board is longer where reports are lost. A single board is judged only
+    while others report: when the link fails, one board always becomes silent first.
     """
     silent_after_s, heard_s = robot.link.silent_after_s, sensing.heard_s
     newest_s = max(heard_s, default=now)
@@ -140,7 +142,9 @@ def listen(
         if every <= faults.silent:
             return faults, ()
         message = f"no board has reported for {silent_after_s:g} s"
-        return faults._replace(silent=every), (Found.built_in(BuiltInFault.LINK_SILENT, message),)
+        return faults._replace(silent=every), (
+            FoundFault.built_in(BuiltInFault.LINK_SILENT, message),
+        )
     if newest_s <= now - silent_after_s / 2:
         return faults, ()
     limit_s = silent_limit_s(robot.link, sensing.loss)
@@ -149,7 +153,7 @@ def listen(
     if not new:
         return faults, ()
     return faults._replace(silent=silent | faults.silent), tuple(
-        Found.built_in(
+        FoundFault.built_in(
             BuiltInFault.SENSOR_SILENT,
             f"board {board.id} ({board.module}) has not reported for {limit_s:.3g} s",
         )

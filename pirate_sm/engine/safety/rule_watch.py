@@ -1,4 +1,4 @@
-"""Watch the safety rules during a run: what breaks one ends the mission."""
+"""Check the safety rules during a run; a broken rule ends the mission."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pirate_sm.engine.state import EngineState
 
 
 def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
-    """Follow the rules to where the robot is now; end a mission that breaks one.
+    """Update the progress of the rules, and end a mission that breaks one.
 
-    A command of the operator that breaks a rule is only warned of: the mission goes on.
+    If a command of the operator breaks a rule, a warning is emitted and the mission continues.
     """
     if not state.rules:
         return state
@@ -29,7 +29,7 @@ def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
     )
     if places != state.rules:
         state = state._replace(rules=places)
-    # Where a fault leads elsewhere the mission has broken nothing: rules were asked before its last
+    # While a fault is being handled the mission breaks no rule: rules were checked before its last
     # command was sent, and its wheels are stopped before the handler begins.
     for rule in () if diverting else broken:
         if motion is not None and not motion.place:

@@ -1,9 +1,9 @@
-"""Judge safety rules: in every run, and before a command is sent that could break one.
+"""Evaluate safety rules: during every run, and before a command that could break one is sent.
 
-A rule sees the robot as it is commanded: the state of each region and the command just accepted
-(words), and how many parts are held, are confirmed to hold, and how many wheels are driven
-(numbers). Where a rule is, is one integer: how many commands may still be accepted until it must
-hold, or one of two marks.
+Conditions of rules see the commanded robot. Words: the state of each region, and the command just
+accepted. Numbers: how many parts are held, how many are confirmed to hold, and how many wheels are
+driven. The progress of a rule is one integer: the number of commands that may still be accepted
+until it must hold, or one of two special values.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from pirate_sm.model.events import SubmitResult
 from pirate_sm.model.fault_codes import BuiltInFault
 
 NUMBERS = ("clamps", "confirmed_clamps", "driven_wheels")
-"""Numbers that conditions of rules know, in this order."""
+"""The numbers that conditions of rules can use, in this order."""
 
 COMMAND = "command"
-"""The word after those of the regions: the command just accepted, unknown at other times."""
+"""The word after the regions: the command just accepted; unknown at other times."""
 
 CODE = BuiltInFault.RULE_VIOLATED.code
 
@@ -29,7 +29,7 @@ _IN_FORCE = 0
 
 
 def unseen(program: Program) -> tuple[int, ...]:
-    """Return where every rule is before the robot has been seen."""
+    """Return the initial progress of every rule."""
     return (_NOT_YET,) * len(program.rules)
 
 
@@ -41,15 +41,15 @@ def follow(
     steps: int,
     command: str | None = None,
 ) -> tuple[tuple[int, ...], tuple[RuleSpec, ...]]:
-    """Return where every rule is with the robot as given, and the rules that it violates.
+    """Return the progress of every rule for this state of the robot, and the violated rules.
 
     Args:
-        program: Holds the rules.
+        program: The program with the rules.
         robot: The robot.
-        before: Where the rules were.
-        body: What the robot has been commanded to.
+        before: The progress of the rules so far.
+        body: The commanded state of the robot.
         steps: How many commands have been accepted since ``before``.
-        command: The one just accepted, if one is.
+        command: The command just accepted, if any.
     """
     if not program.rules:
         return (), ()
@@ -81,12 +81,12 @@ def follow(
 
 
 def forbids(moment: Moment, places: tuple[int, ...], begun: RobotState) -> str:
-    """Return which rules a command would break as soon as it is accepted; empty: none.
+    """Return the rules that a command would break at its acceptance, as text; empty if none.
 
     Args:
-        moment: Its robot and program.
-        places: Where the rules are.
-        begun: The robot as it is once the command has begun.
+        moment: The context, with robot and program.
+        places: The progress of the rules.
+        begun: The robot after the command has begun.
     """
     flight, motion = begun.flight, begun.motion
     if not places or flight is None or motion is None:
@@ -99,5 +99,5 @@ def forbids(moment: Moment, places: tuple[int, ...], begun: RobotState) -> str:
 
 
 def said(rule: RuleSpec) -> str:
-    """Return the rule in one line."""
+    """Return the rule as one line of text."""
     return f"rule {rule.name} ({rule.text})" + (f": {rule.why}" if rule.why else "")

@@ -1,1 +1,1 @@
-"""Make SI signals of raw values, decide which to believe, derive the pipe around the robot."""
+"""Convert raw values to SI signals, judge their plausibility, derive the pipe around the robot."""

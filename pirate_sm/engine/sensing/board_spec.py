@@ -1,4 +1,4 @@
-"""What the frames of a robot's boards contain, and how often they come."""
+"""Specifications of the boards' frames and of the link's timing."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class WheelSpec(NamedTuple):
 
 
 class Vector(NamedTuple):
-    """A number made of three others: their indexes and the one it goes to."""
+    """A number derived from three others: their indexes, and its own index ``target``."""
 
     how: Literal["roll", "pitch", "norm"]
     sources: tuple[int, ...]
@@ -29,10 +29,10 @@ class Vector(NamedTuple):
 
 @dataclass(frozen=True)
 class BoardSpec:
-    """What one board's frame tells.
+    """The content of one board's frame.
 
     Attributes:
-        position: Index among the boards that are listened to.
+        position: Index among the boards that report.
         channels: (place in the frame, number index, scale to SI).
         rates: (number index, index of its rate).
         torques: (number index of the current, slot, scale, number index of the torque).
@@ -40,8 +40,8 @@ class BoardSpec:
         diameters: (number index of the apex angle, link length, 2r, target) of eq. 3-2.
         wheels: Its wheels.
         faults: Indexes of the fault rules that its signals can change.
-        zeros: (number index, what its sensor shows when it is zero), where that was calibrated.
-        watched: Its sensors whose values have limits.
+        zeros: (number index, reading at the zero position) of each calibrated sensor.
+        watched: Its sensors with plausibility limits.
     """
 
     id: int
@@ -59,17 +59,17 @@ class BoardSpec:
 
     @cached_property
     def length(self) -> int:
-        """Return how many values a frame must have at least."""
+        """Return the smallest number of values in a valid frame."""
         return max((place + 1 for place, *_ in self.channels), default=0)
 
     @cached_property
-    def told(self) -> frozenset[int]:
-        """Return :attr:`numbers`, to be asked whether one is among them."""
+    def number_set(self) -> frozenset[int]:
+        """Return :attr:`numbers` as a set."""
         return frozenset(self.numbers)
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        """Return the indexes of every number that comes from this board alone."""
+        """Return the indexes of all numbers that depend on this board only."""
         return (
             *(target for _, target, _ in self.channels),
             *(target for _, target in self.rates),
@@ -81,11 +81,11 @@ class BoardSpec:
 
 @dataclass(frozen=True)
 class LinkSpec:
-    """When a signal is stale, a board silent, an array sent again; how often a board reports.
+    """Timing of the link: report period, and limits for stale signals, silent boards and resends.
 
     Attributes:
-        period_s: The time between two reports of one board. What comes at shorter intervals has
-            waited somewhere.
+        period_s: The time between two reports of one board. Reports at shorter intervals were
+            delayed on their way.
     """
 
     period_s: float
@@ -96,5 +96,5 @@ class LinkSpec:
 
     @cached_property
     def listen_every_s(self) -> float:
-        """Return how often to look which boards are silent and which signals stale."""
+        """Return the interval of the checks for silent boards and stale signals."""
         return min(self.stale_after_s, self.silent_after_s) / 2

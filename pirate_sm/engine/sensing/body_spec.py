@@ -1,4 +1,4 @@
-"""The robot's chain of wheels and links, with the signals that its joints and sensors show."""
+"""The robot's chain of wheels and links, with the indexes of its signals."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ WHOLE = -1
 
 
 class Vee(NamedTuple):
-    """The V of a part that clamps.
+    """A part that clamps as a V.
 
     Attributes:
         wheels: Its wheels, front to rear.
         angle: Number index of the angle at its apex.
-        diameter: Number index of the inner diameter that this angle gives; -1 without one.
-        end_stop_rad: Largest angle that the apex can take, either way.
+        diameter: Number index of the inner diameter derived from this angle; -1 without one.
+        end_stop_rad: Largest angle of the apex in either direction.
     """
 
     wheels: tuple[int, ...]
@@ -31,12 +31,12 @@ class Vee(NamedTuple):
 
 
 class Imu(NamedTuple):
-    """Where the accelerometer sits: on the half of its link that is ahead of a roll joint.
+    """The accelerometer, on the half of its link ahead of a roll joint.
 
     Attributes:
         link: Index of its link.
         axes: Number indexes of the acceleration along the link ahead, towards side B and up.
-        roll: Number index of the angle by which its half is rolled against the rear; -1 without.
+        roll: Number index of its half's roll angle against the rear half; -1 without one.
     """
 
     link: int
@@ -46,11 +46,11 @@ class Imu(NamedTuple):
 
 @dataclass(frozen=True)
 class BodySpec(Chain):
-    """The robot's chain and where its signals stand.
+    """The robot's chain with the indexes of its signals.
 
     Attributes:
         joints: Per wheel the number index of its joint's angle; -1 without a joint.
-        parts: The V of each part, in the order of the robot's parts.
+        parts: The clamping parts, in the order of the robot's parts.
         wheel_radius_m: Radius of the wheels.
         roll_link: Index of the link with a roll joint; -1 without one.
         imu: The accelerometer; None without one.
@@ -71,7 +71,7 @@ class BodySpec(Chain):
         return tuple(numbers[joint] if joint >= 0 else 0.0 for joint in self.joints)
 
     def heading_in_pipe(self, numbers: Sequence[float], part: int, link: int) -> float:
-        """Return a link's heading against the axis of the pipe in which a part is clamped, rad.
+        """Return a link's heading relative to the pipe axis at a clamped part, rad.
 
         Args:
             numbers: The engine's signals; NaN is unknown.
@@ -79,7 +79,7 @@ class BodySpec(Chain):
             link: Index of the link.
 
         Returns:
-            The heading, counted towards side A; NaN where an angle in between is unknown.
+            The heading, positive towards side A; NaN if an angle in between is unknown.
         """
         angles, vee = self.angles(numbers), self.parts[part]
         first, last = vee.wheels[0], vee.wheels[-1]
@@ -92,5 +92,5 @@ class BodySpec(Chain):
 
 
 def known(points: Sequence[Place], wheels: Sequence[int]) -> bool:
-    """Return whether the place of every one of the wheels is known."""
+    """Return whether the positions of all these wheels are known."""
     return not any(isnan(points[wheel][0]) for wheel in wheels)

@@ -1,4 +1,4 @@
-"""Make signals of raw frames: conversions, rates, torques, diameters, odometry (appendix B)."""
+"""Convert raw frames to signals: scales, rates, torques, diameters, odometry (appendix B)."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ def observe(
     *,
     sent: bool = True,
 ) -> tuple[Sensing, list[FaultReport]]:
-    """Return what is known after a frame, and the sensors that have been found to be wrong.
+    """Return the signals after a frame, and reports of sensors found to be faulty.
 
-    Speeds are those over the time since the board's last frame, but at least over its period:
-    frames that have waited together are read together, and a wheel has not turned faster for it.
+    Rates are differences over the time since the board's last frame, at least over its period:
+    delayed frames arrive together, which must not look like a faster motion.
 
     Args:
-        robot: Whose boards they are.
-        sensing: What was known before.
-        frame: Raw values; a board that the robot does not have changes nothing.
-        setpoints: Values in force per slot; they give the sign of currents (eq. 5-3).
-        latest: Values last sent, which may be in force already: a wheel is driven by either.
+        robot: The robot with its boards.
+        sensing: The signals before the frame.
+        frame: Raw values; a frame of an unknown board is ignored.
+        setpoints: Values in force per slot; they give the signs of the torques (eq. 5-3).
+        latest: Values last sent, which may be in force already; a wheel driven by either is driven.
         now: When the frame was received.
-        sent: Whether anything has been sent at all.
+        sent: Whether any array was ever sent.
     """
     board = robot.boards.get(frame.board)
     if board is None or len(frame.values) < board.length:
@@ -74,7 +74,7 @@ def _derive(
     setpoints: Numbers,
     elapsed_s: float,
 ) -> None:
-    """Fill in the rates, torques, vectors and diameters that follow from a board's values."""
+    """Compute the rates, torques, vectors and diameters derived from a board's values, in place."""
     for source, target in board.rates:
         numbers[target] = (numbers[source] - before[source]) / elapsed_s
     for source, slot, scale, target in board.torques:
@@ -89,7 +89,7 @@ def _derive(
 
 
 def convert(board: BoardSpec, raw: Numbers, numbers: Sequence[float]) -> list[float]:
-    """Return the numbers with those that the board measures in place of what they were, in SI."""
+    """Return all numbers, with those that the board measures updated; SI units."""
     converted = list(numbers)
     for place, target, scale in board.channels:
         converted[target] = raw[place] * scale
@@ -99,11 +99,11 @@ def convert(board: BoardSpec, raw: Numbers, numbers: Sequence[float]) -> list[fl
 
 
 def _ask(robot: RobotSpec, asked: MotorRequest, setpoints: Numbers, now: float) -> MotorRequest:
-    """Return what the motors have been asked since when."""
+    """Return the array last sent, with its time and whether it drives a wheel."""
     if setpoints is asked.setpoints:
         return asked
     if setpoints == asked.setpoints:
-        return asked._replace(setpoints=setpoints)  # so that they are the same next time
+        return asked._replace(setpoints=setpoints)  # identical objects compare faster next time
     driving = any(setpoints[wheel.slot] for wheel in robot.wheels) if setpoints else False
     return MotorRequest(setpoints, now, driving)
 
@@ -114,12 +114,12 @@ def _vector(vector: Vector, numbers: list[float]) -> float:
         return sqrt(x * x + y * y + z * z)
     if isnan(x) or isnan(y) or isnan(z):
         return nan
-    # B-13 and B-14; atan2 agrees where the sensor is upright and is right elsewhere too.
+    # B-13 and B-14; atan2 gives the same for an upright sensor and is valid in all quadrants.
     return atan2(-y, z) if vector.how == "roll" else atan2(x, hypot(y, z))
 
 
 def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
-    """Make the signals of boards unknown that have not reported for too long."""
+    """Return the signals, with those of boards that have not reported for too long unknown."""
     limit = now - robot.link.stale_after_s
     if min(sensing.heard_s, default=now) > limit:
         return sensing._replace(checked_s=now)

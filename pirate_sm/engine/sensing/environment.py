@@ -1,18 +1,17 @@
-"""The pipe around the robot, derived from its own signals and the detector's words (thesis alg. 5).
+"""Derive the pipe around the robot from its signals and the detector's words (thesis alg. 5).
 
-- *Diameter*: that of the parts whose clamp is confirmed, h + 2r (eq. 3-2). In a bend a part counts
-  only if it shows the diameter of the straight before: one that stands askew over the bend
-  shows another, and its axis is not that of the pipe.
-- *Pitch and roll*: the accelerometer's, turned into the axis of the pipe. A clamped part lies
-  along the pipe; the link with the accelerometer stands obliquely to it, at the heading that the
-  joint angles in between give.
+- *Diameter*: mean of the parts whose clamp is confirmed, h + 2r (eq. 3-2). In a bend a part counts
+  only if it shows the diameter of the straight before: a part that stands across the bend shows
+  another diameter, and its axis differs from the pipe's.
+- *Pitch and roll*: from the accelerometer, rotated into the axis of the pipe. A clamped part lies
+  along the pipe; the joint angles in between give the heading of the accelerometer's link.
 - *Segment*: ``Joint`` from the first word of a bend until the one that says that the whole robot
   is beyond it, and wherever two clamped parts lie along different axes; ``Out`` where every
   clamped part has opened to its end stop, so that there is no wall; ``Straight`` where a part has
   a wall and no bend has been announced.
 
-What cannot be known is NaN, or an empty segment. A report from outside counts instead for as long
-as it is valid.
+An unknown value is NaN, an unknown segment is empty. A report from outside replaces the derived
+values for as long as it is valid.
 """
 
 from __future__ import annotations
@@ -30,54 +29,54 @@ from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
 from pirate_sm.model.effects import Environment
 
 OUT, STRAIGHT, JOINT = SEGMENTS = ("Out", "Straight", "Joint")
-"""What the segment may be called (thesis section 4-3-2)."""
+"""The names of segments (thesis section 4-3-2)."""
 
 SURVEY_EVERY_S = 0.2
-"""Often enough at 0.1 m/s, and slow beside the cost of looking [decided]."""
+"""Frequent enough at 0.1 m/s, and rare compared with the cost of one evaluation [decided]."""
 
 _SAMPLES = 9
-"""Of this many accelerations the median counts: a jolt of a motor is not gravity [decided]."""
+"""Length of the median filter of accelerations; it removes the jolts of motors [decided]."""
 
 _AT_REST = 0.1
-"""An acceleration that differs from gravity by a larger share of it is not its direction."""
+"""Largest relative deviation from gravity of an acceleration that counts as its direction."""
 
 _UPRIGHT = 0.2
-"""Where less than this share of gravity lies across the pipe (78 deg), it has no roll."""
+"""With a smaller share of gravity across the pipe (78 deg), the roll is undefined."""
 
 _TURNED_RAD = radians(20)
-"""Axes of two clamped parts that differ by more belong to two legs [decided]."""
+"""Two clamped parts whose axes differ by more are in different legs of the pipe [decided]."""
 
 _COPLANAR_RAD = radians(10)
-"""With more roll between the parts their headings cannot be compared."""
+"""Headings of parts are compared only up to this roll between them."""
 
 _LEAST_SAMPLES = 5
-"""With fewer of them roll and pitch are not known yet."""
+"""Roll and pitch are unknown with fewer accelerations."""
 
 _AGREEING = 0.03
-"""Parts whose diameters differ by a larger share do not all stand in a straight [decided]."""
+"""Largest relative difference of the diameters of parts in one straight [decided]."""
 
 _OPEN_RAD = radians(2)
-"""A clamped V this near to its end stop has no wall [decided]."""
+"""A clamped V nearer to its end stop touches no wall [decided]."""
 
 _NOISE_RAD, _NOISE_M = radians(1), 1e-3
-"""Changes up to these are not reported."""
+"""Smaller changes are not reported."""
 
 _NO_FORCE: Vector = (nan, nan, nan)
 NOTHING_AROUND = Environment("", nan, nan, nan)
 
 
 class Surveyed(NamedTuple):
-    """What is remembered of the surroundings.
+    """The memory of the survey.
 
     Attributes:
-        reported: The last report, to compare the next one with.
-        forces: The last specific forces along the pipe, to side B and up, m/s^2.
-        felt_s: When the last of them was measured.
-        part: The clamped part along which they were turned; -1 without one.
-        in_bend: Whether a word has announced a bend that no word has said to be passed.
-        due_s: When to look again.
-        outside_until_s: Until when a report from outside is valid.
-        straight_m: The diameter of the last straight; NaN before the first.
+        reported: The last report, for comparison with the next one.
+        forces: The last specific forces along the pipe, towards side B and up, m/s^2.
+        felt_s: When the last force was measured.
+        part: The clamped part that gives the pipe's axis; -1 without one.
+        in_bend: Whether a word has announced a bend that is not passed yet.
+        due_s: When the survey is due again.
+        outside_until_s: End of the validity of a report from outside.
+        straight_m: Diameter of the last straight; NaN before the first.
     """
 
     reported: Environment = NOTHING_AROUND
@@ -91,7 +90,7 @@ class Surveyed(NamedTuple):
 
 
 def nothing_surveyed(*, nominal: bool) -> Surveyed:
-    """Return what is known at first; where no sensor will speak there is nothing to look for."""
+    """Return the initial memory; without sensors (``nominal``) the survey is never due."""
     return Surveyed(due_s=inf) if nominal else Surveyed()
 
 
@@ -104,16 +103,16 @@ def survey(
     raised: frozenset[int],
     now_s: float,
 ) -> tuple[Surveyed, Environment]:
-    """Return what is to be remembered, and the surroundings as signals and words tell them.
+    """Return the updated memory, and the surroundings derived from signals and words.
 
     Args:
         robot: The robot.
-        before: What was remembered.
-        state: What the robot is commanded to.
+        before: The memory so far.
+        state: The commanded state of the robot.
         numbers: Every signal in SI; NaN is unknown.
-        word: The detector's valid word, if there is one.
-        raised: Fault rules that are raised, by index.
-        now_s: When it is.
+        word: The detector's valid word, if any.
+        raised: Indexes of the raised fault rules.
+        now_s: The time.
     """
     body = robot.body
     in_bend = before.in_bend if word is None else word not in robot.words_behind
@@ -146,10 +145,10 @@ def survey(
 def _along(
     body: BodySpec, parts: list[int], numbers: Sequence[float], straight_m: float
 ) -> list[int]:
-    """Return the parts that lie along the pipe: they show the diameter of the last straight.
+    """Return the parts that lie along the pipe, because they show the last straight's diameter.
 
-    Where that is unknown two parts can be compared with each other only, and one alone shows
-    nothing.
+    While that diameter is unknown, two parts are compared with each other, and a single part does
+    not count.
     """
     if isnan(straight_m):
         return parts if len(parts) > 1 else []
@@ -162,14 +161,14 @@ def _along(
 
 
 def _segment(body: BodySpec, walled: Sequence[int], numbers: Sequence[float], in_bend: bool) -> str:
-    """Return the segment of a robot that holds on and of which no bend's word is valid."""
+    """Return the segment around a clamped robot while no word announces a bend."""
     if len(walled) > 1 and _turn(body, walled, numbers) > _TURNED_RAD:
         return JOINT
     return "" if in_bend else STRAIGHT
 
 
 def _turn(body: BodySpec, parts: Sequence[int], numbers: Sequence[float]) -> float:
-    """Return the largest angle between the axes along which parts lie; 0 where it is unknown."""
+    """Return the largest angle between the axes of the parts, rad; 0 if it is unknown."""
     roll = body.imu.roll if body.imu else -1
     if roll >= 0 and not abs(numbers[roll]) <= _COPLANAR_RAD:
         return 0.0
@@ -184,9 +183,9 @@ def _is_open(body: BodySpec, part: int, numbers: Sequence[float]) -> bool:
 
 
 def _diameter(body: BodySpec, parts: Sequence[int], numbers: Sequence[float]) -> float:
-    """Return the mean inner diameter that the parts show, m; NaN where none does, or they differ.
+    """Return the mean inner diameter that the parts show, m; NaN if it is unknown or they differ.
 
-    A part that stands over a bend shows another diameter than that of the pipe.
+    A part that stands across a bend shows a diameter that is not the pipe's.
     """
     shown = [numbers[body.parts[part].diameter] for part in parts if body.parts[part].diameter >= 0]
     known = [diameter for diameter in shown if not isnan(diameter)]
@@ -198,7 +197,7 @@ def _diameter(body: BodySpec, parts: Sequence[int], numbers: Sequence[float]) ->
 def _felt(
     robot: RobotSpec, before: Surveyed, part: int, numbers: Sequence[float], now_s: float
 ) -> tuple[tuple[Vector, ...], float]:
-    """Return the last specific forces in the axes of the pipe, and when the last was measured."""
+    """Return the last specific forces in the axes of the pipe, and the time of the last."""
     forces = before.forces if part == before.part else ()
     force = _in_pipe(robot.body, part, numbers) if part >= 0 else _NO_FORCE
     if abs(hypot(*force) - GRAVITY_M_S2) <= _AT_REST * GRAVITY_M_S2:
@@ -208,7 +207,7 @@ def _felt(
 
 
 def _in_pipe(body: BodySpec, part: int, numbers: Sequence[float]) -> Vector:
-    """Return the specific force along the axis in which a part is clamped, to its B and up."""
+    """Return the specific force along the axis of a clamped part, towards its side B, and up."""
     imu = body.imu
     if imu is None:
         return _NO_FORCE
@@ -230,7 +229,7 @@ def _attitude(forces: Sequence[Vector]) -> tuple[float, float]:
 
 
 def differs(old: Environment, new: Environment) -> bool:
-    """Return whether a report says more than noise would."""
+    """Return whether two reports differ by more than noise."""
     return (
         old.segment != new.segment
         or _has_moved(old.roll_rad, new.roll_rad, _NOISE_RAD, turn=2 * pi)
@@ -240,7 +239,7 @@ def differs(old: Environment, new: Environment) -> bool:
 
 
 def _has_moved(old: float, new: float, noise: float, turn: float = inf) -> bool:
-    """Return whether a value differs by more than noise, or has become known or unknown."""
+    """Return whether a value has changed by more than noise, or became known or unknown."""
     if isnan(old) or isnan(new):
         return isnan(old) != isnan(new)
     return abs(remainder(new - old, turn)) > noise

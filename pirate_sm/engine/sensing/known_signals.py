@@ -1,4 +1,4 @@
-"""What is known of a robot's signals, and what of it a wait compares."""
+"""The known signals of a robot, and their changes since a wait began."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from typing import NamedTuple
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing import plausibility
-from pirate_sm.engine.sensing.sensor_memory import Record
+from pirate_sm.engine.sensing.sensor_memory import BoardMemory
 
 Numbers = tuple[float, ...]
 
 
 class MotorRequest(NamedTuple):
-    """What the motors have been asked.
+    """The array last sent to the motors.
 
     Attributes:
-        setpoints: The array last sent; empty before the first.
+        setpoints: The array; empty before the first.
         since_s: When it was sent.
         driving: Whether a wheel is driven.
     """
@@ -27,23 +27,23 @@ class MotorRequest(NamedTuple):
 
 
 class Sensing(NamedTuple):
-    """What is known of the world.
+    """Everything known from sensors.
 
     Attributes:
         numbers: Signals in the order of the vocabulary, SI; NaN is unknown.
-        heard_s: Per board when it last reported; -inf before it ever did.
-        checked_s: When staleness was last looked at.
-        stale: Boards whose signals have been forgotten.
-        shares: Per wheel its share of the odometry when its board last reported; 0 when the wheel
-            was not driven then. A wheel that has just been stopped still brings in what it
-            rolled until then.
-        angles: Per wheel what its sensor last showed, however long ago: what it has rolled while
-            its board could not be heard is not lost with the frames.
-        records: Per board what is remembered of its sensors, to know which values to believe.
-        asked: What the motors have been asked, which tells what can move.
-        loss: Share of the boards' reports that is lost, lately.
-        told: In place of ``numbers``, what a script says that conditions see; empty without one.
-            Changes of signals may follow, see :func:`with_changes`.
+        heard_s: Per board the time of its last report; -inf before the first.
+        checked_s: Time of the last check for stale signals.
+        stale: Boards whose signals were set to unknown.
+        shares: Per wheel its share in the odometry at its board's last report; 0 if the wheel was
+            not driven then. A wheel that has just been stopped still counts for the distance
+            rolled before.
+        angles: Per wheel the last reading of its sensor, however old, so that the distance rolled
+            during lost frames still counts.
+        records: Per board the memory of its sensors, for the plausibility of their next values.
+        asked: The array last sent to the motors, which determines what can move.
+        loss: Share of the boards' reports that was lost recently.
+        told: Signals from a script that conditions see in place of ``numbers``; empty without a
+            script. Changes of signals may follow, see :func:`with_changes`.
     """
 
     numbers: Numbers
@@ -52,42 +52,42 @@ class Sensing(NamedTuple):
     stale: frozenset[int] = frozenset()
     shares: tuple[float, ...] = ()
     angles: tuple[float, ...] = ()
-    records: tuple[Record, ...] = ()
+    records: tuple[BoardMemory, ...] = ()
     asked: MotorRequest = MotorRequest()
     loss: float = 0.0
     told: Numbers = ()
 
     @property
     def shown(self) -> Numbers:
-        """Return what conditions of the mission see; position loops go by the boards alone."""
+        """Return the signals that conditions of the mission see; loops use those of the boards."""
         return self.told[: len(self.numbers)] or self.numbers
 
     @property
     def doubted(self) -> frozenset[int]:
-        """Return the number indexes that rest on a sensor whose last reading is not believed.
+        """Return the number indexes that depend on a sensor whose last reading is implausible.
 
-        The number is NaN, except in the first few readings, where it is the last believed value:
+        Such a number is NaN. During the first few readings it is the last plausible value, because
         the sensor may only have spiked.
         """
         return frozenset().union(*[record.doubted for record in self.records])
 
 
 def with_changes(sensing: Sensing, origin: Numbers) -> Numbers:
-    """Return the signals, and after them how much each has changed since a wait began.
+    """Return the signals, followed by the change of each signal since a wait began.
 
     Args:
-        sensing: What is known now.
-        origin: The signals when the wait began. A change is unknown (NaN) where the signal is
-            unknown now or was unknown then.
+        sensing: The signals now.
+        origin: The signals when the wait began. A change is NaN if the signal is unknown now or
+            was unknown then.
     """
     shown = sensing.shown
-    if len(sensing.told) > len(shown):  # a script says the changes too
+    if len(sensing.told) > len(shown):  # a script gives the changes too
         return sensing.told
     return (*shown, *(now - then for now, then in zip(shown, origin, strict=True)))
 
 
 def nothing_known(robot: RobotSpec, *, blind: bool = False) -> Sensing:
-    """Return unknown signals; the odometer stands at zero unless nothing will ever be seen."""
+    """Return unknown signals; the odometry starts at zero, or unknown if ``blind``."""
     numbers = [nan] * len(robot.vocabulary.numbers)
     if robot.odometry >= 0 and not blind:
         numbers[robot.odometry] = 0.0

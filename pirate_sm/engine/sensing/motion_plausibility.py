@@ -1,11 +1,11 @@
-"""Compare the motion that a sensor shows with what its motor was asked."""
+"""Compare the motion that a sensor shows with the setpoint of its motor."""
 
 from __future__ import annotations
 
 from math import inf, isnan, nan
 
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchSpec
-from pirate_sm.engine.sensing.sensor_memory import Channel, Numbers, Reading
+from pirate_sm.engine.sensing.sensor_memory import Numbers, Reading, SensorMemory
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.fault_codes import BuiltInFault
 
@@ -13,12 +13,12 @@ from pirate_sm.model.fault_codes import BuiltInFault
 def after_motion(
     spec: PlausibilitySpec,
     watch: WatchSpec,
-    channel: Channel,
+    channel: SensorMemory,
     numbers: Numbers,
     reading: Reading,
     reports: list[FaultReport],
-) -> Channel:
-    """Return the channel of something that moves, after its motion was compared with its motor."""
+) -> SensorMemory:
+    """Return the memory of a motion sensor after a comparison with its motor's setpoint."""
     value = numbers[watch.number]
     duty = abs(reading.setpoints[watch.slot])
     if watch.load >= 0 and (duty > watch.least_duty or channel.same_s < inf):
@@ -34,13 +34,13 @@ def after_motion(
 def _stuck(
     spec: PlausibilitySpec,
     watch: WatchSpec,
-    channel: Channel,
+    channel: SensorMemory,
     value: float,
     free: bool,
     now_s: float,
     reports: list[FaultReport],
-) -> Channel:
-    """Report a sensor that shows no motion although its motor is driven and bears no load."""
+) -> SensorMemory:
+    """Report a sensor without motion although its motor is driven without load."""
     if not free:
         return channel if channel.same_s == inf else channel._replace(same_s=inf)
     if channel.same_s == inf or value != channel.same:
@@ -58,12 +58,12 @@ def _stuck(
 def _unasked(
     spec: PlausibilitySpec,
     watch: WatchSpec,
-    channel: Channel,
+    channel: SensorMemory,
     good: float,
     since_s: float,
     reports: list[FaultReport],
-) -> Channel:
-    """Report a motion while every wheel is at rest and nothing new has been asked for."""
+) -> SensorMemory:
+    """Report a motion although no wheel is driven and the setpoints have not changed."""
     if isnan(good):
         return channel
     if channel.rest_of_s != since_s:
@@ -72,7 +72,7 @@ def _unasked(
         calm = channel.proven and channel.away == 0
         return channel if calm else channel._replace(proven=True, away=0)
     if not channel.proven and channel.away < spec.moved_readings:
-        # Either of the two readings may be damaged.
+        # Each of the two readings may be corrupt.
         return channel._replace(rest=good, away=channel.away + 1)
     if channel.away + 1 < spec.moved_readings:
         return channel._replace(away=channel.away + 1)

@@ -1,4 +1,4 @@
-"""Add up what the driven wheels have rolled, and take the mean of their speeds."""
+"""Compute odometry and speed from the driven wheels."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pirate_sm.engine.sensing.known_signals import Numbers, Sensing
 
 
 def either(setpoints: Numbers, latest: Numbers) -> Numbers:
-    """Return the setpoints in force, with the latest ones where those are zero."""
+    """Return the setpoints in force, replaced by the latest where they are zero."""
     return tuple(old or new for old, new in zip(setpoints, latest, strict=True))
 
 
@@ -22,12 +22,11 @@ def roll_on(
     driven: Numbers,
     now: float,
 ) -> tuple[Numbers, Numbers]:
-    """Take a board's wheels into odometry and speed; return the new shares and angles.
+    """Update odometry and speed with a board's wheels; return the new shares and angles.
 
-    Odometry is the mean over the driven wheels that can be measured of what their rims rolled;
-    each wheel's share is added when its board reports, for all the time since it last did. One
-    whose board has been silent for so long that it is a fault has no share from then on: the
-    others stand in, and of its own way only the part before that counts.
+    Odometry is the mean distance rolled by the driven, measured wheels. A wheel's share is added
+    when its board reports, for the whole time since its last report. A wheel whose board has been
+    silent long enough for a fault gets no share from then on; the other wheels replace it.
     """
     limit_s = now - robot.link.silent_after_s
     silence_s = now - sensing.heard_s[board.position]
@@ -52,7 +51,7 @@ def roll_on(
 
 
 def _speed(robot: RobotSpec, numbers: list[float], driven: Numbers) -> float:
-    """Return the mean over the driven wheels that can be measured, over all when none is driven."""
+    """Return the mean speed of the measured driven wheels, or of all wheels if none is driven."""
     known, total, every, sum_ = 0, 0.0, 0, 0.0
     for wheel in robot.wheels:
         speed = numbers[wheel.speed] * wheel.metres_per_rad

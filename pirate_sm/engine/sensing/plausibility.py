@@ -1,17 +1,17 @@
-"""Decide which sensor values are possible, and report sensors that show impossible ones.
+"""Decide which sensor values are plausible, and report faulty sensors.
 
-Every value of a frame is compared with what the body and the motors can do. An impossible value
-is held back for a few readings, with the last believed value in its place: a spike is over by
-then. A value that lasts is believed if it can be true: the next reading goes on the same way (a
-trend), or it belongs to a counter, which may have begun anew. The angle of a joint that has
-jumped is not believed: nobody can tell which of the two angles is right. It is unknown until it
-jumps back. So is a value outside its range, and one whose sensor is stuck.
+Every value of a frame is compared with what the body and the motors can do. An impossible value is
+held back for a few readings and replaced by the last believed value, because a spike is over by
+then. A value that persists is believed if it can be true: the next reading continues in the same
+direction (a trend), or the value is a counter, which may have restarted. The angle of a joint that
+has jumped is not believed, because either of the two angles may be the wrong one. It is unknown
+until it jumps back. A value outside its range and the value of a stuck sensor are unknown as well.
 
-A joint behind a spring can snap faster than its motor turns. Then the spring unwinds by as much as
-the joint has turned, and its torque, which another sensor measures, shows it: such an angle is
-believed at once.
+A joint behind a spring can snap faster than its motor turns. The spring then unwinds by the angle
+that the joint has turned, and its torque, which another sensor measures, changes accordingly. Such
+an angle is believed at once.
 
-Values are SI; unknown is NaN. The thresholds stand in the profile, section ``plausibility``.
+Values are in SI units; unknown is NaN. The profile holds the thresholds, in ``plausibility``.
 """
 
 from __future__ import annotations
@@ -21,25 +21,25 @@ from math import inf, isnan, nan
 
 from pirate_sm.engine.sensing.motion_plausibility import after_motion
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
-from pirate_sm.engine.sensing.sensor_memory import Channel, Numbers, Reading, Record
+from pirate_sm.engine.sensing.sensor_memory import BoardMemory, Numbers, Reading, SensorMemory
 from pirate_sm.engine.sensing.value_plausibility import believed, reach, weigh, weigh_jumped
 from pirate_sm.model.events import FaultReport
 
 
-def unseen(watched: WatchedSpec) -> Record:
-    """Return the record of a board that has not reported."""
-    return Record((Channel(),) * len(watched.sensors))
+def unseen(watched: WatchedSpec) -> BoardMemory:
+    """Return the memory of a board that has not reported yet."""
+    return BoardMemory((SensorMemory(),) * len(watched.sensors))
 
 
-def begin_anew(record: Record) -> Record:
-    """Return the record after a restart, when counters may have begun at zero.
+def begin_anew(record: BoardMemory) -> BoardMemory:
+    """Return the memory after a restart of the firmware, when counters may start at zero.
 
-    The angle of a joint survives a restart, so a sensor that was not believed still is not.
+    Joint angles survive a restart, so an implausible joint sensor stays implausible.
     """
     channels = tuple(
         channel._replace(rest_of_s=inf, same_s=inf)
         if channel.jumped or not isnan(channel.stuck)
-        else Channel(hidden=channel.hidden)
+        else SensorMemory(hidden=channel.hidden)
         for channel in record.channels
     )
     return record._replace(channels=channels, seen=0)
@@ -48,26 +48,26 @@ def begin_anew(record: Record) -> Record:
 def sift(
     spec: PlausibilitySpec,
     watched: WatchedSpec,
-    record: Record,
+    record: BoardMemory,
     numbers: list[float],
     reading: Reading,
-) -> tuple[Record, list[FaultReport]]:
-    """Replace the numbers that are not to be believed, and report sensors that are wrong.
+) -> tuple[BoardMemory, list[FaultReport]]:
+    """Replace implausible numbers, and report faulty sensors.
 
     Args:
         spec: Thresholds of the robot.
-        watched: The board's sensors that have limits.
-        record: What is remembered of them.
-        numbers: All numbers, those of this board as it reports them; changed in place.
-        reading: The circumstances.
+        watched: The board's sensors with limits.
+        record: The memory of these sensors.
+        numbers: All numbers, with those of this board as reported; modified in place.
+        reading: The circumstances of the frame.
 
     Returns:
-        The new record, and the faults that have come to be.
+        The new memory, and the new faults.
     """
     reports: list[FaultReport] = []
-    channels: list[Channel] | None = None
+    channels: list[SensorMemory] | None = None
     shown = numbers
-    remembered: Sequence[Channel] = record.channels
+    remembered: Sequence[SensorMemory] = record.channels
     if record.special or not _plain(watched, numbers, reading):
         shown = list(numbers)
         channels = [
@@ -84,7 +84,7 @@ def sift(
                 if after is not channel:
                     remembered = channels = channels or list(remembered)
                     channels[at] = after
-    seen = record.seen if record.seen > spec.hold_back else record.seen + 1  # no need of more
+    seen = record.seen if record.seen > spec.hold_back else record.seen + 1  # limited
     if channels is None:
         return (record if seen == record.seen else record._replace(seen=seen)), reports
     for watch, channel in zip(watched.sensors, channels, strict=True):
@@ -93,21 +93,21 @@ def sift(
     return _record(watched, channels, seen), reports
 
 
-def _record(watched: WatchedSpec, channels: Sequence[Channel], seen: int) -> Record:
-    """Return the record of these channels, with the numbers that are doubted."""
+def _record(watched: WatchedSpec, channels: Sequence[SensorMemory], seen: int) -> BoardMemory:
+    """Return the memory of a board with these sensors and its doubted numbers."""
     doubted = [
         watch.numbers
         for watch, channel in zip(watched.sensors, channels, strict=True)
         if channel.doubted
     ]
     special = any(not channel.calm for channel in channels)
-    return Record(tuple(channels), seen, special, frozenset().union(*doubted))
+    return BoardMemory(tuple(channels), seen, special, frozenset().union(*doubted))
 
 
 def _plain(watched: WatchedSpec, numbers: Numbers, reading: Reading) -> bool:
     """Return whether every value is in its range and near the previous one.
 
-    Most frames are like this, and every frame of a simulation passes here.
+    A fast path: most frames pass this test, and every frame is tested.
     """
     before, elapsed_s = reading.before, reading.elapsed_s
     for number, low, high in watched.ranges:
@@ -122,13 +122,13 @@ def _plain(watched: WatchedSpec, numbers: Numbers, reading: Reading) -> bool:
 def _believe(
     spec: PlausibilitySpec,
     watch: WatchSpec,
-    channel: Channel,
+    channel: SensorMemory,
     seen: int,
     shown: list[float],
     reading: Reading,
     reports: list[FaultReport],
-) -> Channel:
-    """Return the channel after a reading; what is shown of it takes its place in ``shown``."""
+) -> SensorMemory:
+    """Return the sensor's memory after a reading, and write the shown value into ``shown``."""
     if channel.calm:
         good, good_s = reading.before[watch.number], reading.now_s - reading.elapsed_s
         wound = _torque(watch, reading.before)
@@ -146,11 +146,11 @@ def _believe(
 
 
 def _snapped(
-    watch: WatchSpec, channel: Channel, value: float, numbers: Numbers, reading: Reading
+    watch: WatchSpec, channel: SensorMemory, value: float, numbers: Numbers, reading: Reading
 ) -> bool:
-    """Return whether the spring of a joint has unwound by as much as the joint has turned.
+    """Return whether a joint's spring has unwound by the angle that the joint has turned.
 
-    What is left is the turn of the motor before the spring, which nobody can push.
+    The difference of the two is the motion of the motor, which no outside force can turn.
     """
     if not watch.low <= value <= watch.high:
         return False

@@ -1,4 +1,4 @@
-"""What is known beforehand of the sensors that are judged: limits, rates and thresholds."""
+"""Limits, rates and thresholds for judging the plausibility of sensors."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ from typing import NamedTuple
 
 
 class WatchSpec(NamedTuple):
-    """What is known beforehand of a sensor that measures a motor, SI.
+    """Limits of a sensor that measures a motor, in SI units.
 
     Attributes:
         number: Index of its number.
-        name: For people.
-        numbers: Indexes of the numbers that rest on it, its own included.
-        low: Least value that it can have; ``high`` the largest.
-        rate: Fastest change per second; ``slack`` is allowed besides at any time.
-        moved: A change that is a motion; infinite where it does not measure one.
+        name: Name for messages.
+        numbers: Indexes of the numbers that depend on it, including its own.
+        low: Smallest possible value; ``high``: the largest.
+        rate: Fastest change per second; ``slack`` is allowed in addition.
+        moved: Smallest change that counts as motion; infinite if it measures no motion.
         slot: Index of the setpoint of its motor.
-        joint: Whether it is the angle of a joint, which cannot begin anew as a counter can.
-        least_duty: Below it, what it measures may stand still though driven.
-        load: Index of the current of the same motor; -1 where that is not measured.
-        full_load: That current when the motor is stalled at full duty.
-        torque: Index of the torque of the spring behind the motor; -1 where that is not measured.
-        stiffness: Of that spring, per unit of the angle.
-        turns: Speed of the motor without load.
-        unit: In which people read it; ``per_unit`` is SI per unit.
+        joint: Whether it is the angle of a joint, which cannot restart as a counter can.
+        least_duty: Below this duty the motor may stand still although driven.
+        load: Index of the current of the same motor; -1 if it is not measured.
+        full_load: That current when the motor stalls at full duty.
+        torque: Index of the torque of the spring behind the motor; -1 if it is not measured.
+        stiffness: Stiffness of that spring, per unit of the angle.
+        turns: No-load speed of the motor.
+        unit: Unit for messages; ``per_unit`` is its SI value.
     """
 
     number: int
@@ -49,29 +49,29 @@ class WatchSpec(NamedTuple):
     per_unit: float = 1.0
 
     def in_words(self, value: float) -> str:
-        """Return the value as people read it."""
+        """Return the value in its unit for messages."""
         return f"{value / self.per_unit:.3g} {self.unit}".strip()
 
 
 @dataclass(frozen=True)
 class WatchedSpec:
-    """Sensors of one board, and what must be looked up in every frame."""
+    """The watched sensors of one board, with lookup tables for every frame."""
 
     sensors: tuple[WatchSpec, ...] = ()
 
     @cached_property
     def ranges(self) -> tuple[tuple[int, float, float], ...]:
-        """Return number index, least and largest value of the sensors that have a range."""
+        """Return number index, smallest and largest value of the sensors with a range."""
         return tuple((w.number, w.low, w.high) for w in self.sensors if w.high < inf)
 
     @cached_property
     def rates(self) -> tuple[tuple[int, float, float], ...]:
-        """Return number index, fastest change per second and slack of those that have a rate."""
+        """Return number index, fastest change per second and slack of the sensors with a rate."""
         return tuple((w.number, w.rate, w.slack) for w in self.sensors if w.rate < inf)
 
     @cached_property
     def moving(self) -> tuple[tuple[int, int, float], ...]:
-        """Return place, slot and least duty of those that measure a motion."""
+        """Return place, slot and least duty of the sensors that measure a motion."""
         sensors = enumerate(self.sensors)
         return tuple((at, w.slot, w.least_duty) for at, w in sensors if w.moved < inf)
 

@@ -1,4 +1,4 @@
-"""Estimate how many reports are lost, and how long a board may therefore be silent."""
+"""Estimate the loss of reports, and derive how long a board may be silent."""
 
 from __future__ import annotations
 
@@ -7,25 +7,25 @@ from math import log
 from pirate_sm.engine.sensing.board_spec import LinkSpec
 
 _GAIN = 1 / 64
-"""Weight of one report: six boards with a period of 0.1 s make 64 in about a second."""
+"""Weight of one report; six boards with a period of 0.1 s send 64 in about a second."""
 
 _MOST_MISSED = 8
-"""A longer gap is the board's silence, not the line's loss, and counts as this many reports."""
+"""Largest gap in reports; a longer one is a silent board, not a lossy line."""
 
 _FALSE_ALARM = 1e-6
-"""Chance that a board which reports all the time is taken to be silent, per report."""
+"""Probability per report that a board is taken for silent although it reports."""
 
 LONGEST = 5.0
-"""Times ``silent_after``: a silent board is found within that, however much is lost."""
+"""Upper limit as a multiple of ``silent_after``: a silent board is found within it at any loss."""
 
 
 def loss_after(loss: float, elapsed_s: float, period_s: float) -> float:
-    """Return the share of reports that is lost, after one more has come.
+    """Return the share of lost reports after one more report.
 
     Args:
         loss: The share before, a running mean over the reports of all boards.
-        elapsed_s: Since the same board's last report.
-        period_s: Between two reports of one board where nothing is lost.
+        elapsed_s: Time since the same board's last report.
+        period_s: Time between two reports of one board without loss.
     """
     if elapsed_s > 1.5 * period_s:
         missed = round(min(elapsed_s / period_s - 1, _MOST_MISSED))
@@ -36,8 +36,8 @@ def loss_after(loss: float, elapsed_s: float, period_s: float) -> float:
 def silent_limit_s(link: LinkSpec, loss: float) -> float:
     """Return how long a single board may be silent.
 
-    That is ``silent_after``, or on a bad line as many periods as make a false alarm rare, but
-    never more than :data:`LONGEST` times ``silent_after``.
+    That is ``silent_after``, or on a lossy line the number of periods that makes a false alarm
+    rare, at most :data:`LONGEST` times ``silent_after``.
     """
     if loss <= 0:
         return link.silent_after_s

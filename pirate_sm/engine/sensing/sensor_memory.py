@@ -1,4 +1,4 @@
-"""What is remembered of the sensors of a board to judge their next reading, and that reading."""
+"""The memory of a board's sensors for judging their next reading, and that reading."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ from typing import NamedTuple
 Numbers = Sequence[float]
 
 
-class Channel(NamedTuple):
-    """What is remembered of one sensor; unchanged as long as nothing is special about it.
+class SensorMemory(NamedTuple):
+    """The memory of one sensor; it does not change while its readings are normal.
 
     Attributes:
         calm: Whether the last reading was believed and none of the next six fields is in use.
-        good: The last believed value, ``good_s`` when it came, ``seen`` how many had come by then.
-        wound: The torque of the joint's spring then; NaN where it is not known.
-        held: Readings since that were not believed, the last few of them.
-        running: Direction of a trend that is faster than the motor; 0 without one.
-        outside: Whether it has been reported as outside its range; ``jumped`` as having jumped.
-        stuck: The value at which it is stuck; NaN where it is not.
-        hidden: How many spikes have been hidden, ``spikes`` when the last of them were.
+        good: The last believed value; ``good_s``: its time; ``seen``: the readings until then.
+        wound: The torque of the joint's spring at ``good_s``; NaN if it is unknown.
+        held: The last readings since then that were not believed.
+        running: Direction of a trend faster than the motor; 0 without one.
+        outside: Whether it was reported as outside its range; ``jumped``: as having jumped.
+        stuck: The value at which it is stuck; NaN if it is not.
+        hidden: Number of spikes so far; ``spikes``: the times of the last ones.
         spiking_s: When it was last reported as spiking.
-        same: What it has shown since ``same_s`` while its motor is driven without load.
-        rest: Where it came to rest after the setpoints changed at ``rest_of_s``.
+        same: The constant reading since ``same_s`` while its motor is driven without load.
+        rest: The reading at rest after the setpoints changed at ``rest_of_s``.
         proven: Whether a second reading has confirmed ``rest``.
-        away: How many readings in a row were far from ``rest``.
-        unasked: Whether that motion has been reported.
+        away: Number of consecutive readings far from ``rest``.
+        unasked: Whether the motion away from ``rest`` was reported.
     """
 
     calm: bool = True
@@ -52,20 +52,20 @@ class Channel(NamedTuple):
 
     @property
     def doubted(self) -> bool:
-        """Whether the last reading is not believed."""
+        """Return whether the last reading is not believed."""
         return bool(self.held) or self.jumped or not isnan(self.stuck)
 
 
-class Record(NamedTuple):
-    """What is remembered of the sensors of one board.
+class BoardMemory(NamedTuple):
+    """The memory of the sensors of one board.
 
     Attributes:
-        seen: How many readings have come, as far as that matters.
-        special: Whether a channel is not calm.
-        doubted: Number indexes that rest on a sensor whose last reading is not believed.
+        seen: Number of readings, counted up to a limit.
+        special: Whether a sensor is not calm.
+        doubted: Number indexes that depend on a sensor whose last reading is not believed.
     """
 
-    channels: tuple[Channel, ...]
+    channels: tuple[SensorMemory, ...]
     seen: int = 0
     special: bool = False
     doubted: frozenset[int] = frozenset()
@@ -75,12 +75,12 @@ class Reading(NamedTuple):
     """The circumstances of one frame of a board.
 
     Attributes:
-        before: Numbers as they were shown after the board's previous frame.
-        elapsed_s: Since that frame.
-        now_s: When this one came.
-        setpoints: The array that was last sent; empty before the first.
+        before: Numbers after the board's previous frame.
+        elapsed_s: Time since that frame.
+        now_s: Time of this frame.
+        setpoints: The array last sent; empty before the first.
         since_s: When it was sent.
-        settled: Whether nothing can move any more: no wheel is driven, and the array is old.
+        settled: Whether all motion must have ended: no wheel is driven, and the array is old.
     """
 
     before: Numbers

@@ -1,4 +1,4 @@
-"""The pipe around the robot during a run: what is reported from outside, or seen by the robot."""
+"""Update the pipe around the robot during a run, from outside reports or from its signals."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pirate_sm.model.events import EnvironmentReport
 
 
 def hear(moment: Moment, state: EngineState, event: EnvironmentReport) -> EngineState:
-    """Take a report from outside: it counts instead of our own while it is valid."""
+    """Apply a report from outside; it replaces the robot's own while it is valid."""
     until_s = moment.now_s + event.valid_for_s
     surveyed = state.surveyed._replace(
         outside_until_s=until_s, due_s=min(state.surveyed.due_s, until_s)
@@ -22,7 +22,7 @@ def hear(moment: Moment, state: EngineState, event: EnvironmentReport) -> Engine
 
 
 def look_round(moment: Moment, state: EngineState) -> EngineState:
-    """Report the pipe around the robot where it has changed."""
+    """Survey the pipe around the robot, and report it if it has changed."""
     if moment.nominal:
         surveyed, found = state.surveyed._replace(due_s=inf), NOTHING_AROUND
     else:
@@ -45,6 +45,6 @@ def look_round(moment: Moment, state: EngineState) -> EngineState:
 def _changed(
     moment: Moment, state: EngineState, surveyed: Surveyed, found: Environment
 ) -> EngineState:
-    moment.tell(found)
+    moment.emit(found)
     words = (*state.words[:-1], found.segment or None)
     return state._replace(words=words, surveyed=surveyed._replace(reported=found))

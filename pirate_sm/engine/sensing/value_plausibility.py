@@ -1,11 +1,11 @@
-"""Weigh one reading of a sensor: believe it, hold it back, or report it as impossible."""
+"""Judge one reading of a sensor: believe it, hold it back, or report it as impossible."""
 
 from __future__ import annotations
 
 from math import inf, isnan, nan
 
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchSpec
-from pirate_sm.engine.sensing.sensor_memory import Channel, Reading
+from pirate_sm.engine.sensing.sensor_memory import Reading, SensorMemory
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.fault_codes import BuiltInFault
 
@@ -13,16 +13,16 @@ from pirate_sm.model.fault_codes import BuiltInFault
 def weigh(
     spec: PlausibilitySpec,
     watch: WatchSpec,
-    channel: Channel,
+    channel: SensorMemory,
     value: float,
     reading: Reading,
     reports: list[FaultReport],
-) -> tuple[Channel, float]:
-    """Return the channel after this value, and the value that is shown."""
+) -> tuple[SensorMemory, float]:
+    """Return the sensor's memory after this value, and the value to show."""
     now_s = reading.now_s
     possible = watch.low <= value <= watch.high
     step = value - channel.good
-    if possible and not abs(step) > reach(watch, channel, reading):  # or nothing to go by
+    if possible and not abs(step) > reach(watch, channel, reading):  # or there is no earlier value
         return believed(_count_spike(spec, watch, channel, now_s, reports)), value
     if possible and _goes_on(watch, channel, step):
         return channel._replace(
@@ -47,19 +47,19 @@ def weigh(
     return channel._replace(jumped=True, held=(value,)), nan
 
 
-def believed(channel: Channel) -> Channel:
-    """Return the channel when its last reading is believed and nothing is pending."""
+def believed(channel: SensorMemory) -> SensorMemory:
+    """Return the memory with the last reading believed and nothing pending."""
     channel = channel._replace(calm=True, good=nan, good_s=-inf, wound=nan, held=())
     return channel._replace(running=0.0, outside=False, jumped=False, stuck=nan)
 
 
-def reach(watch: WatchSpec, channel: Channel, reading: Reading) -> float:
-    """Return how far the value can be from the last believed one."""
+def reach(watch: WatchSpec, channel: SensorMemory, reading: Reading) -> float:
+    """Return the largest plausible change since the last believed value."""
     return watch.rate * max(reading.now_s - channel.good_s, reading.elapsed_s) + watch.slack
 
 
-def _goes_on(watch: WatchSpec, channel: Channel, step: float) -> bool:
-    """Return whether the value goes on the way of a trend, or of the readings held back."""
+def _goes_on(watch: WatchSpec, channel: SensorMemory, step: float) -> bool:
+    """Return whether the value continues a trend, or the readings held back."""
     if channel.held:
         before = channel.held[-1] - channel.good
         if before * step > 0 and abs(step) - abs(before) > watch.slack / 2:
@@ -70,15 +70,15 @@ def _goes_on(watch: WatchSpec, channel: Channel, step: float) -> bool:
 def weigh_jumped(
     spec: PlausibilitySpec,
     watch: WatchSpec,
-    channel: Channel,
+    channel: SensorMemory,
     value: float,
     reading: Reading,
     reports: list[FaultReport],
-) -> tuple[Channel, float]:
-    """Return the channel of a joint that has jumped, believed again once it has jumped back.
+) -> tuple[SensorMemory, float]:
+    """Return the memory of a joint that has jumped; it is believed again after it jumps back.
 
-    With time a joint could have turned to almost any angle, so it is not enough that it is near
-    the last believed one.
+    In time a joint can turn to almost any angle, so being near the last believed value is not
+    enough.
     """
     again = abs(value - channel.held[-1]) > watch.rate * reading.elapsed_s + watch.slack
     near = abs(value - channel.good) <= reach(watch, channel, reading)
@@ -90,11 +90,11 @@ def weigh_jumped(
 def _count_spike(
     spec: PlausibilitySpec,
     watch: WatchSpec,
-    channel: Channel,
+    channel: SensorMemory,
     now_s: float,
     reports: list[FaultReport],
-) -> Channel:
-    """Return the channel after the readings held back turned out to be a spike, if there are any.
+) -> SensorMemory:
+    """Return the memory after the readings held back, if any, turned out to be a spike.
 
     A sensor that spikes often is reported.
     """

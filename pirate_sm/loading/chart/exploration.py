@@ -1,7 +1,7 @@
-"""Explore a chart with the statechart library, which becomes a table of configurations.
+"""Explore a chart with the statechart library, and build the table of its configurations.
 
-The library is the semantics. It is asked what follows from every reachable configuration by
-every command; nothing here decides a transition.
+The library defines the semantics. It computes the result of every command in every reachable
+configuration; this module decides no transition itself.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from pirate_sm.loading.yaml.document import Document
 
 MOST_CONFIGURATIONS = 20_000
-"""A chart that reaches more is refused: everything after this relies on walking all of them."""
+"""Largest number of configurations of a chart, because later checks visit all of them."""
 
 
 def compile_chart(document: Document, outline: ChartOutline, problems: Problems) -> ChartTable:
-    """Return every reachable configuration and what each command does to it.
+    """Return the table of every reachable configuration and every command in it.
 
     Raises:
         LoadError: The library refuses the chart, or it reaches too many configurations.
@@ -35,7 +35,7 @@ def compile_chart(document: Document, outline: ChartOutline, problems: Problems)
     try:
         # As JSON: the library would read the file as YAML 1.1, where `on` and `Off` are booleans.
         machine = load(json.dumps(_plain(outline)), format="json")()
-    except Exception as error:  # whatever it stumbles over stands in the file
+    except Exception as error:  # any exception of the library is due to the file
         about.add("chart.invalid", (), f"the statechart library refuses this chart: {error}")
         about.raise_errors()
         raise
@@ -69,9 +69,9 @@ def compile_chart(document: Document, outline: ChartOutline, problems: Problems)
 
 
 def _plain(outline: ChartOutline) -> dict[str, Any]:
-    """Return the chart with names for regions and events that mean nothing to the library.
+    """Return the chart with neutral names for regions and events.
 
-    It makes attributes of them, and one that is called `send` would take the place of its own.
+    The library turns these names into attributes; a name such as `send` would replace its own.
     """
     regions = {
         f"region_{number}": {"states": {each.name: _state(each, outline) for each in nodes}}
@@ -104,7 +104,7 @@ def _event(number: int) -> str:
 def _explore(
     machine: Any, outline: ChartOutline
 ) -> tuple[tuple[Configuration, ...], tuple[tuple[int, ...], ...]] | None:
-    """Walk breadth-first over everything that the library says can be reached."""
+    """Return all configurations and transitions, breadth-first; None if there are too many."""
     from statemachine.orderedset import OrderedSet  # noqa: PLC0415
 
     first = tuple(machine.configuration_values)
@@ -135,7 +135,7 @@ def _names(outline: ChartOutline, values: tuple[str, ...]) -> Configuration:
 
 
 def _reason(outline: ChartOutline, states: Configuration, command: str) -> str:
-    """Return what the command needs and is not so, or the states that take it."""
+    """Return the unmet conditions of the command, or the states in which it is possible."""
     active = {f"{region}.{state}" for region, state in zip(outline.regions, states, strict=True)}
     needs = [
         _denials(transition.tree, active)
@@ -147,7 +147,7 @@ def _reason(outline: ChartOutline, states: Configuration, command: str) -> str:
 
 
 def _sources(outline: ChartOutline, command: str) -> Iterator[str]:
-    """Yield the states that take a command, as a mission would write them."""
+    """Yield the states in which a command is possible, as conditions of a mission."""
     found: dict[str, dict[str, None]] = {}
     for transition in outline.transitions:
         if transition.event == command:
@@ -196,7 +196,7 @@ def _said(node: ast.expr) -> str:
 
 
 def _holds(node: ast.expr, active: set[str]) -> bool:
-    """Return whether a part of a guard holds; used for explanations only."""
+    """Return whether a part of a guard is true; used for explanations only."""
     if isinstance(node, ast.BoolOp):
         values = [_holds(part, active) for part in node.values]
         return all(values) if isinstance(node.op, ast.And) else any(values)

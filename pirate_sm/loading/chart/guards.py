@@ -1,20 +1,20 @@
-"""Read the guards of a chart and report what is wrong with them."""
+"""Read the guards of a chart and report their faults."""
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Mapping
 
-from pirate_sm.loading.chart.outline import Move, StateNode
+from pirate_sm.loading.chart.outline import StateNode, WrittenTransition
 from pirate_sm.loading.problems import Problems
 from pirate_sm.spelling import nearest
 
 ANY_OF = "|"
-"""Between the names of states in a guard that is written out: ``In('Region.one|two')``."""
+"""Separator of states in an expanded guard: ``In('Region.one|two')``."""
 
 
 def guard_on_leaves(guard: str, every: Mapping[str, StateNode]) -> ast.expr | None:
-    """Return a guard that names leaves only, in place of compound states; None without a guard."""
+    """Return the guard with compound states replaced by their leaves; None without a guard."""
     try:
         tree = ast.parse(guard, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -27,8 +27,8 @@ def guard_on_leaves(guard: str, every: Mapping[str, StateNode]) -> ast.expr | No
     return tree
 
 
-def check_guard(move: Move, known: list[str], problems: Problems) -> None:
-    """Report what is wrong with the guard of a transition."""
+def check_guard(move: WrittenTransition, known: list[str], problems: Problems) -> None:
+    """Report the faults of a transition's guard."""
     path = (*move.path, "cond")
     try:
         guard = ast.parse(move.guard, mode="eval").body
@@ -41,7 +41,7 @@ def check_guard(move: Move, known: list[str], problems: Problems) -> None:
 
 
 def _faults(node: ast.expr, known: list[str]) -> Iterator[tuple[str, str]]:
-    """Yield each fault of a guard, with the state that was probably meant or nothing."""
+    """Yield each fault of a guard, with the state that was probably meant, or an empty text."""
     match node:
         case ast.BoolOp(values=parts):
             for part in parts:

@@ -1,4 +1,4 @@
-"""What a chart file declares: regions, states, events and guards, each with its place."""
+"""The declarations of a chart file: regions, states, events and guards, with their places."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import NamedTuple
 from pirate_sm.loading.problems import Path
 
 
-class Move(NamedTuple):
-    """A transition as it is written: several events may lead the same way."""
+class WrittenTransition(NamedTuple):
+    """A transition as written in the file, with one or several events."""
 
     events: tuple[str, ...]
     target: str
@@ -21,41 +21,41 @@ class Move(NamedTuple):
 
 @dataclass(frozen=True)
 class StateNode:
-    """A state as it is written; a compound one has others inside.
+    """A state as written in the file; a compound state contains others.
 
     Attributes:
-        name: With that of its region.
+        name: Its name, prefixed by that of its region.
     """
 
     name: str
     initial: bool
     path: Path
-    moves: tuple[Move, ...] = ()
+    moves: tuple[WrittenTransition, ...] = ()
     inner: tuple[StateNode, ...] = ()
 
     @property
     def short_name(self) -> str:
-        """Return the name without that of the region."""
+        """Return the name without the region."""
         return self.name.partition(".")[2]
 
     @property
     def first(self) -> StateNode:
-        """Return the state that is entered with this one: itself, unless others are inside."""
+        """Return the leaf that is entered with this state; itself if it is a leaf."""
         return next((each.first for each in self.inner if each.initial), self)
 
     @property
     def leaves(self) -> tuple[StateNode, ...]:
-        """Return the states inside that have no others inside; itself if it is one."""
+        """Return the leaves inside this state; itself if it is a leaf."""
         return tuple(leaf for each in self.inner for leaf in each.leaves) or (self,)
 
     def walk(self) -> Iterator[StateNode]:
-        """Yield this state and all that are inside, in the order of the file."""
+        """Yield this state and all states inside it, in the order of the file."""
         yield self
         for each in self.inner:
             yield from each.walk()
 
     def chains(self) -> Iterator[tuple[StateNode, ...]]:
-        """Yield each leaf with the states around it, from the inside out."""
+        """Yield each leaf with its enclosing states, innermost first."""
         if not self.inner:
             yield (self,)
         for each in self.inner:
@@ -64,14 +64,14 @@ class StateNode:
 
 @dataclass(frozen=True)
 class Transition:
-    """Where an event leads from a state without others inside.
+    """A transition of one leaf state on one event.
 
     Attributes:
-        source: The state, named as in the file.
-        target: The state that is entered in the end, likewise.
-        guard: As it is written.
-        owner: The state that has the transition in the file: the source, or one around it.
-        tree: The guard for looking at, compound states in it written out; None without one.
+        source: The leaf, named as in the file.
+        target: The leaf that is entered, named as in the file.
+        guard: The guard as written.
+        owner: The state that declares the transition: the source or a state that encloses it.
+        tree: The parsed guard with compound states expanded; None without one.
     """
 
     region: str
@@ -86,15 +86,15 @@ class Transition:
 
 @dataclass(frozen=True)
 class ChartOutline:
-    """What a chart file declares.
+    """The declarations of a chart file.
 
     Attributes:
         top: Name of the parallel state that holds the regions.
-        states: Of each region those that have no others inside.
-        initial: Of each region the one of them that it begins in.
-        transitions: Each for each state in which it counts, what is written inside first.
-        commands: Every event name, in the order of the file.
-        nodes: Of each region the states as they are written.
+        states: The leaf states of each region.
+        initial: The initial leaf of each region.
+        transitions: The transitions of every leaf, those of inner states first.
+        commands: All event names, in the order of the file.
+        nodes: The states of each region as written.
     """
 
     top: str
@@ -106,7 +106,7 @@ class ChartOutline:
     nodes: tuple[tuple[StateNode, ...], ...]
 
     def place_of(self, region: str, state: str) -> Path:
-        """Return where a state stands in the file."""
+        """Return the path of a state in the file."""
         inside = self.nodes[self.regions.index(region)]
         every = (node for each in inside for node in each.walk())
         return next(node.path for node in every if node.name == f"{region}.{state}")

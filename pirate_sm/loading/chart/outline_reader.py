@@ -1,8 +1,7 @@
-"""Read a chart file: its regions, states, events and guards are checked one by one.
+"""Read a chart file, and check its regions, states, events and guards.
 
-They are checked before the library runs the chart, because there a fault would pass in silence or
-fail without a line: a misspelt key or target, an unquoted or dangling ``In``, a guard of other
-things.
+The checks precede the library, which would ignore such faults or fail without a line number: a
+misspelt key or target, an unquoted or unknown state in ``In``, an unsupported guard.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from pirate_sm.expressions import EnumType, Vocabulary
 from pirate_sm.loading.chart.guards import check_guard, guard_on_leaves
-from pirate_sm.loading.chart.outline import ChartOutline, Move, StateNode, Transition
+from pirate_sm.loading.chart.outline import ChartOutline, StateNode, Transition, WrittenTransition
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.spelling import nearest, one_of
 
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
 
 _EVENT = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 RESERVED = ("detector", "segment")
-"""Words that conditions know besides the regions."""
+"""Names that conditions know besides the regions."""
 
 _TOP_KEYS = ("name", "description", "states")
 _STATE_KEYS = ("initial", "transitions", "states")
@@ -31,11 +30,11 @@ _NOT_SUPPORTED = frozenset(
     {"final", "history", "parallel", "enter", "exit", "on", "before", "after", "unless",
      "internal", "validators", "donedata", "invoke", "datamodel"}
 )  # fmt: skip
-"""Keys that a statechart may have, and that are not supported here."""
+"""Keys of statecharts that are not supported here."""
 
 
 def outline_chart(document: Document, problems: Problems) -> ChartOutline | None:
-    """Return the declarations of a chart, or None after reporting what is wrong with them."""
+    """Return the declarations of a chart, or None after reporting their faults."""
     about = problems.about(document)
     before = len(problems.errors)
     found = _regions(document.data, about)
@@ -46,7 +45,7 @@ def outline_chart(document: Document, problems: Problems) -> ChartOutline | None
 
 
 def _regions(data: Any, problems: Problems) -> tuple[str, Mapping[str, Any]] | None:
-    """Return the one parallel state's name, and the regions in it."""
+    """Return the name of the parallel state, and its regions."""
     top = data.get("states") if isinstance(data, dict) else None
     if not isinstance(top, dict) or len(top) != 1:
         message = "a chart has `states` with exactly one parallel state in it"
@@ -106,7 +105,7 @@ def _outline(top: str, regions: Mapping[str, Any], problems: Problems) -> ChartO
 
 
 def _flat(found: Iterable[StateNode], every: Mapping[str, StateNode]) -> Iterator[Transition]:
-    """Yield the transitions of each leaf, those of the states around it after its own."""
+    """Yield the transitions of each leaf, its own before those of its enclosing states."""
     for node in found:
         for chain in node.chains():
             leaf = chain[0].name
@@ -134,10 +133,10 @@ def _states(
 
     Args:
         region: The region.
-        around: Name of what they stand in.
-        states: As the file has them.
-        at: Where what they stand in does.
-        problems: Are added to.
+        around: Name of the region or compound state.
+        states: The states as in the file.
+        at: Path of the region or compound state.
+        problems: Collects the faults.
     """
     found = tuple(
         _state(region, name, body, (*at, "states", name), problems) for name, body in states.items()
@@ -182,7 +181,7 @@ def _check_words(region: str, states: Iterable[str], path: Path, problems: Probl
         problems.add("chart.name", path, str(error), key=True)
 
 
-def _moves(body: Mapping[str, Any], at: Path, problems: Problems) -> Iterator[Move]:
+def _moves(body: Mapping[str, Any], at: Path, problems: Problems) -> Iterator[WrittenTransition]:
     listed = body.get("transitions")
     if listed is None:
         return
@@ -200,7 +199,7 @@ def _moves(body: Mapping[str, Any], at: Path, problems: Problems) -> Iterator[Mo
             problems.add("chart.transition", (*path, key), f"`{key}` must be text")
         events = tuple(_events(item["event"], (*path, "event"), problems))
         if events and not wrong:
-            yield Move(events, item["target"], item.get("cond", "").strip(), path)
+            yield WrittenTransition(events, item["target"], item.get("cond", "").strip(), path)
 
 
 def _events(given: Any, path: Path, problems: Problems) -> Iterator[str]:
@@ -244,7 +243,7 @@ def _refuse_unknown(
 
 
 def _check_move(
-    node: StateNode, move: Move, every: Mapping[str, StateNode], problems: Problems
+    node: StateNode, move: WrittenTransition, every: Mapping[str, StateNode], problems: Problems
 ) -> None:
     region, known = str(node.path[3]), list(every)
     path, target = (*move.path, "target"), move.target

@@ -1,4 +1,4 @@
-"""Keep explored charts between runs, found again by the hash of the chart's text."""
+"""Cache explored charts between runs, by the hash of the chart's text."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from pirate_sm.loading.yaml.document import Document
 
 
 def cached_table(document: Document, outline: ChartOutline, problems: Problems) -> ChartTable:
-    """Return the chart's table, explored now or read from an earlier exploration of its text.
+    """Return the chart's table, from the cache or from a new exploration.
 
-    A cache that cannot be read or written is done without.
+    A cache that cannot be read or written is ignored.
 
     Raises:
         LoadError: The library refuses the chart.
@@ -37,7 +37,7 @@ def cached_table(document: Document, outline: ChartOutline, problems: Problems) 
 
 
 def cache_folder() -> Path:
-    """Return this user's folder for what can be computed again."""
+    """Return the user's cache folder."""
     return user_cache_path("pirate_sm", appauthor=False)
 
 
@@ -46,7 +46,7 @@ def _key(document: Document) -> str:
         library = version("python-statemachine")
     except PackageNotFoundError:  # pragma: no cover - it is a dependency
         library = "unknown"
-    # A table that an earlier version of the compiler made may give other reasons.
+    # An earlier version of the compiler may give other reasons for refusals.
     compiler = Path(chart.__file__).read_text(encoding="utf-8")
     return sha256(f"{library}\n{compiler}\n{document.text}".encode()).hexdigest()[:32]
 
@@ -68,7 +68,7 @@ def _read(path: Path) -> ChartTable | None:
 
 
 def _is_sound(table: ChartTable, outline: ChartOutline) -> bool:
-    """Return whether a table from a file, whoever wrote it, can be of this chart."""
+    """Return whether a table from a file is valid for this chart."""
     if (table.regions, table.states) != (outline.regions, outline.states):
         return False
     if table.commands != outline.commands or not table.configurations:
@@ -105,7 +105,7 @@ def _write(path: Path, table: ChartTable) -> None:
     data.pop("_index")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        # Written aside and moved, so that two runs at once never read half a file.
+        # Write to a temporary file and rename it, so that no other run reads an incomplete file.
         handle, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
         with os.fdopen(handle, "w", encoding="utf-8") as file:
             json.dump(data, file)

@@ -1,4 +1,4 @@
-"""Load a mission: its file, its robot, its pipe and the missions it calls become one program."""
+"""Load a mission with its robot, its pipe and the missions it calls, as one program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Collect instructions with labels as targets, and replace the labels by indexes."""
+"""Assemble instructions with labels as targets, and resolve the labels to indexes."""
 
 from __future__ import annotations
 
@@ -9,32 +9,27 @@ from pirate_sm.engine.mission.program import HandlerSpec, Instruction
 from pirate_sm.loading.problems import Path, Problems
 
 MOST_INSTRUCTIONS = 20_000
-"""Repeats are unrolled and calls inlined; a mission that becomes larger is refused."""
+"""Largest number of instructions, with repeats unrolled and calls inlined."""
 
 
 class Label:
-    """A target that may not have its place yet."""
+    """A jump target whose position may be set later."""
 
     __slots__ = ("index",)
 
     def __init__(self) -> None:
         self.index = -2
 
-    @property
-    def placed(self) -> bool:
-        """Return whether an instruction stands at it."""
-        return self.index >= 0
-
 
 class TooLongError(Exception):
-    """The program has become longer than ``MOST_INSTRUCTIONS``."""
+    """Raised when the program exceeds ``MOST_INSTRUCTIONS``."""
 
     def __init__(self) -> None:
-        self.by: tuple[Problems, Path] | None = None  # the outermost repeat that it was in
+        self.by: tuple[Problems, Path] | None = None  # the outermost repeat
 
 
 Handlers = tuple[tuple[str, Label | None, str], ...]
-"""Fault code, target (None: only log), name of the target."""
+"""Fault code, target (None: only log), and name of the target."""
 
 
 @dataclass
@@ -49,11 +44,11 @@ class Assembly:
 
     @property
     def length(self) -> int:
-        """Return the number of instructions so far."""
+        """Return the present number of instructions."""
         return len(self._kinds)
 
     def mark(self, label: Label) -> None:
-        """Place the label at the next instruction."""
+        """Set the label to the next instruction."""
         label.index = len(self._kinds)
 
     def emit(
@@ -65,7 +60,7 @@ class Assembly:
             kind: Class of the instruction.
             phase: The phase that it belongs to.
             handlers: Fault handlers in force.
-            turn: Which round of a repeat it belongs to, ``2 of 4``; empty outside.
+            turn: The round of a repeat, such as ``2 of 4``; empty outside repeats.
             fields: Its fields.
 
         Raises:
@@ -87,7 +82,7 @@ class Assembly:
         tuple[str, ...],
         tuple[str, ...],
     ]:
-        """Return instructions, the fault handlers, phase and round of each; no label is left."""
+        """Return the instructions, and the handlers, phase and round of each, without labels."""
         instructions = tuple(
             kind(**{name: _resolved(value) for name, value in fields.items()})
             for kind, fields in zip(self._kinds, self._fields, strict=True)

@@ -1,4 +1,4 @@
-"""Check that a mission can be called, and give its parameters their values."""
+"""Check the call of a mission, and evaluate its arguments."""
 
 from __future__ import annotations
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 
@@ -20,7 +19,7 @@ DEEPEST_CALL = 16
 
 @dataclass
 class Calls:
-    """The files of missions that are called, as far as they are known.
+    """The files of called missions, read on demand.
 
     Attributes:
         files: Every file that was read.
@@ -31,19 +30,19 @@ class Calls:
     _lengths: dict[FilePath, int] = field(default_factory=dict)
 
     def least_length(self, source: Source, calls: frozenset[FilePath] = frozenset()) -> int:
-        """Return the least number of instructions of a mission, each repeat counted once.
+        """Return the smallest number of instructions of a mission, each repeat counted once.
 
-        Each file is looked at once, however often it is called: calls that double thirty times
-        over are counted at once and would take an age to be written out.
+        Each file is counted once, however often it is called: thirty levels of doubled calls are
+        counted at once, but would take far too long to write.
         """
         if source.path in calls:
-            return 0  # a circle, which is said where it is called
+            return 0  # a recursion, which is reported at the call
         if source.path not in self._lengths:
             inner = len(source.mission.ends)
             for phase in source.mission.phases.values():
                 inner += 1 + bool(phase.wait)
-                for step in _all(phase.do):
-                    inner += 1
+                for step, _ in model.every_step(phase.do):
+                    inner += not isinstance(step, model.RepeatStep)
                     if isinstance(step, model.CallStep):
                         called = self._quietly(step.call, source.path.resolve().parent)
                         if called is not None:
@@ -52,7 +51,7 @@ class Calls:
         return self._lengths[source.path]
 
     def source(self, name: str, scope: Scope, path: Path) -> Source | None:
-        """Return the called mission, read once; None after reporting why it cannot be used."""
+        """Return the called mission, cached; None after reporting why it cannot be used."""
         folder = scope.source.path.resolve().parent
         try:
             found = self._read(name, folder)
@@ -78,7 +77,7 @@ class Calls:
         try:
             return self._read(name, folder)
         except (LoadError, PirateError):
-            return None  # which is said where it is called
+            return None  # reported at the call
 
     def _read(self, name: str, folder: FilePath) -> Source:
         file = references.followed(library.find_mission(name, folder), folder).resolve()
@@ -89,29 +88,8 @@ class Calls:
         return self._known[file]
 
 
-def _all(steps: Sequence[model.Step]) -> Iterator[model.Step]:
-    """Yield the steps that become instructions, also those inside of others."""
-    for step in steps:
-        match step:
-            case model.RepeatStep():
-                yield from _all(step.repeat.do)
-            case model.ChooseStep():
-                yield step
-                for choice in step.choose:
-                    yield from _all(choice.do)
-                yield from _all(step.otherwise)
-            case (
-                model.CommandStep()
-                | model.CallStep()
-                | model.AskStep()
-                | model.WaitStep()
-                | model.LogStep()
-            ):
-                yield step
-
-
 def robot_of(source: Source) -> FilePath | str:
-    """Return the folder of a mission's robot; different paths may lead to one."""
+    """Return the folder of a mission's robot, the same for different paths to it."""
     try:
         return library.find_robot(source.mission.robot, source.path.resolve().parent)
     except PirateError:

@@ -1,4 +1,4 @@
-"""Load a mission file, its robot, its pipe and the missions it calls into one program."""
+"""Load a mission file, its robot, its pipe and the missions it calls as one program."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library, references
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import parameter_values as parameters
@@ -23,20 +23,20 @@ from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import Pipe
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import meant
 from pirate_sm.units import QuantityError
 
 
 @dataclass(frozen=True)
 class LoadedMission:
-    """Everything that a run needs, free of faults.
+    """A mission without faults, with everything that a run needs.
 
     Attributes:
-        documents: The files it was made from: its own first, its pipe's last (its own again
-            where that is written out in it, or where there is none).
-        files: Hash of each of them, by the name it was read under.
-        parameters: The values in force, as messages write them.
-        notices: What a person should know although nothing is wrong.
+        documents: Its source files: the mission's first, the pipe's last (the mission's again if
+            the pipe is written in it, or if there is none).
+        files: Hash of each file, by its name.
+        parameters: The values in force, as text for messages.
+        notices: Messages for the user that are not faults.
     """
 
     mission: Mission
@@ -50,6 +50,10 @@ class LoadedMission:
     parameters: Mapping[str, str]
     notices: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        where = f"in pipe {self.pipe_name}" if self.pipe_name else "without a pipe"
+        return f"<LoadedMission {self.mission.mission}: robot {self.robot.name}, {where}>"
+
 
 def load_mission(
     path: Path,
@@ -60,19 +64,19 @@ def load_mission(
     start_phase: str | None = None,
     states: Mapping[str, str] | None = None,
 ) -> LoadedMission:
-    """Return a mission that is ready to run.
+    """Return a mission ready to run.
 
     Args:
         path: The mission's file.
-        robot: Name or path of a robot, in place of the mission's own.
-        pipe: Name or path of a pipe, in place of the mission's own.
-        settings: Values of parameters, as text.
-        start_phase: The phase to begin with, in place of the mission's own.
-        states: State names by region that the robot is in, in place of ``starts_in``.
+        robot: Name or path of a robot; overrides the mission's.
+        pipe: Name or path of a pipe; overrides the mission's.
+        settings: Parameter values as text, by name.
+        start_phase: The first phase; overrides the mission's.
+        states: Initial states of the robot by region; override ``starts_in``.
 
     Raises:
-        LoadError: Everything that is wrong with the files.
-        UsageError: An argument does not fit.
+        LoadError: The files have faults; holds all of them.
+        UsageError: An argument does not fit the mission.
     """
     loaded, problems = read_mission(
         path, robot=robot, pipe=pipe, settings=settings, start_phase=start_phase, states=states
@@ -82,7 +86,7 @@ def load_mission(
 
 
 TOLERABLE = frozenset({"mission.command"})
-"""Faults with which a mission still has a shape: the steps that have them can be left out."""
+"""Faults that can be tolerated by leaving out the steps that have them."""
 
 
 def read_mission(
@@ -95,35 +99,27 @@ def read_mission(
     states: Mapping[str, str] | None = None,
     tolerated: Collection[str] = (),
 ) -> tuple[LoadedMission, Problems]:
-    """Return the mission as far as it can be understood, and what is wrong with it.
+    """Return the mission, without parts that have tolerated faults, and all problems found.
 
     Args:
-        path: As for :func:`load_mission`, like all others.
+        path: As for :func:`load_mission`, as are the next five arguments.
         robot: Robot.
         pipe: Pipe.
         settings: Parameters.
         start_phase: First phase.
-        states: Where it begins.
-        tolerated: Codes of faults with which it shall be returned all the same.
+        states: Initial states.
+        tolerated: Codes of faults with which a mission is still returned.
 
     Raises:
-        LoadError: There are faults of other codes; holds all of them.
-        UsageError: An argument does not fit.
+        LoadError: There are faults of other codes; holds all faults.
+        UsageError: An argument is invalid.
     """
     document = read_document(path, shown(path))
     problems = Problems(document)
     mission = _shape(document, problems, spare=bool(tolerated))
     folder = path.resolve().parent
     loaded = _robot(robot, mission, folder, problems)
-    shadow = "" if robot is not None else library.shadowing(mission.robot, loaded.folder)
-    if shadow:
-        problems.add(
-            "mission.robot_shadows",
-            ("robot",),
-            shadow,
-            expected=f"./{mission.robot}, a path",
-            severity=Severity.WARNING,
-        )
+    shadow = "" if robot is not None else _shadowing(mission, loaded, problems)
     chosen, pipe_name, pipe_document = _pipe(pipe, mission, document, folder, problems)
     if chosen is not None:
         check_fit(chosen, loaded.profile, pipe_document, problems)
@@ -139,23 +135,31 @@ def read_mission(
     if chosen is not None:
         program = replace(program, diameter_m=chosen.diameter)
     documents = (document, *loaded.documents, *called, pipe_document)
+    hashes = {each.name: _hash(each) for each in documents}
+    texts = {name: value.text for name, value in values.items()}
+    notices = (shadow,) if shadow else ()
     result = LoadedMission(
-        mission,
-        loaded,
-        spec,
-        program,
-        chosen,
-        pipe_name,
-        documents,
-        {each.name: _hash(each) for each in documents},
-        {name: value.text for name, value in values.items()},
-        (shadow,) if shadow else (),
+        mission, loaded, spec, program, chosen, pipe_name, documents, hashes, texts, notices
     )
     return result, problems
 
 
+def _shadowing(mission: Mission, loaded: LoadedRobot, problems: Problems) -> str:
+    """Report and return a notice if another robot hides the shipped one; empty if none does."""
+    shadow = library.shadowing(mission.robot, loaded.folder)
+    if shadow:
+        problems.add(
+            "mission.robot_shadows",
+            ("robot",),
+            shadow,
+            expected=f"./{mission.robot}, a path",
+            severity=Severity.WARNING,
+        )
+    return shadow
+
+
 def _shape(document: Document, problems: Problems, *, spare: bool) -> Mission:
-    """Return the mission of the document, or its sound part if that is enough."""
+    """Return the mission of the document, without its faulty phases if `spare`."""
     mission = try_validate(document, Mission, problems)
     if mission is None and spare:
         mission = without_faulty_phases(document)
@@ -205,7 +209,7 @@ def _pipe(
 def _values(
     mission: Mission, settings: Mapping[str, str], problems: Problems, *, assumed: bool
 ) -> parameters.Values:
-    """Return the parameters; one without a value gets a plausible one if `assumed`."""
+    """Return the parameter values; with `assumed`, missing ones get a plausible value."""
     values = parameters.defaults(mission.parameters, problems)
     for name, text in settings.items():
         if name not in mission.parameters:
@@ -213,20 +217,19 @@ def _values(
         try:
             value = parameters.read_value(mission.parameters[name], text)
         except QuantityError as error:
-            raise UsageError(f"--set {name}={text}: {error}") from None
+            raise UsageError(f"parameter '{name}': {error}") from None
         values[name] = parameters.Value(value, text)
     for name in mission.parameters.keys() - values.keys():
         if assumed:
             values[name] = parameters.sample(mission.parameters[name])
         elif mission.parameters[name].default is None:
-            raise UsageError(f"parameter '{name}' has no default: give it with --set {name}=…")
+            hint = Hint(f": give it with --set {name}=…", f": give it with set={{'{name}': …}}")
+            raise UsageError(f"parameter '{name}' has no default", hint=hint)
     return values
 
 
 def _unknown(kind: str, name: str, known: Mapping[str, object]) -> UsageError:
-    close = nearest(name, known)
-    others = f"expected {one_of(known)}" if known else "it has none"
-    hint = f"did you mean '{close}'?" if close else others
+    hint = meant(name, known, "" if known else "it has none")
     return UsageError(f"the mission has no {kind} '{name}': {hint}")
 
 

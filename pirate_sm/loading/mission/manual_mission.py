@@ -1,4 +1,4 @@
-"""A mission that only waits, so that the operator drives the robot by hand."""
+"""A mission that only waits, for driving the robot by hand."""
 
 from __future__ import annotations
 
@@ -14,11 +14,10 @@ BY_HAND = "by_hand"
 
 
 def by_hand(robot: LoadedRobot, pipe: Pipe | None = None, pipe_name: str = "") -> LoadedMission:
-    """Return a mission of one endless wait: only the operator's commands move the robot.
+    """Return a mission with one endless wait, in which only the operator moves the robot.
 
-    Faults that a mission may handle are reported and nothing else, for the operator is there; those
-    that none may handle end it in the safe state. Safety rules that a mission may be allowed to
-    break are the operator's own to break.
+    Faults that a mission may handle are only reported, because the operator is present. All other
+    faults end it in the safe state. Safety rules that a mission may waive are waived.
     """
     spec = robot.normal
     codes = [code for code, catchable in spec.fault_codes.items() if catchable]

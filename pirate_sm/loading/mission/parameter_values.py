@@ -1,4 +1,4 @@
-"""Give parameters their values: defaults, ``--set``, or the arguments of a call."""
+"""Evaluate parameters from defaults, ``--set``, or the arguments of a call."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _COUNT = re.compile(r"[0-9]{1,9}")
 
 
 class Value(NamedTuple):
-    """A parameter's value in SI, and as somebody wrote it."""
+    """A parameter's value in SI units, and as written."""
 
     quantity: Quantity
     text: str
@@ -46,10 +46,10 @@ Values = dict[str, Value]
 
 
 def read_value(definition: ParameterDefinition, value: ParameterValue) -> Quantity:
-    """Return a value in SI, which has the parameter's dimension and is within its limits.
+    """Return a value in SI units, checked against the parameter's dimension and limits.
 
     Raises:
-        QuantityError: It is not.
+        QuantityError: The value does not fit.
     """
     quantity = _read(definition.type, value)
     low, high = definition.min, definition.max
@@ -71,7 +71,7 @@ def _read(kind: str, value: ParameterValue) -> Quantity:
 
 
 def defaults(definitions: Mapping[str, ParameterDefinition], problems: Problems) -> Values:
-    """Return the defaults in SI; report each default or limit that does not fit."""
+    """Return the defaults in SI units; report each default or limit that does not fit."""
     values: Values = {}
     for name, definition in definitions.items():
         limits_fit = _check_limits(name, definition, problems)
@@ -89,7 +89,7 @@ def defaults(definitions: Mapping[str, ParameterDefinition], problems: Problems)
 
 
 def _check_limits(name: str, definition: ParameterDefinition, problems: Problems) -> bool:
-    """Return whether both limits can be read and leave something between them."""
+    """Return whether both limits are valid and in order; report a fault otherwise."""
     limits: dict[str, float] = {}
     for key, limit in (("min", definition.min), ("max", definition.max)):
         if limit is None:
@@ -107,7 +107,7 @@ def _check_limits(name: str, definition: ParameterDefinition, problems: Problems
 
 
 def stand_in(definition: ParameterDefinition) -> Value:
-    """Return a value for a parameter without one, so that its uses are not reported as well."""
+    """Return a substitute for a faulty value, so that its uses are not reported as well."""
     return Value(Quantity(1.0, DIMENSIONS[definition.type]), "")
 
 
@@ -118,7 +118,7 @@ def sample(definition: ParameterDefinition) -> Value:
             if limit is not None:
                 return Value(read_value(definition, limit), str(limit))
         except QuantityError:
-            break  # which has been said
+            break  # reported already
     return stand_in(definition)
 
 
@@ -128,7 +128,7 @@ def given(
     path: Path,
     problems: Problems,
 ) -> Values:
-    """Return the arguments in SI; report unknown names and values that do not fit."""
+    """Return the arguments in SI units; report unknown names and values that do not fit."""
     values: Values = {}
     for name, argument in arguments.items():
         definition = definitions.get(name)
@@ -153,7 +153,7 @@ def given(
 
 
 def read_argument(definition: ParameterDefinition, argument: Value | ParameterValue) -> Quantity:
-    """Return an argument in SI, written out or passed on from a caller's parameter.
+    """Return an argument in SI units, given as a value or as a parameter of the caller.
 
     Raises:
         QuantityError: It does not fit.

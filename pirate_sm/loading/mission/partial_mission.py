@@ -1,4 +1,4 @@
-"""Read a mission of which some phases are faulty."""
+"""Read a mission without its faulty phases."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _PHASE: Final = TypeAdapter(Phase)
 
 
 def without_faulty_phases(document: Document) -> Mission | None:
-    """Return the mission with its faulty phases empty; None if something else is faulty too.
+    """Return the mission with its faulty phases emptied; None if there are other faults.
 
-    So the names in all other phases can be looked at. What is empty leads back to itself.
+    This allows checking the names in all other phases. An emptied phase leads to itself.
     """
     data = document.data
     phases = data.get("phases") if isinstance(data, dict) else None

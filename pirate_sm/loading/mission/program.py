@@ -1,4 +1,4 @@
-"""Compile a mission, with the missions it calls, into one flat program."""
+"""Compile a mission and the missions that it calls into one flat program."""
 
 from __future__ import annotations
 
@@ -32,37 +32,16 @@ def build_program(
     Steps whose fault has a tolerated code are left out.
 
     Raises:
-        LoadError: Something in it cannot be resolved; holds all that is wrong.
+        LoadError: The mission has faults; holds all of them.
         UsageError: ``states`` do not fit the robot.
     """
     mission = source.mission
     at_start = start_configuration(source, robot.table, states, problems)
     writer = ProgramWriter(robot, Assembly())
-    spec = robot.oriented(mission.polarity or "normal")
-    scope = Scope(
-        source,
-        robot.profile,
-        spec,
-        problems.about(source.document),
-        "",
-        values,
-        labels_of(mission),
-        out.STOP,
-        (),
-        (source.path.resolve(),),
-    )
+    scope = _outermost(source, robot, values, problems)
     start = scope.target(start_phase or mission.start, ("start",))
     limit = scope.limit(mission.time_limit, ("time_limit",))
-    try:
-        if writer.calls.least_length(source) > MOST_INSTRUCTIONS:
-            raise TooLongError
-        writer.ends(scope)
-        writer.phases(scope)
-    except TooLongError as error:
-        about, path = error.by or (problems, ())
-        count = f"more than {MOST_INSTRUCTIONS} steps"
-        message = f"with its repeats and calls written out it has {count}"
-        about.add("mission.too_long", path, message)
+    _write(writer, scope, problems)
     problems.raise_errors(tolerated)
     instructions, handlers, phase_of, turn_of = writer.assembly.finished()
     program = Program(
@@ -79,3 +58,34 @@ def build_program(
         turn_of=turn_of,
     )
     return program, tuple(writer.calls.files.values())
+
+
+def _outermost(source: Source, robot: LoadedRobot, values: Values, problems: Problems) -> Scope:
+    """Return the scope of the mission itself, which has no caller."""
+    mission = source.mission
+    return Scope(
+        source,
+        robot.profile,
+        robot.oriented(mission.polarity or "normal"),
+        problems.about(source.document),
+        "",
+        values,
+        labels_of(mission),
+        out.STOP,
+        (),
+        (source.path.resolve(),),
+    )
+
+
+def _write(writer: ProgramWriter, scope: Scope, problems: Problems) -> None:
+    """Write all instructions of the mission, or report that there are too many."""
+    try:
+        if writer.calls.least_length(scope.source) > MOST_INSTRUCTIONS:
+            raise TooLongError
+        writer.ends(scope)
+        writer.phases(scope)
+    except TooLongError as error:
+        about, path = error.by or (problems, ())
+        count = f"more than {MOST_INSTRUCTIONS} steps"
+        message = f"with its repeats and calls written out it has {count}"
+        about.add("mission.too_long", path, message)

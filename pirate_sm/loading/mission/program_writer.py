@@ -1,4 +1,4 @@
-"""Write the instructions of a mission and of the missions that it calls."""
+"""Generate the instructions of a mission and of the missions that it calls."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def labels_of(mission: model.Mission) -> dict[str, Label]:
 
 @dataclass
 class ProgramWriter:
-    """Writes instructions; holds what is the same for a mission and all that it calls."""
+    """Generates instructions; holds the data common to a mission and all called missions."""
 
     robot: LoadedRobot
     assembly: Assembly
@@ -33,7 +33,7 @@ class ProgramWriter:
     calls: Calls = field(default_factory=Calls)
 
     def ends(self, scope: Scope) -> None:
-        """Write the ends of the mission that is run: each of them finishes it."""
+        """Write the ends of the outermost mission, each of which finishes the run."""
         for name, end in scope.source.mission.ends.items():
             self.assembly.mark(scope.targets[name])
             outcome = "failed" if end.succeed is None else "succeeded"
@@ -48,7 +48,7 @@ class ProgramWriter:
         scope.check_names()
         for name, phase in scope.source.mission.phases.items():
             inside = replace(scope, phase=name)
-            if inside.full_phase not in self.names:  # a repeated call has its phases once
+            if inside.full_phase not in self.names:  # list the phases of a repeated call once
                 self.names.append(inside.full_phase)
             _PhaseWriter(self, inside, handlers).write(phase, ("phases", name))
 
@@ -131,7 +131,7 @@ class _PhaseWriter:
         scope = self.scope
         command = scope.command(step.command, (*path, "command"))
         if command is None:
-            self._jump(after)  # as if it were not there, for whoever looks at the rest
+            self._jump(after)  # leave out the faulty step
             return
         self._emit(
             out.Do,
@@ -147,7 +147,7 @@ class _PhaseWriter:
         )
 
     def _failure(self, step: model.Step, path: Path, after: Label) -> Label | int:
-        """Return where a failure of the step leads; `continue` takes the next step."""
+        """Return the target of the step's failure; `continue` leads to the next step."""
         if step.on_failure == model.CONTINUE:
             return after
         return self.scope.failure(step.on_failure, path)
@@ -166,7 +166,7 @@ class _PhaseWriter:
                 following, before = Label() if turn + 1 < times else after, assembly.length
                 writer._steps(step.repeat.do, (*path, "repeat", "do"), following)
                 if assembly.length == before:
-                    return  # nothing in it could be written, which has been said
+                    return  # nothing could be written; reported already
                 if following is not after:
                     assembly.mark(following)
         except TooLongError as error:
@@ -174,7 +174,7 @@ class _PhaseWriter:
             raise
 
     def _failing(self, step: model.Step, path: Path, after: Label) -> Scope:
-        """Return the scope inside a step whose own ``on_failure`` comes before the phase's."""
+        """Return the scope inside a step; the step's ``on_failure`` overrides the phase's."""
         return replace(self.scope, inner=self._failure(step, path, after))
 
     def _choose(self, step: model.ChooseStep, path: Path, after: Label) -> None:

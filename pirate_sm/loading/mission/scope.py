@@ -1,4 +1,4 @@
-"""Resolve the names in a mission: commands, phases, conditions, parameters, durations."""
+"""Resolve names in a mission: commands, phases, conditions, parameters, durations."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ _UNCAUGHT = "'{}' cannot be caught: it always ends the run"
 
 
 MOST_RETRIES = 100
-"""A command that fails this often will not be done; the check looks at each try."""
+"""Largest number of retries; the check explores each of them."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """A mission, its file, and the path of it."""
+    """A mission with its file and path."""
 
     mission: Mission
     document: Document
@@ -45,18 +45,18 @@ class Source:
 
 @dataclass(frozen=True)
 class Scope:
-    """One mission being compiled, with everything its names can mean.
+    """One mission being compiled, with the meaning of all its names.
 
     Attributes:
-        prefix: Comes before the names of its phases: empty, or ``phase/called.``.
-        values: Its parameters.
+        prefix: Prefix of its phases' names: empty, or ``phase/called.``.
+        values: Values of its parameters.
         targets: Labels of its phases and ends.
-        caller: Where a failure goes that it does not handle itself.
+        caller: Target of a failure that it does not handle itself.
         outer: Fault handlers of its callers.
         calls: Paths of the files being inlined, outermost first.
         phase: Name of the phase being compiled.
-        inner: Where a failure leads inside a step that says so.
-        turn: Which round of the innermost repeat this is, from 1, and of how many; None outside.
+        inner: Target of a failure inside a step with its own ``on_failure``.
+        turn: Round of the innermost repeat, from 1, and number of rounds; None outside repeats.
     """
 
     source: Source
@@ -75,7 +75,7 @@ class Scope:
 
     @property
     def full_phase(self) -> str:
-        """Return the phase's name after those of the callers."""
+        """Return the phase's name, prefixed by those of the callers."""
         return f"{self.prefix}{self.phase}"
 
     def place(self, path: Path) -> str:
@@ -83,7 +83,7 @@ class Scope:
         return str(self.source.document.place_of(path))
 
     def check_names(self) -> None:
-        """Report names that mean two things, and a mission that does not start with a phase."""
+        """Report ambiguous names, and a start that is not a phase."""
         mission, add = self.source.mission, self.problems.add
         for name in mission.ends:
             if name in mission.phases:
@@ -100,7 +100,7 @@ class Scope:
             add("mission.name", ("start",), f"'{mission.start}' is an end: start with a phase")
 
     def target(self, name: str, path: Path) -> Label:
-        """Return the label of a phase or end; report a name that is neither."""
+        """Return the label of a phase or end; report an unknown name."""
         label = self.targets.get(name)
         if label is None:
             self._unknown("phase or end", name, self.targets, path)
@@ -108,9 +108,9 @@ class Scope:
         return label
 
     def failure(self, own: str | None, path: Path) -> Label | int:
-        """Return where a failure leads: the nearest ``on_failure`` (rule 4).
+        """Return the target of a failure: the nearest ``on_failure`` (rule 4).
 
-        The phase that handles the mission's failures does not handle its own.
+        The phase that handles the mission's failures cannot handle its own.
         """
         mission = self.source.mission
         phase = mission.phases.get(self.phase)
@@ -129,7 +129,7 @@ class Scope:
 
     @property
     def handles_failures(self) -> bool:
-        """Return whether the phase, or a step around, says where failures of steps in here lead."""
+        """Return whether the phase or an enclosing step handles the failures of these steps."""
         phase = self.source.mission.phases.get(self.phase)
         return self.inner is not None or (phase is not None and phase.on_failure is not None)
 
@@ -151,9 +151,9 @@ class Scope:
         return (*own, *self.outer)
 
     def command(self, name: str, path: Path) -> int | None:
-        """Return the index of a command, also by an alias; None after reporting an unknown one.
+        """Return the index of a command or alias; None after reporting an unknown command.
 
-        A misspelt command counts as the one that was most likely meant, for what follows from it.
+        For further checks a misspelt command counts as the one that was most likely meant.
         """
         profile, table = self.profile, self.robot.table
         name = profile.aliases.get(name, name)
@@ -169,12 +169,12 @@ class Scope:
         return None if meant is None else table.command_index[profile.aliases.get(meant, meant)]
 
     def condition(self, text: str, path: Path, *, in_wait: bool = False) -> Expression | None:
-        """Return a compiled condition, or None after saying what is wrong with it.
+        """Return the compiled condition, or None after reporting its faults.
 
         Args:
             text: The condition.
-            path: Where it stands.
-            in_wait: Whether it may look at how much a signal has changed since the wait began.
+            path: Its path in the file.
+            in_wait: Whether it may use the change of a signal since the wait began.
         """
         vocabulary = self.robot.vocabulary
         try:
@@ -186,12 +186,12 @@ class Scope:
             return None
 
     def waited(self, value: float | Parameter, path: Path, *, zero: bool = False) -> float:
-        """Return a time in seconds of at least one cycle of the bus: before, no sensor reports.
+        """Return a time in s; report a time below one bus cycle, in which no sensor reports.
 
         Args:
-            value: As the file gives it; a parameter has its value.
-            path: Where.
-            zero: Whether 0 is allowed too, and means no waiting at all.
+            value: The time as in the file, or a parameter.
+            path: Its path in the file.
+            zero: Whether 0, no waiting at all, is allowed too.
         """
         seconds = value if not isinstance(value, Parameter) else self._seconds(value, path)
         least_s = self.profile.link.cycle
@@ -203,7 +203,7 @@ class Scope:
         return seconds
 
     def limit(self, value: float | Parameter | None, path: Path) -> float | None:
-        """Return a time limit in s, at least one cycle of the bus; None where there is none."""
+        """Return a time limit in s, at least one bus cycle; None without a limit."""
         return None if value is None else self.waited(value, path)
 
     def _seconds(self, parameter: Parameter, path: Path) -> float:
@@ -216,7 +216,7 @@ class Scope:
         return abs(quantity.value) if quantity.dimension != TIME else quantity.value
 
     def count(self, value: int | Parameter, path: Path) -> int:
-        """Return a whole number, or a parameter's value that is one."""
+        """Return an integer, given as a number or as a parameter."""
         if not isinstance(value, Parameter):
             return value
         quantity = self._value(value.name, path).quantity
@@ -229,7 +229,7 @@ class Scope:
         return int(number)
 
     def retries(self, value: int | Parameter, path: Path) -> int:
-        """Return how often a command is sent again; report a number that is too large."""
+        """Return the number of retries of a command; report a number that is too large."""
         number = self.count(value, path)
         if number <= MOST_RETRIES:
             return number
@@ -238,7 +238,7 @@ class Scope:
         return 0
 
     def message(self, text: str, path: Path) -> str:
-        """Return the text with parameters and rounds written out; ``{cause}`` stays."""
+        """Return the text with the values of parameters and rounds; ``{cause}`` is kept."""
         shown = {name: value.text for name, value in self.values.items()}
         if self.turn is not None:
             shown |= {ROUND: str(self.turn[0]), ROUNDS: str(self.turn[1])}
@@ -252,7 +252,7 @@ class Scope:
         return _FIELD.sub(lambda match: shown.get(match.group(1), match.group(0)), text)
 
     def argument(self, value: str | float, path: Path) -> Value | str | float:
-        """Return an argument of a call; ``$name`` gives the caller's parameter."""
+        """Return an argument of a call; ``$name`` is the value of the caller's parameter."""
         if isinstance(value, str) and value.startswith("$"):
             return self._value(value[1:], path)
         return value
@@ -268,7 +268,7 @@ class Scope:
         return Value(Quantity(1.0, TIME), "")
 
     def _unknown_fault(self, code: str, known: Mapping[str, bool], path: Path) -> None:
-        """Report an unknown fault, with the faults that a mission may handle."""
+        """Report an unknown fault, and list the faults that a mission may handle."""
         close = nearest(code, known)
         if close and not known[close]:
             message = f"there is no fault '{code}', and {_UNCAUGHT.format(close)}"

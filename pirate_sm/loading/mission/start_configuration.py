@@ -1,4 +1,4 @@
-"""Check the states that a mission begins in: they exist, and the chart reaches them."""
+"""Check that the initial states of a mission exist and that the chart reaches them."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from pirate_sm.spelling import nearest, one_of
 def start_configuration(
     source: Source, table: ChartTable, states: Mapping[str, str] | None, problems: Problems
 ) -> int:
-    """Return the index of the configuration that the mission begins in (rule 2).
+    """Return the index of the mission's initial configuration (rule 2).
 
     Regions that ``starts_in`` does not name are in their initial state.
 
     Raises:
-        UsageError: ``states``, given on the command line, do not fit.
+        UsageError: ``states``, from the command line, do not fit.
     """
     if states is not None:
         return _declared(table, states)
@@ -39,7 +39,7 @@ def start_configuration(
 def required_states(
     source: Source, table: ChartTable, problems: Problems
 ) -> tuple[tuple[int, str], ...]:
-    """Return the states that a called mission requires: its own list, or the initial ones."""
+    """Return the states that a called mission requires: its ``starts_in`` or initial states."""
     named = source.mission.starts_in
     if named is None:
         return tuple(enumerate(table.configurations[table.initial]))
@@ -64,10 +64,10 @@ def _check(table: ChartTable, region: str, state: str, path: Path, problems: Pro
 
 
 def read_states(table: ChartTable, states: Mapping[str, str]) -> dict[int, str]:
-    """Return states that a person has named, by the index of their region.
+    """Return states from the command line by the index of their region.
 
     Raises:
-        UsageError: The chart does not have all of them; each is said, with what was meant.
+        UsageError: Some are not in the chart; the message lists all, with suggestions.
     """
     found: dict[int, str] = {}
     wrong = []

@@ -1,4 +1,4 @@
-"""Write the waits of phases and steps."""
+"""Generate the waits of phases and steps."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pirate_sm.model import mission as model
 from pirate_sm.model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
 
 TIME_LIMIT = "within"
-"""The name under which the time limit of a wait fires."""
+"""The trigger name of a wait's time limit."""
 
 
 def wait_fields(
@@ -23,14 +23,14 @@ def wait_fields(
     after: Label | None,
     failed: Label | int,
 ) -> dict[str, object]:
-    """Return the fields of the instruction for the wait of a phase or step.
+    """Return the fields of a wait instruction for a phase or step.
 
     Args:
         scope: The mission that is being compiled.
         it: The phase or step.
-        path: Where it stands.
+        path: Its path in the file.
         after: The next step, for triggers without a target; None in a phase.
-        failed: Where a failure of the step leads.
+        failed: Target of a failure of the step.
     """
     within, target, name, fails = inf, failed, "", False
     if it.within is not None:
@@ -76,7 +76,7 @@ def _trigger(
 
 
 def _trigger_names(scope: Scope, triggers: Sequence[Trigger], path: Path) -> list[str]:
-    """Return a name for each trigger: its own, or its target, numbered where that is taken."""
+    """Return a name for each trigger: its own, or its target with a number if that is taken."""
     names: list[str] = []
     for number, trigger in enumerate(triggers):
         usual = trigger.go or model.CONTINUE
@@ -91,7 +91,7 @@ def _trigger_names(scope: Scope, triggers: Sequence[Trigger], path: Path) -> lis
 
 
 def _compares(trigger: out.TriggerSpec) -> bool:
-    """Return whether the trigger looks at how much a signal has changed since the wait began."""
+    """Return whether the trigger uses the change of a signal since the wait began."""
     return trigger.condition is not None and any(
         name.startswith("change(") for name in trigger.condition.names
     )

@@ -1,4 +1,4 @@
-"""Load a robot from its folder: profile and chart are read, checked and resolved."""
+"""Load a robot from its folder: read, check and resolve its profile and chart."""
 
 from __future__ import annotations
 

@@ -13,7 +13,6 @@ from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.loading.robot.slots import Slots
 from pirate_sm.model.actuation import Duty, Setpoint, Share, Speed, Target
 from pirate_sm.model.profile import Profile
-from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE
 
 
@@ -89,10 +88,7 @@ def _source(
         return -1
     joints = [joint.name for joint in profile.body.joints]
     if share.joint not in joints:
-        problems.add(
-            "robot.joint", path, f"there is no joint '{share.joint}'",
-            expected=one_of(joints), suggestion=nearest(share.joint, joints) or "",
-        )  # fmt: skip
+        problems.add_unknown("robot.joint", path, "joint", share.joint, joints)
         return -1
     return signals.number(share.joint, path, ANGLE)
 

@@ -1,4 +1,4 @@
-"""Resolve what each board measures, and what is derived of it, to indexes of signals."""
+"""Resolve the channels and derived signals of each board to indexes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pirate_sm.model import profile as model
 
 
 def resolve_boards(signals: Signals, faults: tuple[FaultSpec, ...]) -> Mapping[int, BoardSpec]:
-    """Return what each board that reports measures, and which fault rules that can change."""
+    """Return the specification of each reporting board, with the fault rules that depend on it."""
     listened = [
         (number, board)
         for number, board in enumerate(signals.profile.boards)
@@ -95,7 +95,7 @@ def _diameter(
     if apex not in told:
         return []
     index = signals.vocabulary.numbers.index(apex)
-    # Eq. 3-2 takes the V's two legs as equally long.
+    # Eq. 3-2 assumes two legs of equal length.
     return [(index, body.legs_m(part)[0], 2 * body.wheel_radius, target)]
 
 

@@ -1,4 +1,4 @@
-"""Resolve the body in a profile to the chain of links that the engine calculates with."""
+"""Resolve the body in a profile to the engine's chain of links."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pirate_sm.model import profile as model
 
 
 def resolve_chain(signals: Signals) -> BodySpec:
-    """Return the robot's chain; a name that leads nowhere is reported elsewhere and left out."""
+    """Return the robot's chain; unknown names are left out, and reported elsewhere."""
     profile, body = signals.profile, signals.profile.body
     sign = -1 if signals.polarity == "mirrored" else 1
     joints = {joint.wheel: _number(signals, joint.name) for joint in body.joints}
@@ -25,7 +25,7 @@ def resolve_chain(signals: Signals) -> BodySpec:
 
 
 def words_behind(profile: model.Profile) -> frozenset[str]:
-    """Return the detector's words that begin when the last wheel is beyond the crossing."""
+    """Return the detector's words that mean that the last wheel has passed the bend."""
     last = profile.body.wheels[-1].name
     return frozenset(
         name
@@ -36,25 +36,17 @@ def words_behind(profile: model.Profile) -> frozenset[str]:
 
 def _vee(profile: model.Profile, signals: Signals, name: str) -> Vee:
     body = profile.body
-    apex = next((joint for joint in body.joints if joint.name == body.parts[name].apex), None)
-    diameter = next(
-        (
-            signal
-            for signal, derived in profile.derived.items()
-            if isinstance(derived, kinds.DiameterOf) and derived.diameter_of == name
-        ),
-        "",
-    )
+    apex = body.apex_of(name)
     return Vee(
         tuple(index for index, wheel in enumerate(body.wheels) if wheel.part == name),
         _number(signals, apex.name) if apex else -1,
-        _number(signals, diameter),
+        _number(signals, profile.diameter_of(name)),
         apex.end_stop if apex else 0.0,
     )
 
 
 def _imu(profile: model.Profile, signals: Signals) -> Imu | None:
-    """Return the accelerometer that roll or pitch is made of."""
+    """Return the accelerometer from which roll or pitch is derived; None without one."""
     for derived in profile.derived.values():
         match derived:
             case kinds.PitchOf(pitch_of=sources) | kinds.RollOf(roll_of=sources):

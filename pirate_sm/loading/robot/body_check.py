@@ -1,4 +1,4 @@
-"""Check that a profile fits together: its chain, motors, sensors and known defects."""
+"""Check the consistency of a profile: its chain, motors, sensors and known defects."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOTOR_NEEDS = {
     "light": (),
     "none": (),
 }
-"""What must be known of each kind of motor."""
+"""The required keys of each kind of motor."""
 
 DEFECT_NEEDS = {
     "dead_wheel": ("wheels",),
@@ -26,11 +26,11 @@ DEFECT_NEEDS = {
     "zero_jump": ("raw",),
     "lost_messages": ("share",),
 }
-"""Without these, a defect of this kind would do nothing."""
+"""The required keys of each kind of defect."""
 
 
 def check_body(profile: model.Profile, problems: Problems) -> None:
-    """Report names that lead nowhere, and a wrong number of links or motors."""
+    """Report unknown names, and a wrong number of links or motors."""
     _check_chain(profile.body, problems)
     _check_joints(profile.body, problems)
     _check_motors(profile, problems)
@@ -202,7 +202,7 @@ def _must_be(
 ) -> None:
     names = list(valid)
     if len(set(names)) < len(names):
-        return  # one that stands twice is reported, and hides the one that is missing
+        return  # a duplicate is reported already and may hide a missing name
     if name not in names:
         problems.add_unknown(f"robot.{kind.rpartition(' ')[2]}", path, kind, name, names, key=key)
 

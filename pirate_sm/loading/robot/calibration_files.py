@@ -1,4 +1,4 @@
-"""Write, find, check and apply the dated files with the zeros of joints."""
+"""Write, find, check and apply the dated calibration files with the zeros of joints."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.calibration import Calibration
 
 LARGEST_ZERO_RAD = radians(30)
-"""Beyond it a magnet has slipped, which a number must not hide."""
+"""A larger zero means a slipped magnet, which a calibration must not hide."""
 
 _FILE = re.compile(r"calibration-(\d{4}-\d{2}-\d{2})\.yaml")
 
 
 def find_calibration(robot: LoadedRobot) -> Path | None:
-    """Return the newest calibration of this robot; None where there is none.
+    """Return the path of this robot's newest calibration; None if there is none.
 
-    It stands beside the profile, or in the user's folder where that may not be written to.
+    It is beside the profile, or in the user's folder if the profile's is read-only.
     """
     found = [
         (match[1], -place, path)
@@ -43,10 +43,10 @@ def find_calibration(robot: LoadedRobot) -> Path | None:
 
 
 def load_calibration(path: Path, robot: LoadedRobot) -> Calibration:
-    """Return the robot's calibration in this file.
+    """Return the robot's calibration from this file.
 
     Raises:
-        LoadError: Everything that is wrong with the file.
+        LoadError: The file has faults; holds all of them.
     """
     document = read_document(path, shown(path))
     calibration = validate(document, Calibration)
@@ -73,19 +73,19 @@ def load_calibration(path: Path, robot: LoadedRobot) -> Calibration:
 
 
 def newest_calibration(robot: LoadedRobot) -> Calibration | None:
-    """Return the newest calibration of this robot, free of faults; None where there is none.
+    """Return the newest calibration of this robot; None if there is none.
 
     Raises:
-        LoadError: Its file cannot be used.
+        LoadError: Its file has faults.
     """
     path = find_calibration(robot)
     return None if path is None else load_calibration(path, robot)
 
 
 def joints_of(robot: LoadedRobot) -> tuple[str, ...]:
-    """Return the joints whose zeros can be calibrated: those that we bring to angles.
+    """Return the joints whose zeros can be calibrated: those with a position loop of ours.
 
-    A board that has a controller of its own keeps its own zero.
+    A board with its own controller keeps its own zero.
     """
     measured = {
         channel.signal
@@ -97,7 +97,7 @@ def joints_of(robot: LoadedRobot) -> tuple[str, ...]:
 
 
 def with_zeros(robot: RobotSpec, zeros: Mapping[str, float]) -> RobotSpec:
-    """Return the robot with these zeros, in rad by signal, subtracted from its sensors."""
+    """Return the robot with these zeros, rad by signal, subtracted from its sensor readings."""
     names = robot.vocabulary.numbers
     boards = {
         number: replace(
@@ -114,7 +114,7 @@ def with_zeros(robot: RobotSpec, zeros: Mapping[str, float]) -> RobotSpec:
 
 
 def summary(calibration: Calibration) -> str:
-    """Return what is applied, in one line for a person."""
+    """Return a one-line summary of the applied zeros."""
     zeros = ", ".join(f"{name} {degrees(z):+z.1f} deg" for name, z in calibration.zeros.items())
     return f"joint zeros of {calibration.date} applied: {zeros}"
 
@@ -123,7 +123,7 @@ def keep_calibration(calibration: Calibration, robot: LoadedRobot) -> Path:
     """Write the calibration to its file and return its path.
 
     Raises:
-        UsageError: There is no folder that it can be written to.
+        UsageError: None of the folders is writable.
     """
     text = _text(calibration)
     reason = ""
@@ -142,12 +142,12 @@ def _folders(robot: LoadedRobot) -> tuple[Path, Path]:
 
 def _write(path: Path, text: str) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
-    # Written aside and moved, so that nobody reads half a file.
+    # Write to a temporary file and rename it, so that no reader sees an incomplete file.
     handle, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
     with os.fdopen(handle, "w", encoding="utf-8") as file:
         file.write(text)
     Path(name).replace(path)
-    path.chmod(0o644)  # a temporary file is its maker's alone
+    path.chmod(0o644)  # temporary files are private by default
     return path
 
 

@@ -1,4 +1,4 @@
-"""Compile commands, held parts and fault rules; criteria are resolved to indexes."""
+"""Compile commands, held parts and fault rules, with the names in criteria as indexes."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import criteria
 from pirate_sm.model import profile as model
 from pirate_sm.model.fault_codes import BuiltInFault
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import one_of
 from pirate_sm.units import ANGLE, Quantity, describe
 
 
 def resolve_parts(
     table: ChartTable, signals: Signals
 ) -> tuple[tuple[str, ...], tuple[frozenset[int], ...], tuple[frozenset[int], ...]]:
-    """Return the parts, which of them each configuration holds, and by which regions."""
+    """Return the parts, those held in each configuration, and the regions that hold each part."""
     conditions = []
     for name, part in signals.profile.body.parts.items():
         path: Path = ("body", "parts", name, "held")
@@ -65,7 +65,7 @@ def resolve_commands(
     signals: Signals,
     postures: Mapping[str, tuple[PostureSpec | None, ...]],
 ) -> tuple[tuple[CommandSpec, ...], tuple[tuple[bool, ...], ...]]:
-    """Return each command's criterion, posture and limits; by configuration the unneeded ones."""
+    """Return the commands, and per configuration which of them are unneeded."""
     specs: list[CommandSpec] = []
     unneeded: list[list[bool]] = []
     for name in table.commands:
@@ -98,9 +98,9 @@ def resolve_commands(
 
 
 def resolve_faults(signals: Signals, parts: Sequence[str]) -> tuple[FaultSpec, ...]:
-    """Return one rule per fault and, with ``for_each``, per number that is written out in it.
+    """Return the fault rules, with one rule for each number of a ``for_each``.
 
-    Conditions may use the end stop of each joint, as ``$`` and the joint's name and ``_stop``.
+    Conditions may use the end stop of each joint as ``$JOINT_stop``.
     """
     rules: list[FaultSpec] = []
     stops = {f"{j.name}_stop": Quantity(j.end_stop, ANGLE) for j in signals.profile.body.joints}
@@ -130,19 +130,15 @@ def _denied(
         if name in parts:
             yield parts.index(name)
             continue
-        problems.add(
-            "robot.name",
-            ("faults", number, "denies", place),
-            f"the robot has no part '{name}' that a chart state holds",
-            expected=one_of(sorted(parts)),
-            suggestion=nearest(name, parts) or "",
-        )
+        message = f"the robot has no part '{name}' that a chart state holds"
+        at: Path = ("faults", number, "denies", place)
+        problems.add_unknown("robot.name", at, "part", name, sorted(parts), message=message)
 
 
 def _check_catchable(
     fault: model.FaultRule, number: int, rules: list[FaultSpec], problems: Problems
 ) -> None:
-    """Report a code that one rule lets missions catch and another does not."""
+    """Report a code that is catchable in one rule and not in another."""
     known = {each.code: each.catchable for each in (*rules, *BuiltInFault)}
     if known.get(fault.code, fault.catchable) != fault.catchable:
         can, must = ("can", "true") if known[fault.code] else ("cannot", "false")
@@ -152,7 +148,7 @@ def _check_catchable(
 
 
 def on_states(text: str, table: ChartTable, signals: Signals, path: Path) -> Expression | None:
-    """Return a condition on the regions' states; None after reporting any other."""
+    """Return a condition on the states of the regions; None after reporting other names."""
     try:
         condition = compile_condition(text, signals.vocabulary)
     except ExpressionError as error:
@@ -167,7 +163,7 @@ def on_states(text: str, table: ChartTable, signals: Signals, path: Path) -> Exp
 
 
 def is_true(condition: Expression | None, states: tuple[str, ...]) -> bool:
-    """Return whether a condition on the states of the regions is true of these."""
+    """Return whether a condition on the regions is true in these states."""
     return condition is not None and condition.evaluate((), states) is True
 
 
@@ -176,7 +172,7 @@ def resolve_criterion(  # noqa: C901 - one case per kind
     signals: Signals,
     path: Path,
 ) -> CriterionSpec:
-    """Return the criterion with every name resolved to an index."""
+    """Return the criterion with all names resolved to indexes."""
     wheels = signals.wheels
     match done:
         case criteria.Accepted():
@@ -218,7 +214,7 @@ def resolve_criterion(  # noqa: C901 - one case per kind
                         (*path, "limit"),
                         f"'{name}' is {kind}, and this is {describe(done.limit.dimension)}",
                     )
-                    break  # the others are compared with the same limit
+                    break  # the other signals have the same limit
             return BelowSpec(numbers, done.limit.value, done.for_s)
 
 

@@ -1,4 +1,4 @@
-"""Find the types of derived signals and check what they are derived from."""
+"""Determine the types of derived signals, and check their sources."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ from pirate_sm.loading.problems import Path
 from pirate_sm.loading.robot.signals import Signals, check_name
 from pirate_sm.model import derived as kinds
 from pirate_sm.model import profile as model
-from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE, CURRENT, DIMENSIONLESS, LENGTH, SPEED, TIME, TORQUE, Dimension
 
 
 def add_derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
-    """Add the types of all derived signals, or report why a signal cannot be derived."""
+    """Add the types of all derived signals; report signals that cannot be derived."""
     profile = signals.profile
     told = [c.signal for board in profile.boards for c in board.channels if c.signal]
     hidden = len(set(told)) < len(told)  # one that is told twice hides the one that is missing
@@ -25,12 +24,9 @@ def add_derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> No
         for source in _sources(derived):
             valid = _valid_sources(profile, derived, types)
             if source not in valid and not hidden:
-                signals.problems.add(
-                    "robot.signal",
-                    path,
-                    f"'{source}' is not known here",
-                    expected=one_of(sorted(set(valid))),
-                    suggestion=nearest(source, valid) or "",
+                known, message = sorted(set(valid)), f"'{source}' is not known here"
+                signals.problems.add_unknown(
+                    "robot.signal", path, "signal", source, known, message=message
                 )
         types[name] = NumberType(_dimension(signals, derived, types, path))
         check_name(name, types[name], path, signals.problems, key=True)
@@ -52,7 +48,7 @@ def _valid_sources(
         case kinds.RateOf() | kinds.TorqueOf() | kinds.RollOf() | kinds.PitchOf() | kinds.NormOf():
             measured = [c.signal for board in profile.boards for c in board.channels if c.signal]
             numbers = [name for name, kind in types.items() if isinstance(kind, NumberType)]
-            return [*numbers, *measured]  # one with a faulty conversion is known all the same
+            return [*numbers, *measured]  # also those with a faulty conversion
 
 
 def _dimension(

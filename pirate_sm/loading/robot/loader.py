@@ -1,4 +1,4 @@
-"""Load a robot's folder: profile and chart are read, checked and resolved."""
+"""Load a robot's folder: read, check and resolve its profile and chart."""
 
 from __future__ import annotations
 
@@ -40,17 +40,17 @@ Polarity = Literal["normal", "mirrored"]
 
 @dataclass(frozen=True)
 class LoadedRobot:
-    """A robot as its files describe it, free of faults.
+    """A robot without faults, as its files describe it.
 
     Attributes:
-        profile: What stands in the profile.
-        table: Its chart, explored.
-        documents: The files it was read from.
-        folder: Where they stand.
-        normal: What the engine runs in normal polarity.
-        mirrored: The same with every mirrored slot and wheel negated.
+        profile: The content of the profile.
+        table: The table of its chart.
+        documents: Its source files.
+        folder: The folder of the files.
+        normal: The engine's specification in normal polarity.
+        mirrored: The specification with every mirrored slot and wheel negated.
         rules: Its safety rules.
-        outline: What the chart's file declares, with places.
+        outline: The declarations of the chart's file.
     """
 
     profile: Profile
@@ -69,13 +69,13 @@ class LoadedRobot:
 
 @lru_cache(maxsize=8)
 def load_robot(folder: Path) -> LoadedRobot:
-    """Return the robot in this folder, ready to run.
+    """Return the robot in this folder.
 
     Args:
-        folder: Holds ``profile.yaml``, and the chart that it names.
+        folder: The folder with ``profile.yaml`` and the chart that it names.
 
     Raises:
-        LoadError: Everything that is wrong with its files, each with its place.
+        LoadError: Its files have faults; holds all of them.
     """
     document = read_document(folder / PROFILE_FILE, shown(folder / PROFILE_FILE))
     problems = Problems(document)
@@ -103,7 +103,7 @@ def load_robot(folder: Path) -> LoadedRobot:
 
 
 def _chart(folder: Path, name: str, problems: Problems) -> Document | None:
-    """Return the chart's file; report a missing one as a fault of the profile."""
+    """Return the chart's document; report a missing file as a fault of the profile."""
     path = folder / name
     try:
         return read_document(references.followed(path, folder), shown(path))
@@ -159,7 +159,7 @@ def _check_regions(profile: Profile, outline: ChartOutline, problems: Problems) 
 
 
 def _check_reached(outline: ChartOutline, table: ChartTable, problems: Problems) -> None:
-    """Report states that no commands lead to."""
+    """Report states that no command sequence reaches."""
     for place, (region, states) in enumerate(zip(table.regions, table.states, strict=True)):
         reached = {configuration[place] for configuration in table.configurations}
         for state in states:

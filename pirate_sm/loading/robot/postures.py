@@ -1,4 +1,4 @@
-"""Resolve the postures that commands take first, for each configuration they lead to."""
+"""Resolve the postures of commands for each configuration to which the commands lead."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ByConfiguration = tuple[PostureSpec | None, ...]
 
 @dataclass(frozen=True)
 class _Robot:
-    """What postures are resolved against."""
+    """The robot data for resolving postures."""
 
     table: ChartTable
     signals: Signals
@@ -30,7 +30,7 @@ class _Robot:
     actuation: tuple[Mapping[str, tuple[StageSpec, ...]], ...]
 
     def pressing(self, configuration: int) -> Iterator[tuple[str, int, float]]:
-        """Yield per held part its name, the slot of its apex, and the duty that holds it."""
+        """Yield for each held part its name, the slot of its apex, and the duty that holds it."""
         parts = list(self.signals.profile.body.parts.items())
         written = {
             write.slot: write
@@ -52,10 +52,10 @@ def resolve_postures(
     held: tuple[frozenset[int], ...],
     actuation: tuple[Mapping[str, tuple[StageSpec, ...]], ...],
 ) -> Mapping[str, ByConfiguration]:
-    """Return each posture by name: per configuration its first case that applies, or None.
+    """Return the postures by name: per configuration the first case that applies, or None.
 
-    A posture moves bend joints only, and keeps the apex of every part that is held pressed to the
-    wall it is on.
+    A posture moves bend joints only, and keeps the apex of every held part pressed against its
+    wall.
     """
     robot = _Robot(table, signals, slots, held, actuation)
     return {name: _posture(robot, name, cases) for name, cases in signals.profile.postures.items()}
@@ -100,7 +100,7 @@ def _case(robot: _Robot, name: str, case: PostureCase, at: Path) -> PostureSpec:
 
 
 def _lets_go(robot: _Robot, writes: StageSpec, configuration: int, at: Path) -> bool:
-    """Return whether the posture lets go of a part that is held there, and report it."""
+    """Return whether the posture releases a part that is held there; report it if so."""
     duties = {write.slot: write.value for write in writes if write.how == "set"}
     written = {write.slot for write in writes}
     for part, slot, duty in robot.pressing(configuration):

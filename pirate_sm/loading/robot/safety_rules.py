@@ -1,4 +1,4 @@
-"""Compile the safety rules of a robot, for :mod:`pirate_sm.engine.safety.rules`."""
+"""Compile the safety rules of a robot for :mod:`pirate_sm.engine.safety.rules`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from pirate_sm.units import DIMENSIONLESS
 
 
 def resolve_rules(profile: Profile, table: ChartTable, problems: Problems) -> tuple[RuleSpec, ...]:
-    """Return every rule with its conditions compiled; report those that cannot be."""
+    """Return all rules with compiled conditions; report rules with faults."""
     if not profile.rules:
         return ()
     kinds: dict[str, NumberType | EnumType] = {
@@ -48,7 +48,7 @@ def resolve_rules(profile: Profile, table: ChartTable, problems: Problems) -> tu
 
 
 def rules_for(mission: Mission, rules: tuple[RuleSpec, ...]) -> tuple[RuleSpec, ...]:
-    """Return the rules without those that the mission says it must break, and why."""
+    """Return the rules without those that the mission waives with a reason."""
     return tuple(
         rule
         for rule in rules
@@ -80,7 +80,7 @@ def _rule(
 def _condition(
     text: str, vocabulary: Vocabulary, problems: Problems, path: Path, key: str
 ) -> Expression | None:
-    """Return the condition, for ``never`` its opposite."""
+    """Return the compiled condition, negated for ``never``."""
     try:
         condition = compile_condition(text, vocabulary)
     except ExpressionError as error:

@@ -1,4 +1,4 @@
-"""Find what each sensor of a motor can show, by the profile's motors and thresholds."""
+"""Derive the limits of each motor's sensors from the profile's motors and thresholds."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _DEGREE = pi / 180
 
 
 def thresholds(profile: model.Profile) -> PlausibilitySpec:
-    """Return the thresholds that hold for every sensor."""
+    """Return the thresholds common to all sensors."""
     own = profile.plausibility
     return PlausibilitySpec(
         hold_back=own.hold_back,
@@ -27,7 +27,7 @@ def thresholds(profile: model.Profile) -> PlausibilitySpec:
 
 
 def watched(profile: model.Profile, board: model.Board, spec: BoardSpec) -> WatchedSpec:
-    """Return the sensors of the board that measure a motor, with their limits."""
+    """Return the board's sensors that measure a motor, with their limits."""
     numbers = {place: number for place, number, _ in spec.channels}
     slots = {slot.name: (index, slot) for index, slot in enumerate(profile.slots)}
     found = []
@@ -75,7 +75,7 @@ def _angle(
         rate = own.overspeed * motor.no_load_speed
         watch = watch._replace(rate=rate, slack=own.joint_slack)
     if slot.wheel is not None:
-        # A wheel may slide along with a falling robot: that must be seen at once.
+        # The wheels of a falling robot may turn: that must be reported at once.
         return watch._replace(slack=own.wheel_slack, moved=own.wheel_moved)
     stop = next((j.end_stop for j in profile.body.joints if j.name == slot.joint), None)
     if stop is None:
@@ -99,7 +99,7 @@ def _of_motor(
     slot: model.Slot,
     numbers: Mapping[int, int],
 ) -> int:
-    """Return the number of the torque or current of the slot's motor; -1 where it has none."""
+    """Return the number index of the motor's torque or current; -1 without one."""
     for place, channel in enumerate(channels):
         if channel.senses == senses and channel.slot == slot.name:
             return numbers.get(place, -1)
@@ -107,7 +107,7 @@ def _of_motor(
 
 
 def _resting_on(spec: BoardSpec, number: int) -> tuple[int, ...]:
-    """Return the numbers of the board that are made from this one."""
+    """Return the numbers of the board that depend on this one."""
     return (
         *(target for source, target in spec.rates if source == number),
         *(target for source, _, _, target in spec.torques if source == number),

@@ -24,10 +24,10 @@ _NOTHING = Vocabulary({})
 
 @dataclass
 class Signals:
-    """The robot's vocabulary, and what is needed to fill it from frames.
+    """The robot's vocabulary, with the data for computing it from frames.
 
     Attributes:
-        vocabulary: Regions first, so that a configuration is the beginning of the words.
+        vocabulary: Its words begin with the regions, so a configuration is a prefix of the words.
         scales: Factor to SI of each conversion.
     """
 
@@ -40,7 +40,7 @@ class Signals:
 
     @property
     def link(self) -> LinkSpec:
-        """Return when signals are stale, boards silent, and arrays sent again."""
+        """Return the timing of the link."""
         link = self.profile.link
         return LinkSpec(
             link.cycle * self.profile.messages_per_round,
@@ -51,7 +51,7 @@ class Signals:
         )
 
     def number(self, name: str, path: Path, dimension: Dimension | None = None) -> int:
-        """Return the index of a numeric signal; -1 after reporting that there is none."""
+        """Return the index of a numeric signal; -1 after reporting an unknown name."""
         names = self.vocabulary.numbers
         if name not in names:
             self.problems.add(
@@ -104,7 +104,7 @@ def check_name(
     *,
     key: bool = False,
 ) -> None:
-    """Report a name that no condition can use."""
+    """Report a name that conditions cannot use."""
     try:
         Vocabulary({name: kind})
     except ValueError as error:

@@ -1,15 +1,14 @@
-"""Slots of the wire: what each drives, its limits, and how it is brought to an angle."""
+"""Resolve the slots of the wire: what each drives, its limits and its control loops."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 from pirate_sm.engine.robot.command_spec import PositionSpec, SlotSpec, VelocitySpec
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import profile as model
-from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import ANGLE, ANGULAR_SPEED, TORQUE
 
 
@@ -22,19 +21,16 @@ class Slots:
     problems: Problems
 
     def index(self, name: str, path: Path) -> int:
-        """The slot's index on the wire; 0 and a problem when there is none of that name."""
+        """Return the slot's index on the wire; 0 after reporting an unknown name."""
         names = [slot.name for slot in self.specs]
         if name in names:
             return names.index(name)
-        self.problems.add(
-            "robot.slot", path, f"there is no slot '{name}'",
-            expected=one_of(names), suggestion=nearest(name, names) or "",
-        )  # fmt: skip
+        self.problems.add_unknown("robot.slot", path, "slot", name, names)
         return 0
 
 
 def resolve_slots(profile: model.Profile, signals: Signals, problems: Problems) -> Slots:
-    """Every slot knows its limits, its angle and its loop, or the problems say why not."""
+    """Return the slots with their limits, signals and loops; report their faults."""
     specs = [
         _slot(profile, signals, slot, ("boards", number, "slots", place), problems)
         for number, board in enumerate(profile.boards)
@@ -48,10 +44,7 @@ def _slot(
 ) -> SlotSpec:
     motor = profile.motors.get(slot.motor)
     if motor is None:
-        problems.add(
-            "robot.motor", (*path, "motor"), f"there is no motor '{slot.motor}'",
-            expected=one_of(profile.motors), suggestion=nearest(slot.motor, profile.motors) or "",
-        )  # fmt: skip
+        problems.add_unknown("robot.motor", (*path, "motor"), "motor", slot.motor, profile.motors)
         motor = model.Motor(kind="none")
     known = _check_targets(profile, slot, path, problems)
     link = profile.link
@@ -59,18 +52,10 @@ def _slot(
         limit = slot.limit if slot.limit is not None else inf
         angle = signals.number(slot.roll, (*path, "roll"), ANGLE) if slot.roll and known else -1
         return SlotSpec(slot.name, "angle", -limit, limit, link.angle_resolution, angle)
-    self_locking = motor.kind == "sprung_worm"
+    locks = motor.kind == "sprung_worm"
+    duty = SlotSpec(slot.name, "duty", -1.0, 1.0, link.duty_resolution, self_locking=locks)
     if slot.joint is None:
-        velocity = _velocity(profile, signals, slot, motor, path)
-        return SlotSpec(
-            slot.name,
-            "duty",
-            -1.0,
-            1.0,
-            link.duty_resolution,
-            velocity=velocity,
-            self_locking=self_locking,
-        )
+        return replace(duty, velocity=_velocity(profile, signals, slot, motor, path))
     joints = profile.body.joints
     place = next((n for n, joint in enumerate(joints) if joint.name == slot.joint), -1)
     torque = joints[place].torque if place >= 0 else None
@@ -84,24 +69,19 @@ def _slot(
             settings.limit,
             motor.stall_torque or inf,
         )  # fmt: skip
-    return SlotSpec(
-        slot.name,
-        "duty",
-        -1.0,
-        1.0,
-        link.duty_resolution,
+    return replace(
+        duty,
         angle=signals.number(slot.joint, (*path, "joint"), ANGLE) if known else -1,
         rate=signals.rate_of(slot.joint),
         torque=signals.number(torque, torque_path, TORQUE) if torque else -1,
         position=loop,
-        self_locking=self_locking,
     )
 
 
 def _velocity(
     profile: model.Profile, signals: Signals, slot: model.Slot, motor: model.Motor, path: Path
 ) -> VelocitySpec | None:
-    """Return how the slot's wheel is kept at a speed; None where it cannot be."""
+    """Return the velocity loop of the slot's wheel; None without one."""
     settings = motor.velocity_loop
     wheel = next((each for each in profile.body.wheels if each.name == slot.wheel), None)
     if settings is None or wheel is None:
@@ -118,7 +98,7 @@ _SAID = {"joint": "joint", "wheel": "wheel", "roll": "roll joint"}
 def _check_targets(
     profile: model.Profile, slot: model.Slot, path: Path, problems: Problems
 ) -> bool:
-    """Whether what the slot drives is there."""
+    """Return whether the joint or wheel that the slot drives exists; report it otherwise."""
     known = True
     valid = {
         "joint": [joint.name for joint in profile.body.joints],
@@ -126,12 +106,10 @@ def _check_targets(
         "roll": [link.roll for link in profile.body.links if link.roll],
     }
     for kind, names in valid.items():
-        name = getattr(slot, kind)
+        name, said = getattr(slot, kind), _SAID[kind]
         if name is not None and name not in names:
             known = False
-            problems.add(
-                f"robot.{kind}", (*path, kind), f"the body has no {_SAID[kind]} '{name}'",
-                expected=one_of(names) if names else f"no slot for a {_SAID[kind]}",
-                suggestion=nearest(name, names) or "",
-            )  # fmt: skip
+            message, none = f"the body has no {said} '{name}'", f"no slot for a {said}"
+            at = (*path, kind)
+            problems.add_unknown(f"robot.{kind}", at, said, name, names, message=message, none=none)
     return known

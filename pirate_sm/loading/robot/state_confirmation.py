@@ -1,4 +1,4 @@
-"""Resolve how sensors confirm states, for one polarity: names become indexes."""
+"""Resolve the criteria by which sensors confirm states, for one polarity."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from pirate_sm.engine.robot.criteria import AcceptedSpec
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import seen as model
-from pirate_sm.model.derived import DiameterOf
 
 Actuation = tuple[Mapping[str, tuple[StageSpec, ...]], ...]
 
@@ -32,7 +31,7 @@ def resolve_sight(
     actuation: Actuation,
     signals: Signals,
 ) -> Sight:
-    """Return what confirms and contradicts each state and part, or tell the problems why not."""
+    """Return the criteria that confirm or contradict each state and part; report their faults."""
     profile, problems = signals.profile, signals.problems
     seen = profile.seen
     parts, regions = tuple(profile.body.parts), table.regions
@@ -67,16 +66,8 @@ def _part(name: str, how: model.HeldPart, signals: Signals) -> HeldSpec | None:
     path: Path = ("seen", "parts", name)
     profile, problems = signals.profile, signals.problems
     body = profile.body
-    apex = next((joint for joint in body.joints if joint.name == body.parts[name].apex), None)
-    diameter = next(
-        (
-            signal
-            for signal, each in profile.derived.items()
-            if isinstance(each, DiameterOf) and each.diameter_of == name
-        ),
-        None,
-    )
-    if diameter is None:
+    apex, diameter = body.apex_of(name), profile.diameter_of(name)
+    if not diameter:
         problems.add(
             "robot.seen",
             path,
@@ -90,7 +81,7 @@ def _part(name: str, how: model.HeldPart, signals: Signals) -> HeldSpec | None:
     joints = [
         _joint(joint, signals, (*path, "loaded", number)) for number, joint in enumerate(how.loaded)
     ]
-    if apex is None or diameter is None:
+    if apex is None or not diameter:
         return None
     return HeldSpec(
         tuple(joint for joint in joints if joint is not None),
@@ -111,7 +102,7 @@ def _joint(name: str, signals: Signals, path: Path) -> LoadedJoint | None:
     joint = next((each for each in profile.body.joints if each.name == name), None)
     joints = {each.name for each in profile.body.joints}
     if any(slot.joint is not None and slot.joint not in joints for slot in profile.slots):
-        return None  # a slot that drives no joint has been reported
+        return None  # a slot without a joint is reported already
     slot = next((n for n, each in enumerate(profile.slots) if each.joint == name), -1)
     if joint is None or joint.torque is None or slot < 0:
         names = [each.name for each in profile.body.joints if each.torque is not None]
@@ -146,7 +137,7 @@ class _States:
         self._problems = signals.problems
 
     def state(self, how: model.SeenState, name: str, path: Path) -> SeenSpec | None:
-        """Return how the state is seen; None where no sensor shows it."""
+        """Return the criterion of the state; None if no sensor can show it."""
         match how:
             case model.Angles():
                 beyond = inf if how.beyond is None else how.beyond
@@ -184,7 +175,7 @@ class _States:
         return write.how == "seek" or (write.how == "set" and unit == "angle")
 
     def _targets(self, name: str) -> tuple[tuple[int, float], ...]:
-        """Return number index and setpoint of each angle; of several stages the first counts."""
+        """Return the number index and setpoint of each angle, from the first stage that sets it."""
         found: dict[int, float] = {}
         for stage in self._actuation[name]:
             for write in stage:
@@ -194,7 +185,7 @@ class _States:
         return tuple(found.items())
 
     def _wheels(self, name: str) -> list[tuple[int, float]]:
-        """Return the number index of each wheel's speed, and its direction: 1, -1, or 0."""
+        """Return the number index of each wheel's speed, and its direction: 1, -1 or 0."""
         return [
             (self._speeds[write.slot], copysign(1.0, write.value) if write.value else 0.0)
             for write in self._actuation[name][-1]

@@ -1,4 +1,4 @@
-"""Make one vocabulary of regions, channels and derived signals."""
+"""Build the vocabulary of regions, channels and derived signals."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def resolve_signals(
     polarity: Literal["normal", "mirrored"],
     problems: Problems,
 ) -> Signals:
-    """Return the robot's signals, with types and indexes, or report what is wrong."""
+    """Return the robot's signals with types and indexes; report their faults."""
     signals = Signals(profile, problems, polarity)
     for name, conversion in profile.conversions.items():
         path = ("conversions", name, "scale")

@@ -1,1 +1,1 @@
-"""Read YAML files: plain data with the place of every value, validated against the models."""
+"""Read YAML files as plain data with the place of every value, and validate them."""

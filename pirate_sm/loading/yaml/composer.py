@@ -1,4 +1,4 @@
-"""Build a tree of plain values with places from YAML events, by the rules of our YAML."""
+"""Build a tree of plain values with places from YAML events, by our stricter rules."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from pirate_sm.loading.yaml.syntax_faults import key_fault, syntax_fault
 DEEPEST_NESTING: Final = 32
 MOST_ALIASES: Final = 100
 MOST_FAULTS: Final = 200
-MOST_NODES: Final = 100_000  # with every alias counted as what it stands for
+MOST_NODES: Final = 100_000  # with every alias counted as its target
 
-# libyaml is about ten times as fast; a build of PyYAML without it says the same more slowly.
+# libyaml is about ten times as fast; PyYAML without it gives the same result.
 _Loader: Final = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class _FatalError(Exception):
-    """Ends the reading: what follows makes no sense or costs too much."""
+    """Raised to stop reading: the rest is meaningless or too expensive to read."""
 
     def __init__(self, fault: YamlFault) -> None:
         self.fault = fault
@@ -30,16 +30,16 @@ class _FatalError(Exception):
 
 @dataclass(slots=True)
 class _Open:
-    """Is a mapping or list that is still being read."""
+    """A mapping or list that is still being read."""
 
     node: Node
     anchor: str | None
-    # The key that waits for its value; None in a list and where a key comes next.
+    # The key of the next value; None in a list, and where a key comes next.
     key: Node | None = None
 
 
 def compose(text: str) -> tuple[Node | None, tuple[YamlFault, ...]]:
-    """Return the tree of a YAML text, None when it is empty, and everything wrong with it."""
+    """Return the tree of a YAML text, None if it is empty, and all faults found."""
     composer = _Composer()
     try:
         for event in _events(text):
@@ -58,7 +58,7 @@ def _events(text: str) -> Iterator[yaml.Event]:
 
 
 class _Composer:
-    """Builds the tree with a stack of its own, so that no nesting can exhaust Python's."""
+    """Builds the tree with its own stack, so that deep nesting cannot exhaust Python's."""
 
     def __init__(self) -> None:
         self.root: Node | None = None
@@ -70,7 +70,7 @@ class _Composer:
 
     @property
     def innermost(self) -> Node | None:
-        """Return the mapping or list that was being read last, if one still is."""
+        """Return the innermost mapping or list that is still open, None if there is none."""
         return self._stack[-1].node if self._stack else None
 
     def take(self, event: yaml.Event) -> None:
@@ -144,7 +144,7 @@ class _Composer:
         return node
 
     def _add(self, node: Node, anchor: str | None) -> None:
-        """Put a finished node into the tree."""
+        """Add a finished node to the tree."""
         if anchor is not None:
             self._anchors[anchor] = node
         if not self._stack:
@@ -196,7 +196,7 @@ def _fault(code: str, event: yaml.Event, message: str) -> YamlFault:
 
 
 def _marks(event: yaml.Event) -> tuple[yaml.Mark, yaml.Mark]:
-    """Return where an event begins and ends: events of a parser always know."""
+    """Return where an event begins and ends; events of a parser always have both marks."""
     start, end = event.start_mark, event.end_mark
     assert start is not None
     assert end is not None

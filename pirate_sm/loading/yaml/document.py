@@ -1,9 +1,9 @@
-"""Read YAML text as plain data that remembers where each value stands.
+"""Read YAML text as plain data with the place of each value.
 
-PyYAML's parser gives events; what they mean is decided here, after the YAML 1.2 core schema and
-stricter: `on` and `12:30` are text, equal keys are refused, nothing but plain data comes out, and
-limits keep a hostile file from costing more than a moment. Faults are collected, not raised one
-by one; only a syntax error ends the reading.
+PyYAML's parser provides events. They are interpreted by the YAML 1.2 core schema with further
+restrictions: `on` and `12:30` are text, duplicate keys are faults, the result is plain data only,
+and limits bound the time for a hostile file. Faults are collected; only a syntax error stops the
+reading.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ _INK: Final = re.compile(r"\S")
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """Holds the plain data of a file together with the place of each of its parts.
+    """The plain data of a file with the place of each value.
 
     Attributes:
-        name: What the file is called in messages.
+        name: Name of the file in messages.
         text: Its text.
         data: Mappings, lists, text, numbers, booleans and None.
     """
@@ -51,18 +51,18 @@ class Document:
         return self.lines[line - 1] if 1 <= line <= len(self.lines) else ""
 
     def place_of(self, path: found.Path, *, key: bool = False, offset: int | None = None) -> Place:
-        """Return where the value at `path` stands; a path is followed as far as it leads.
+        """Return the place of the value at `path`, or of its nearest existing parent.
 
         Args:
             path: Keys and list indexes from the root.
-            key: Return the place of the value's key, where it has one.
-            offset: Return the place this many characters into the value's text.
+            key: Return the place of the value's key, if it has one.
+            offset: Return the place of this character of the value's text.
         """
         node, line, column = self._root, self._root.line, self._root.column
         for part in path:
             child = node.child(part)
             if child is None and part == 0:
-                continue  # a list of one may stand without its brackets
+                continue  # a list of one may be written without brackets
             if child is None:
                 return Place(self.name, line, column)
             node, key_line, key_column = child
@@ -74,9 +74,9 @@ class Document:
     def _inside(self, node: Node, offset: int) -> tuple[int, int]:
         """Return line and column of a character of a text value.
 
-        Quotes, escapes and folded lines move text; the character's own line of the value is
-        looked for in the source, and where it is not found literally, the value's start must do.
-        Folding a block (`>`) changes blanks and nothing else: there the others are counted.
+        Quotes, escapes and folded lines shift text. The character's line of the value is searched
+        in the source; if it is not found literally, the start of the value is returned. Folding a
+        block (`>`) changes blanks only, so there the other characters are counted.
         """
         value = node.value if isinstance(node.value, str) else ""
         offset = min(max(offset, 0), len(value))
@@ -91,7 +91,7 @@ class Document:
         return _line_and_column(self.text, position + offset - begin)
 
     def _folded(self, node: Node, value: str, offset: int) -> int:
-        """Return where in the text a character of a folded block's value stands."""
+        """Return the position in the file of a character of a folded block's value."""
         before = sum(not each.isspace() for each in value[:offset])
         position = self.text.find("\n", node.start, node.end)  # the header is no part of it
         for match in _INK.finditer(self.text, max(position, node.start), node.end):
@@ -102,21 +102,21 @@ class Document:
 
 
 def _line_and_column(text: str, position: int) -> tuple[int, int]:
-    """Return where a character of the text stands, both counted from 1."""
+    """Return line and column of a position in the text, both counted from 1."""
     lines = (text[:position] + " ").splitlines()  # the blank stands for the character itself
     return len(lines), len(lines[-1])
 
 
 def place_of(document: Document, path: found.Path) -> Place:
-    """Return where the value at `path` of the document stands."""
+    """Return the place of the value at `path` of the document."""
     return document.place_of(path)
 
 
 def read_document(path: Path | str, name: str | None = None) -> Document:
-    """Return the content of a file.
+    """Return the document of a file.
 
     Args:
-        path: The file; not more than 1 MiB of UTF-8.
+        path: The file, at most 1 MiB of UTF-8.
         name: What to call it in messages; its path when not given.
 
     Raises:
@@ -141,14 +141,14 @@ def read_document(path: Path | str, name: str | None = None) -> Document:
 
 
 def parse_document(text: str | bytes, name: str) -> Document:
-    """Return the content of a YAML text.
+    """Return the document of a YAML text.
 
     Args:
-        text: One YAML document, not more than 1 MiB.
+        text: One YAML document, at most 1 MiB.
         name: What to call it in messages.
 
     Raises:
-        LoadError: The content cannot be used; all faults that can be found at once.
+        LoadError: The content has faults; holds all of them.
     """
     decoded = _decoded(text, name) if isinstance(text, bytes) else text
     decoded = decoded.removeprefix("\ufeff")
@@ -193,7 +193,7 @@ def _decoded(content: bytes, name: str) -> str:
 
 
 def _refuse_unprintable(text: str, name: str) -> None:
-    """Return when the text holds only characters that YAML 1.2 allows (section 5.1)."""
+    """Raise LoadError for characters that YAML 1.2 does not allow (section 5.1)."""
     match = _UNPRINTABLE.search(text)
     if match is None:
         return

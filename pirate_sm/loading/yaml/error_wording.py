@@ -1,4 +1,4 @@
-"""Put pydantic's errors into the words of people who write YAML."""
+"""Translate pydantic's errors into messages for authors of YAML files."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pirate_sm.units import DIMENSIONLESS, QuantityError, format_quantity, parse
 
 
 class Wording(NamedTuple):
-    """Is what to say about an error."""
+    """The message for an error."""
 
     code: str
     message: str
@@ -27,7 +27,7 @@ class Wording(NamedTuple):
     suggestion: str = ""
 
 
-# The kind of value that was wanted, by the type of pydantic's error.
+# The expected kind of value, by the type of pydantic's error.
 _WANTED: Final = {
     **dict.fromkeys(
         ("model_type", "model_attributes_type", "dict_type", "mapping_type", "dataclass_type"),
@@ -49,7 +49,7 @@ _SWITCHES: Final = {
 
 
 def kind_of(value: object) -> str:
-    """Return what a value is, in words: `the number 12`, `a mapping`."""
+    """Return a description of a value: `the number 12`, `a mapping`."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):
@@ -62,7 +62,7 @@ def kind_of(value: object) -> str:
 
 
 def wanted_kind(error: ErrorDetails) -> str | None:
-    """Return the kind of value that was wanted when the error is that it is of another kind."""
+    """Return the expected kind of value if the error is a wrong kind; otherwise None."""
     kind = _WANTED.get(error["type"])
     if kind is None and not isinstance(error["input"], str):
         if error["type"] in ("literal_error", "enum"):
@@ -73,11 +73,11 @@ def wanted_kind(error: ErrorDetails) -> str | None:
 
 
 def word(error: ErrorDetails, schema: Schema | None) -> Wording:
-    """Return what to say about an error.
+    """Return the message for an error.
 
     Args:
-        error: As pydantic gives it.
-        schema: What the model says about the value, where that is known.
+        error: The error from pydantic.
+        schema: The model's schema of the value, if known.
     """
     wanted = _WANTED.get(error["type"])
     if wanted is not None:
@@ -159,7 +159,7 @@ _BOUNDS: Final = {
 
 
 def _bound(error: ErrorDetails, _: Schema | None) -> Wording:
-    """Return the limit in the unit of the text that breaks it: the limit itself is in SI."""
+    """Return the message for a value out of limits, with the SI limit in the value's unit."""
     key, relation = _BOUNDS[error["type"]]
     limit, value = error.get("ctx", {})[key], error["input"]
     shown = f"{limit}"
@@ -204,7 +204,7 @@ _PATTERNS: Final = {
     for part in get_args(kind)
     if isinstance(part, StringConstraints)
 }
-"""How the texts are written that have patterns."""
+"""Descriptions of the texts that have patterns."""
 
 
 def _pattern(error: ErrorDetails, _: Schema | None) -> Wording:
@@ -230,6 +230,6 @@ _SPEAKERS: Final[dict[str, Callable[[ErrorDetails, Schema | None], Wording]]] = 
 
 
 def merged(wanted: list[str], value: Any) -> Wording:
-    """Return what to say when a value is of none of several kinds."""
+    """Return the message for a value that is of none of several kinds."""
     kinds = " or ".join(dict.fromkeys(wanted))
     return Wording("kind", f"expected {kinds}, got {kind_of(value)}")

@@ -1,4 +1,4 @@
-"""Values of a YAML file with their places, and faults with theirs."""
+"""Values and faults of a YAML file, with their places."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ Children: TypeAlias = "dict[str, tuple[Node, int, int]] | list[Node] | None"
 
 @dataclass(slots=True)
 class Node:
-    """Is a value with its place; lines and columns count from 1, start and end from 0.
+    """A value with its place; lines and columns count from 1, start and end from 0.
 
     Attributes:
         value: The plain data.
         children: For a mapping each value with line and column of its key, for a list the items.
-        size: Nodes in this tree, with aliases counted as what they stand for.
-        height: Levels of this tree.
+        size: Number of nodes in this tree, with aliases counted as their targets.
+        height: Number of levels of this tree.
     """
 
     line: int
@@ -29,7 +29,7 @@ class Node:
     height: int = 1
 
     def child(self, part: str | int) -> tuple[Node, int, int] | None:
-        """Return the value under a key or index with the place of its key, if there is one."""
+        """Return the value at a key or index, with the place of its key; None if missing."""
         if isinstance(self.children, dict) and isinstance(part, str):
             return self.children.get(part)
         if not isinstance(self.children, list) or not isinstance(part, int):
@@ -42,7 +42,7 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class YamlFault:
-    """Is something wrong at a line and column; the caller knows the file."""
+    """A fault at a line and column; the caller knows the file."""
 
     code: str
     line: int

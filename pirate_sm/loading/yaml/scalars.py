@@ -1,7 +1,7 @@
-"""Resolve unquoted words by the YAML 1.2 core schema (section 10.3.2); numbers are finite.
+"""Resolve unquoted scalars by the YAML 1.2 core schema (section 10.3.2), with finite numbers.
 
-YAML 1.1, which PyYAML follows by itself, would make booleans of `on` and `Off` and numbers of
-`12:30` and `1_000`; here they are text.
+PyYAML follows YAML 1.1, in which `on` and `Off` are booleans, `12:30` and `1_000` numbers. Here
+they are text.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _MOST_DIGITS: Final = 18  # fits 64 bits, and keeps int() from quadratic work
 
 
 class ScalarError(ValueError):
-    """Is raised for a word that its tag does not allow, or a number out of all range."""
+    """Raised for a scalar that does not fit its tag, or a number out of range."""
 
     def __init__(self, code: str, message: str) -> None:
         self.code = code
@@ -38,10 +38,10 @@ class ScalarError(ValueError):
 
 
 def resolve_plain(text: str) -> Scalar:
-    """Return what an unquoted scalar means.
+    """Return the value of an unquoted scalar.
 
     Raises:
-        ScalarError: It is a number too large to hold.
+        ScalarError: The number is too large.
     """
     if text in _WORDS:
         return _WORDS[text]
@@ -62,10 +62,10 @@ def resolve_plain(text: str) -> Scalar:
 
 
 def resolve_tagged(tag: str, text: str) -> Scalar:
-    """Return what a scalar with an explicit tag of the core schema means.
+    """Return the value of a scalar with an explicit tag of the core schema.
 
     Raises:
-        ScalarError: The tag is another one, or the text does not fit it.
+        ScalarError: The tag is not allowed, or the text does not fit it.
     """
     kind = tag.removeprefix(CORE_PREFIX)
     if not tag.startswith(CORE_PREFIX) or kind not in ("str", "int", "float", "bool", "null"):

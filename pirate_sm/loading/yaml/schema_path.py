@@ -1,8 +1,7 @@
-"""Find the path of a value in the file from the location that pydantic gives an error.
+"""Find the path in the file of a pydantic error's location.
 
-Such a location also holds the labels of unions on the way (`steps.0.CallStep.with`), and nothing
-tells a label from a key of the same name. The schema that pydantic compiled for the model does:
-it is walked beside the location.
+Such a location also contains labels of unions (`steps.0.CallStep.with`), which look like keys. The
+schema that pydantic compiled for the model is followed in parallel to distinguish them.
 """
 
 from __future__ import annotations
@@ -33,13 +32,13 @@ _WRAPPERS = {
 
 @dataclass(frozen=True, slots=True)
 class Trail:
-    """Is where an error stands.
+    """The resolved location of an error.
 
     Attributes:
         path: Keys and indexes in the data, without labels.
-        schema: What the model says about the value there; None where it says nothing.
-        branches: Each branch of an untagged union on the way: the union's path, and its label.
-        key: Whether the error is about the last key and not its value.
+        schema: The model's schema of the value; None if it has none.
+        branches: The branches of untagged unions on the way: the union's path and the label.
+        key: Whether the error concerns the last key and not its value.
     """
 
     path: Path = ()
@@ -60,21 +59,21 @@ class SchemaWalk:
         self._root = schema
 
     def follow(self, location: Location) -> Trail:
-        """Return the trail of a location, as far as the schema explains it."""
+        """Return the trail of a location, as far as the schema covers it."""
         return self._follow(self._root, location, ())
 
     def fields(self, schema: Schema | None) -> tuple[str, ...]:
-        """Return the keys that a mapping of this schema may have; empty when any may be."""
+        """Return the keys that a mapping of this schema may have; empty if it allows any key."""
         if schema is None or schema["type"] not in ("model-fields", "dataclass-args"):
             return ()
         return tuple(name for name, _ in self._named_fields(schema))
 
     def parent(self, location: Location) -> Schema | None:
-        """Return what the model says about the mapping that a location's last key belongs to."""
+        """Return the schema of the mapping that contains a location's last key."""
         return self.follow(location[:-1]).schema
 
     def _plain(self, schema: Schema) -> Schema:
-        """Return what is inside references, validators, defaults and other wrappings."""
+        """Return the schema inside references, validators, defaults and other wrappers."""
         while True:
             kind = schema["type"]
             if kind == "definition-ref" and schema["schema_ref"] in self._definitions:
@@ -113,7 +112,7 @@ class SchemaWalk:
         return None
 
     def _branch(self, schema: Schema, label: str, rest: Location, path: Path) -> Trail:
-        """Return the trail through the branch that a label stands for, or that leads farthest."""
+        """Return the trail through the branch with this label, or the longest trail."""
         choices = [
             (choice[0], choice[1]) if isinstance(choice, tuple) else (choice, None)
             for choice in schema["choices"]
@@ -125,7 +124,7 @@ class SchemaWalk:
         return replace(best, branches=((path, label), *best.branches))
 
     def _label(self, choice: Schema, tag: str | None) -> str | None:
-        """Return the label of a branch where it is known: a tag, or the name of a class."""
+        """Return the label of a branch: a tag or a class name; None if unknown."""
         if tag is not None:
             return tag
         while choice["type"] in _WRAPPERS or choice["type"] == "definition-ref":
@@ -140,7 +139,7 @@ class SchemaWalk:
         return None
 
     def _child(self, schema: Schema, part: str | int) -> Schema | None:
-        """Return the schema of what stands under a key or index."""
+        """Return the schema of the value at a key or index."""
         found: Schema | None = None
         match schema["type"]:
             case "model-fields" | "dataclass-args":
@@ -157,7 +156,7 @@ class SchemaWalk:
 
     @staticmethod
     def _named_fields(schema: Schema) -> Iterator[tuple[str, Schema]]:
-        """Yield each field under the name that it has in a file."""
+        """Yield each field with its name in files."""
         if schema["type"] == "dataclass-args":
             for entry in schema["fields"]:
                 yield str(entry.get("validation_alias", entry["name"])), entry["schema"]

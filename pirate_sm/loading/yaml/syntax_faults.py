@@ -1,4 +1,4 @@
-"""Say what is wrong with YAML's syntax in words for people who do not know its grammar."""
+"""Translate YAML syntax errors into messages for people who do not know the grammar."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import yaml
 
 from pirate_sm.loading.yaml.nodes import Node, YamlFault
 
-# What the parser says, in part, and what a person can do about it.
+# A part of the parser's message, our message, and the expected input.
 _ADVICE: Final = (
     (
         "mapping values are not allowed",
@@ -35,14 +35,14 @@ _ADVICE: Final = (
 
 
 def syntax_fault(error: yaml.MarkedYAMLError, innermost: Node | None) -> YamlFault:
-    """Return a syntax error in words that help someone who does not know YAML's grammar."""
+    """Return a syntax error as a fault with a helpful message."""
     said = f"{error.context or ''} {error.problem or ''}"
     mark, opening = error.problem_mark or error.context_mark, error.context_mark
     if "end of stream" in said and opening is not None:
         mark = opening
     line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
     if "flow" in said and innermost is not None and line > innermost.line:
-        # What is not closed is noticed lines later, where nothing is wrong.
+        # The parser notices a missing end only some lines later, so report the beginning.
         line, column = innermost.line, innermost.column
     if "cannot start any token" in said:
         return _bad_character(error, line, column)
@@ -53,7 +53,7 @@ def syntax_fault(error: yaml.MarkedYAMLError, innermost: Node | None) -> YamlFau
 
 
 def _bad_character(error: yaml.MarkedYAMLError, line: int, column: int) -> YamlFault:
-    """Return the fault of a character that begins nothing: mostly a tab, '%', '@' or '`'."""
+    """Return the fault of an invalid first character, usually a tab, '%', '@' or '`'."""
     # Only PyYAML's own parser names it; for both, a tab is what people trip over at a line start.
     if "'\\t'" in (error.problem or "") or column == 1:
         return YamlFault("syntax", line, column, "a tab cannot indent a line", "blanks")

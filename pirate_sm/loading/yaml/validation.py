@@ -1,4 +1,4 @@
-"""Validate plain data: each error of pydantic becomes a problem at its place in the file."""
+"""Validate plain data, and convert pydantic's errors to problems with their places."""
 
 from __future__ import annotations
 
@@ -22,28 +22,27 @@ _UNKNOWN_KEY = ("extra_forbidden", "unexpected_keyword_argument")
 _MISSING_KEY = ("missing", "missing_argument", "missing_keyword_only_argument")
 
 
-def validate(document: Document, model: type[M], at: Path = ()) -> M:
+def validate(document: Document, model: type[M]) -> M:
     """Return the model that a document describes.
 
     Args:
         document: The file.
         model: A pydantic model.
-        at: The part of the document to take; all of it when empty.
 
     Raises:
-        LoadError: It does not describe one; holds all that is wrong.
+        LoadError: The document is invalid; holds all faults.
     """
     problems = Problems(document)
-    result = try_validate(document, model, problems, at)
+    result = try_validate(document, model, problems)
     problems.raise_errors()
     assert result is not None
     return result
 
 
 def try_validate(document: Document, model: type[M], problems: Problems, at: Path = ()) -> M | None:
-    """Return the model that a document describes, or None after adding what is wrong."""
+    """Return the model that a document describes, or None after reporting its faults."""
     try:
-        # In a file a field has one name, its alias where it has one.
+        # In a file a field has only its alias as its name, if it has one.
         return model.model_validate(
             _part(document.data, at), context=dict(FROM_FILE), by_alias=True, by_name=False
         )
@@ -57,7 +56,7 @@ def try_validate(document: Document, model: type[M], problems: Problems, at: Pat
         }
         about = problems.about(document)
         for kept in relevant:
-            # A misspelt key is not missing as well.
+            # Do not report a misspelt key as missing too.
             if kept.detail["type"] not in _MISSING_KEY or kept.trail.path not in misspelt:
                 _report(kept, walk, about, at)
         if len(details) > _MOST_ERRORS:
@@ -66,13 +65,13 @@ def try_validate(document: Document, model: type[M], problems: Problems, at: Pat
 
 
 def _is_echo(detail: ErrorDetails) -> bool:
-    """Return whether a list is called too short only because its faulty entries do not count."""
+    """Return whether a list is only reported as too short because its entries are faulty."""
     minimum = detail.get("ctx", {}).get("min_length", 0)
     return detail["type"] == "too_short" and len(detail["input"]) >= minimum
 
 
 def _meant(error: _Error, walk: SchemaWalk) -> Path:
-    """Return the path that an unknown key would have if it were spelt as the nearest known one."""
+    """Return the path of an unknown key, with the key replaced by the nearest known one."""
     *parents, key = error.trail.path
     fields = walk.fields(walk.parent(error.detail["loc"]))
     return (*parents, nearest(str(key), fields) or key)
@@ -86,7 +85,7 @@ def _part(data: Any, at: Path) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class _Error:
-    """Is one error with where it stands; `wording` replaces its own when errors were merged."""
+    """One error with its trail; `wording` replaces its message if errors were merged."""
 
     detail: ErrorDetails
     trail: Trail
@@ -94,7 +93,7 @@ class _Error:
 
 
 def _relevant(errors: list[_Error], walk: SchemaWalk) -> list[_Error]:
-    """Return the errors without those of union branches that were never meant."""
+    """Return the errors without those of union branches that were not meant."""
     kept = [error for error in errors if not error.trail.branches]
     unions: dict[Path, dict[str, list[_Error]]] = {}
     for error in errors:
@@ -111,8 +110,8 @@ def _relevant(errors: list[_Error], walk: SchemaWalk) -> list[_Error]:
 def _best_branch(point: Path, branches: list[list[_Error]], walk: SchemaWalk) -> list[_Error]:
     """Return the errors of the branch that was most likely meant.
 
-    A branch that wants another kind of value altogether was not meant; of the others, the one
-    with the fewest errors was, where a misspelt key counts less than an unknown one.
+    Branches for another kind of value are excluded. Of the others, the branch with the fewest
+    errors is chosen, where a misspelt key counts less than an unknown key.
     """
     meant = [
         branch
@@ -128,7 +127,7 @@ def _best_branch(point: Path, branches: list[list[_Error]], walk: SchemaWalk) ->
 
 
 def _misspelt(errors: list[_Error], walk: SchemaWalk) -> int:
-    """Return how many of the errors are keys that are close to a known one."""
+    """Return the number of errors that are misspelt keys."""
     unknown = [error for error in errors if error.detail["type"] in _UNKNOWN_KEY]
     return sum(_meant(error, walk) != error.trail.path for error in unknown)
 
@@ -145,7 +144,7 @@ def _report(error: _Error, walk: SchemaWalk, problems: Problems, at: Path) -> No
         code, message, expected, suggestion = error.wording or word(
             error.detail, error.trail.schema
         )
-        # What is wrong with a mapping as a whole is best shown at its name.
+        # Show a fault of a whole mapping at its key.
         key = error.trail.key or isinstance(error.detail["input"], dict)
         if kind == "union_tag_invalid":
             path, key = (*path, _discriminator(error.detail)), False

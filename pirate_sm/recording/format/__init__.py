@@ -1,1 +1,1 @@
-"""What a recording file holds: its header, its topics, and states of the engine as text."""
+"""The content of a recording file: its header, its topics, and engine states as text."""

@@ -1,7 +1,7 @@
-"""The engine's state as text, with which a reader can begin in the middle of a recording.
+"""The engine's state as text, so that reading can begin in the middle of a recording.
 
-Made from the types of the engine's own records, field by field: a new field needs nothing here
-unless it is of a type that none had before.
+It is derived field by field from the types of the engine's own records. A new field needs no change
+here unless it has a new type.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ from pirate_sm.recording.format.json_values import (
 
 
 class _Form(NamedTuple):
-    """How values of one type are written in JSON and read again."""
+    """How values of one type are encoded as JSON and decoded."""
 
     encode: Callable[[Any], Any]
     decode: Callable[[Any], Any]
 
 
 def state_to_text(state: EngineState) -> str:
-    """Return the state as JSON, without any loss."""
+    """Return the state as JSON, without loss."""
     return json.dumps(_form(EngineState).encode(state), separators=(",", ":"), allow_nan=False)
 
 
 def state_from_text(written: str) -> EngineState:
-    """Return the state that :func:`state_to_text` was given.
+    """Return the state in the output of :func:`state_to_text`.
 
     Raises:
-        ValueError: It is something else, such as a state of another version of the engine.
+        ValueError: The text is not a state of this version of the engine.
     """
     try:
         state: EngineState = _form(EngineState).decode(json.loads(written))
@@ -50,10 +50,10 @@ def state_from_text(written: str) -> EngineState:
 
 @cache
 def _form(hint: Any) -> _Form:
-    """Return how values of this type are written.
+    """Return the encoding of values of this type.
 
     Raises:
-        KeyError: Values of such a type have never been written.
+        KeyError: The type has no encoding.
     """
     origin, args = get_origin(hint), get_args(hint)
     if origin in (Union, UnionType):
@@ -72,7 +72,7 @@ def _as_it_is(value: Any) -> Any:
 
 
 def _optional(hint: Any, none: Any) -> _Form:
-    if none is not NoneType or hint is float:  # null is a number that is not known
+    if none is not NoneType or hint is float:  # null is an unknown number
         raise KeyError(hint)
     form = _form(hint)
     return _Form(
@@ -105,7 +105,7 @@ def _fixed(forms: list[_Form]) -> _Form:
 
 
 def _one_of_records(kinds: tuple[type[Any], ...]) -> _Form:
-    """Return how one of several records is written; its fields tell which it is."""
+    """Return the encoding of one of several records, which differ in their fields."""
 
     def decode(values: dict[str, Any]) -> Any:
         kind: Any = next((each for each in kinds if values.keys() == {*each._fields}), None)
@@ -121,14 +121,14 @@ def _one_of_records(kinds: tuple[type[Any], ...]) -> _Form:
 
 
 def _record(kind: Any) -> _Form:
-    """Return how a named tuple is written: as an object with exactly its fields."""
+    """Return the encoding of a named tuple: an object with exactly its fields."""
     if not issubclass(kind, tuple):
         raise KeyError(kind)
     hints = get_type_hints(kind)
     forms = [(name, _form(hints[name])) for name in kind._fields]
 
     def decode(values: dict[str, Any]) -> Any:
-        later = kind._field_defaults.keys()  # an older engine may not have known them
+        later = kind._field_defaults.keys()  # an older engine may lack them
         if not hints.keys() - later <= values.keys() <= hints.keys():
             raise ValueError(f"no {kind.__name__} of this engine")
         known = {name: form.decode(values[name]) for name, form in forms if name in values}

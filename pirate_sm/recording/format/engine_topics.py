@@ -1,11 +1,11 @@
-"""Topics, JSON Schemas and batches for everything that the engine is given and gives back.
+"""Topics, JSON Schemas and batches for all inputs and outputs of the engine.
 
-Made from the closed alphabet itself, field by field: a new event or effect needs nothing here
-unless its fields are of a type that none had before.
+They are derived field by field from the closed sets of events and effects. A new event or effect
+needs no change here unless a field has a new type.
 
-A message is a batch of rows, column by column. ``step`` counts what the engine was given, from 0
-without a gap; ``t_s`` is the time since the run began. An effect bears the step that brought it
-about, and that it was its ``nth`` effect, from 0.
+A message is a batch of rows, column by column. ``step`` numbers the engine's inputs from 0
+without a gap; ``t_s`` is the time since the run began. An effect has the number of the step that
+caused it, and ``nth``, its index among the effects of that step, from 0.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from pirate_sm.model import events
 from pirate_sm.recording.format.json_values import NUMBER, WHOLE, JsonKind, JsonSchema, kind_of
 
 ENGINE = "/engine/"
-"""Topics of the engine begin with this; all others are for viewers."""
+"""Prefix of the engine's topics; all others are for viewers."""
 
 IN, OUT = f"{ENGINE}in/", f"{ENGINE}out/"
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -61,7 +61,7 @@ Input: TypeAlias = events.Event | Started | Abandoned
 
 
 class WireLayout(NamedTuple):
-    """What a robot's wire looks like.
+    """The boards and setpoints of a robot.
 
     Attributes:
         boards: Names of the channels of each board, by its id.
@@ -78,11 +78,11 @@ class Topic:
 
     Attributes:
         name: Name of the topic.
-        made: What its rows are.
-        fields: Name of each field and how its values are written.
-        spread: Number of the field whose numbers have a name each; -1 without.
-        names: Those names.
-        board: The board whose frames these are.
+        made: The type of its rows.
+        fields: Name and encoding of each field.
+        spread: Index of the field whose numbers have a name each; -1 without.
+        names: These names.
+        board: The board, for a topic of its frames.
     """
 
     name: str
@@ -94,20 +94,20 @@ class Topic:
 
     @cached_property
     def is_input(self) -> bool:
-        """Whether the rows are what the engine was given."""
+        """Whether the rows are inputs of the engine."""
         return self.name.startswith(IN)
 
     @cached_property
     def keys(self) -> tuple[str, ...]:
-        """Return the columns that every row has."""
+        """Return the columns of every row."""
         return ("step", "t_s", "nth") if self.name.startswith(OUT) else ("step", "t_s")
 
     @cached_property
     def schema(self) -> JsonSchema:
         """Return the JSON Schema of a batch.
 
-        Viewers know arrays of one plain type only: one topic with another column is dropped by
-        Lichtblick. Columns that may hold ``null`` (unknown), ``"inf"`` or arrays are therefore
+        Viewers know only arrays of one plain type; Lichtblick drops a topic with any other
+        column. Columns that may hold ``null`` (unknown), ``"inf"`` or arrays are therefore
         described in words.
         """
         described = inspect.cleandoc(self.made.__doc__ or "")
@@ -136,7 +136,7 @@ class Topic:
         """Return the batch as JSON.
 
         Args:
-            rows: For each the values of ``keys`` and then the event or effect.
+            rows: For each row the values of ``keys``, then the event or effect.
         """
         *first, made = zip(*rows, strict=True)
         columns: dict[str, Any] = dict(zip(self.keys, first, strict=True))
@@ -148,7 +148,7 @@ class Topic:
             columns[name] = dict(zip(self.names, zip(*columns[name], strict=True), strict=True))
         try:
             return _json(columns)
-        except ValueError:  # JSON knows neither NaN nor infinities
+        except ValueError:  # JSON has neither NaN nor infinities
             return _json(self._spelled(columns))
 
     def _spelled(self, columns: dict[str, Any]) -> dict[str, Any]:
@@ -162,10 +162,10 @@ class Topic:
         return spelled
 
     def decode(self, data: bytes) -> Iterator[tuple[int, float, int, Any]]:
-        """Yield step, time, place and content of each row.
+        """Yield step, time, index and content of each row.
 
         Raises:
-            ValueError: The batch is not what the schema says.
+            ValueError: The batch does not fit the schema.
         """
         batch = json.loads(data)
         try:
@@ -189,7 +189,7 @@ class Topic:
 
 
 class Topics:
-    """Every topic that a robot of this layout needs."""
+    """Every topic of a robot with this layout."""
 
     def __init__(self, layout: WireLayout) -> None:
         self._inputs = {made: _topic(IN, made) for made in get_args(Input)}
@@ -241,7 +241,7 @@ def _setpoints(layout: WireLayout) -> Topic:
 
 
 def _distinct(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the names; one that comes again gets its number as an ending."""
+    """Return the names; a repeated one gets its number as a suffix."""
     return tuple(
         name if name not in names[:number] else f"{name}_{number}"
         for number, name in enumerate(names)

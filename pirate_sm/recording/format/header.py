@@ -1,4 +1,4 @@
-"""The header of a recording: what was run, with every text that it was made from."""
+"""The header of a recording: the set-up of the run, with every text that it was made from."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ from pirate_sm.model.events import ALPHABET_VERSION
 from pirate_sm.recording.format.engine_topics import WireLayout
 
 FORMAT = 1
-"""Changes when a reader of recordings would have to."""
+"""Incremented when readers of recordings must change."""
 
 PROFILE = "pirate_sm"
-"""By this name in its MCAP header a recording of ours is known."""
+"""The profile in the MCAP header of our recordings."""
 
 RUN = "run.json"
 FILES = "files/"
 REPAIRED = "pirate_sm.repaired"
-"""Metadata of a recording whose writer was cut short and which was given its end later."""
+"""Name of the metadata in a recording that was cut short and repaired later."""
 
 Role: TypeAlias = Literal["mission", "profile", "chart", "called", "pipe"]
 
 
 @dataclass(frozen=True)
 class RecordedFile:
-    """A text that the run was made from.
+    """A text file that the run was made from.
 
     Attributes:
-        role: What it was for; ``pipe`` is absent where the mission wrote it out.
-        name: What messages call it.
-        path: Where it stood; what is shipped begins with ``shipped:``.
+        role: Its role; ``pipe`` is absent if the mission contains the pipe itself.
+        name: Its name in messages.
+        path: Its original path; that of a shipped file begins with ``shipped:``.
         sha256: Hash of the text, hexadecimal.
-        attachment: Under which name its text is attached.
+        attachment: Name of the attachment with the text.
         text: The text.
     """
 
@@ -53,21 +53,21 @@ class RecordedFile:
 
 @dataclass(frozen=True)
 class RunHeader:
-    """What a recording begins with.
+    """The header of a recording.
 
     Attributes:
-        format: Of the recording.
+        format: Version of the recording's format.
         alphabet: Version of events and effects.
-        version: Of this package.
+        version: Version of this package.
         began: When the run began, ISO 8601 with the zone.
-        mission: Its name.
-        robot: Its name.
+        mission: Name of the mission.
+        robot: Name of the robot.
         polarity: ``normal`` or ``mirrored``.
-        pipe: Its name; empty without one.
-        backend: What ran it.
-        nominal: Whether commands ended by their time on paper.
-        detector: Who said the detector's words.
-        options: What was asked for, option by option, with the seed and whether it was checked.
+        pipe: Name of the pipe; empty without one.
+        backend: Name of the backend.
+        nominal: Whether commands ended after their nominal duration.
+        detector: Name of the detector.
+        options: The run's options, with the seed and whether the mission was checked.
         parameters: Values in force, as messages write them.
         zeros: Joint zeros in force, rad by signal.
         regions: The state machines, in the order of states in effects.
@@ -101,7 +101,7 @@ class RunHeader:
         return WireLayout(self.boards, self.slots)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the header as JSON can hold it, without the texts."""
+        """Return the header as JSON data, without the texts."""
         plain = asdict(self)
         for file in plain["files"]:
             del file["text"]
@@ -109,14 +109,14 @@ class RunHeader:
 
 
 def header_from_json(data: bytes, texts: Mapping[str, str]) -> RunHeader:
-    """Return the header that :meth:`RunHeader.to_json` was called on.
+    """Return the header in the output of :meth:`RunHeader.to_json`.
 
     Args:
-        data: What :meth:`RunHeader.to_json` gave, as text.
+        data: The output of :meth:`RunHeader.to_json`, as text.
         texts: The texts by the name of their attachment.
 
     Raises:
-        ValueError: It is not a header.
+        ValueError: The data is not a header.
         KeyError: A text is missing.
     """
     bare = TypeAdapter(RunHeader).validate_json(data)
@@ -173,7 +173,7 @@ def _files(loaded: LoadedMission) -> tuple[RecordedFile, ...]:
 
 
 def _place(path: Path) -> str:
-    """Return the path of the file; that of a shipped file does not depend on the machine."""
+    """Return the path of the file; for a shipped file it does not depend on the machine."""
     whole, shipped = path.resolve(), library.shipped().resolve()
     if whole.is_relative_to(shipped):
         return f"shipped:{whole.relative_to(shipped).as_posix()}"

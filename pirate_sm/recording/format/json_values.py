@@ -1,7 +1,7 @@
-"""How values of the engine's alphabet are written in JSON and read again, without any loss.
+"""Encodes values of the engine's events and effects as JSON and decodes them, without loss.
 
-Python writes the shortest text that reads as the same float64. NaN is ``null`` and the infinities
-are ``"inf"`` and ``"-inf"``, because JSON has none of them.
+Python writes the shortest text that reads as the same float64. NaN is written as ``null`` and the
+infinities as ``"inf"`` and ``"-inf"``, because JSON has none of them.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class JsonKind:
-    """How values of one type are written.
+    """The JSON encoding of one type.
 
     Attributes:
-        words: What the JSON is, for a reader of the file.
-        schema: Its JSON Schema where it is a number, text or truth value, always; else None.
-        decode: Makes the value of JSON, or raises ``ValueError``.
-        encode: Makes JSON of a value that holds a NaN or an infinity; None where none can.
+        words: Description of the JSON, for readers of the file.
+        schema: Its JSON Schema if it is always a number, text or truth value; else None.
+        decode: Returns the value of JSON, or raises ``ValueError``.
+        encode: Returns JSON of a value with a NaN or an infinity; None if there can be none.
     """
 
     words: str
@@ -33,14 +33,14 @@ class JsonKind:
 
 
 def number_to_json(value: float) -> float | str | None:
-    """Return the number as JSON can hold it."""
+    """Return the number as a JSON value."""
     if value != value:  # noqa: PLR0124 - NaN, faster than a call
         return None
     return value if -inf < value < inf else str(value)
 
 
 def number_from_json(value: Any) -> float:
-    """Return the number that :func:`number_to_json` was given.
+    """Return the number in the output of :func:`number_to_json`.
 
     Raises:
         ValueError: The value is not a number.
@@ -111,10 +111,10 @@ _KINDS: dict[Any, JsonKind] = {
 
 
 def kind_of(hint: Any) -> JsonKind:
-    """Return how values of this type are written.
+    """Return the encoding of this type.
 
     Raises:
-        KeyError: Values of such a type have never been written.
+        KeyError: The type has no encoding.
     """
     if get_origin(hint) is Literal:
         words = get_args(hint)
@@ -124,7 +124,7 @@ def kind_of(hint: Any) -> JsonKind:
 
 
 def one_of(words: tuple[str, ...]) -> Callable[[Any], str]:
-    """Return a function that accepts one of these words and refuses any other."""
+    """Return a function that returns one of these words and raises ``ValueError`` for others."""
 
     def decode(value: Any) -> str:
         if value not in words:

@@ -1,4 +1,4 @@
-"""The robot state that an earlier mission has commanded, as text: the next start needs it."""
+"""The robot state after an earlier mission, as text, for the start of the next one."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ def body_to_text(body: RobotState | None) -> str:
 
 
 def body_from_text(written: str) -> RobotState | None:
-    """Return the robot state that :func:`body_to_text` was given.
+    """Return the robot state in the output of :func:`body_to_text`.
 
     Raises:
-        ValueError: It is something else.
+        ValueError: The text is not a robot state.
     """
     if not written:
         return None

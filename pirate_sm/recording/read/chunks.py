@@ -1,4 +1,4 @@
-"""The pieces of a recording's file, read one at a time and in any order."""
+"""Reads the pieces of a recording's file, one at a time and in any order."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ class Chunks:
 
     Args:
         path: The file.
-        pieces: Where they are.
+        pieces: The places of the pieces.
 
     Attributes:
-        topics: Those that have been met.
+        topics: The topics read so far.
     """
 
     def __init__(self, path: Path, pieces: list[ChunkPlace]) -> None:
@@ -32,13 +32,13 @@ class Chunks:
         self._learned = 0
 
     def entries(self, place: int) -> list[RawMessage]:
-        """Return the messages of a piece in the order of writing, and learn their topics.
+        """Return the messages of a piece in the order of writing, and remember their topics.
 
         Args:
             place: Number of the piece.
 
         Raises:
-            DamagedError: It is not what was written.
+            DamagedError: The piece is damaged.
             OSError: The file cannot be read.
         """
         records = self._records(place)

@@ -1,4 +1,4 @@
-"""Reads the header of a recording: what was run, and from which texts."""
+"""Reads the header of a recording: the set-up of the run and its texts."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from pirate_sm.recording.read.mcap_content import Content
 
 
 def read_header(path: Path, content: Content) -> RunHeader:
-    """Return the header of the recording in a file, with every text.
+    """Return the header of the recording, with every text.
 
     Raises:
-        RecordingError: It is damaged, was cut off before that, or is of another version.
+        RecordingError: The header is damaged, missing or of another version.
     """
     attached = content.attachments
     if RUN not in attached:
@@ -62,15 +62,15 @@ def _check_versions(path: Path, data: bytes) -> None:
 
 
 def damaged(path: Path, how: str) -> RecordingError:
-    """Return the error that says that a recording is not what was written."""
+    """Return the error for a damaged recording."""
     return RecordingError(f"{shown(path)} is damaged: {how}")
 
 
 class DamagedInsideError(RecordingError):
-    """Is raised where the beginning of a recording can be used, but not all that follows.
+    """Is raised if the beginning of a recording is usable, but not all that follows.
 
     Attributes:
-        how: What is wrong.
+        how: Description of the damage.
     """
 
     def __init__(self, path: Path, how: str) -> None:

@@ -1,7 +1,7 @@
-"""What an MCAP file holds, as far as it goes: whole, torn at its end, or damaged.
+"""Finds the content of an MCAP file that is whole, cut short, or damaged.
 
-The official reader stops with one of many exceptions where a file ends early. Here the records are
-found by their lengths first, so that a record that is cut off is told from one that is wrong.
+The official reader stops with one of many exceptions if a file ends early. This module first finds
+the records by their lengths, to distinguish records that are cut off from damaged ones.
 """
 
 from __future__ import annotations
@@ -37,18 +37,18 @@ class NotMcapError(Exception):
 
 
 class Content(NamedTuple):
-    """What the file holds.
+    """The content of a file.
 
     Attributes:
-        profile: Who says what the rest means; None when not even that is there.
+        profile: The profile in the MCAP header; None without a header.
         attachments: By name.
         metadata: By name.
-        pieces: The chunks. One that was changed is noticed when it is read.
-        complete: Whether all of it is there: what comes after is only the index of it.
-        indexed: Whether that index is there, too, as it was written.
-        damage: Where bytes begin that are not what was written; empty where there are none.
-        whole: How many bytes are whole records; what follows is torn.
-        size: Of the file, bytes.
+        pieces: The chunks. Damage within one is found when it is read.
+        complete: Whether all data is there; only the index follows it.
+        indexed: Whether the index is there too, undamaged.
+        damage: Where the damage begins; empty if there is none.
+        whole: Bytes of whole records; the rest is torn.
+        size: Size of the file, bytes.
     """
 
     profile: str | None
@@ -63,11 +63,11 @@ class Content(NamedTuple):
 
 
 def read_content(file: BinaryIO) -> Content:
-    """Return what the file holds up to its end, to where writing was cut short, or to damage.
+    """Return the content of the file up to its end, or to where it is cut off or damaged.
 
     Raises:
-        NotMcapError: It is something else.
-        OSError: It cannot be read.
+        NotMcapError: The file is not MCAP.
+        OSError: The file cannot be read.
     """
     size = file.seek(0, os.SEEK_END)
     file.seek(0)
@@ -97,14 +97,14 @@ def read_content(file: BinaryIO) -> Content:
 
 
 def _up_to(content: Content, at: int) -> Content:
-    """Return the content before the damage at a byte."""
+    """Return the content before the damage at this byte."""
     pieces = [piece for piece in content.pieces if piece.at + piece.size <= at]
     whole = pieces[-1].at + pieces[-1].size if pieces else min(at, content.size)
     return content._replace(pieces=pieces, complete=False, whole=whole, damage=f"at byte {at}")
 
 
 def _frames(file: BinaryIO, size: int) -> Iterator[Frame]:
-    """Yield the places of the records that are whole, by their lengths."""
+    """Yield the places of the whole records, by their lengths."""
     at = len(MCAP0_MAGIC)
     while at + FRAME.size <= size:
         file.seek(at)
@@ -119,7 +119,7 @@ def _frames(file: BinaryIO, size: int) -> Iterator[Frame]:
 
 
 def _has_index(file: BinaryIO, size: int) -> bool:
-    """Whether the file ends with the index that other programs look for, as it was written."""
+    """Return whether the file ends with an undamaged index, which other programs need."""
     at = size - _FOOTER.size - len(MCAP0_MAGIC)
     if at < 0 or not _ends_whole(file, size):
         return False
@@ -139,7 +139,7 @@ def _ends_whole(file: BinaryIO, size: int) -> bool:
 
 
 def _torn(file: BinaryIO, pieces: list[ChunkPlace]) -> Iterator[int]:
-    """Remove the chunks in which writing was cut short, and yield where each of them begins."""
+    """Remove the chunks whose writing was cut short, and yield where each of them begins."""
     while pieces:
         try:
             records_of(file, pieces[-1])

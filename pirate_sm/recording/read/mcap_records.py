@@ -1,4 +1,4 @@
-"""The chunks of an MCAP file and the records in them. Only one chunk is in memory at a time."""
+"""Reads the chunks of an MCAP file and their records, with one chunk in memory at a time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mcap.records import Channel, Chunk, Schema
 from mcap.stream_reader import CRCValidationError, get_chunk_data_stream
 
 LARGEST_CHUNK: Final = 1 << 28
-"""The largest chunk or text that is read, bytes: ours are far smaller, and damage can claim any
+"""The largest chunk or text that is read, bytes. Ours are far smaller, and damage can claim any
 size."""
 
 FRAME: Final = struct.Struct("<BQ")
@@ -24,11 +24,11 @@ BROKEN: Final = (
     *(McapError, CRCValidationError, ValueError, OverflowError),
     *(struct.error, zstandard.ZstdError),
 )
-"""What reading a record raises that is not what was written."""
+"""The exceptions that reading a damaged record can raise."""
 
 
 class DamagedError(Exception):
-    """Is raised for bytes that are not what was written."""
+    """Is raised for damaged bytes."""
 
 
 class Frame(NamedTuple):
@@ -43,8 +43,8 @@ class ChunkPlace(NamedTuple):
     """A chunk in the file.
 
     Attributes:
-        at: Where what is in it begins, byte; ``size`` how many these are.
-        start_ns: When its first message was.
+        at: Offset of its content, bytes; ``size`` is the length of the content.
+        start_ns: Time of its first message.
     """
 
     at: int
@@ -56,9 +56,9 @@ class RawMessage(NamedTuple):
     """A message.
 
     Attributes:
-        number: Of its topic, see :class:`FileTopics`.
-        time_ns: When it was, ns since 1970.
-        data: What it says.
+        number: Number of its topic, see :class:`FileTopics`.
+        time_ns: Time, ns since 1970.
+        data: Its content.
     """
 
     number: int
@@ -70,8 +70,8 @@ def records_of(file: BinaryIO, piece: ChunkPlace) -> bytes:
     """Return the records of a chunk.
 
     Raises:
-        DamagedError: It is not what was written.
-        OSError: It cannot be read.
+        DamagedError: The chunk is damaged.
+        OSError: The chunk cannot be read.
     """
     try:
         chunk: Chunk = Chunk.read(stream_of(bytes_at(file, piece.at, piece.size)))
@@ -96,7 +96,7 @@ class FileTopics:
         self.schemas: dict[int, Schema] = {}
 
     def learn(self, records: bytes) -> None:
-        """Remember the topics that begin in this chunk."""
+        """Remember the topics that are introduced in this chunk."""
         for opcode, start, end in _inside(records):
             if opcode == Opcode.CHANNEL:
                 channel: Channel = Channel.read(stream_of(records[start:end]))
@@ -107,7 +107,7 @@ class FileTopics:
                 self.schemas[schema.id] = schema
 
     def described(self, number: int) -> tuple[str, str, bytes]:
-        """Return a topic, the name of its schema and that schema; empty without one."""
+        """Return a topic, the name of its schema and the schema; empty without a schema."""
         channel = self.channels[number]
         schema = self.schemas.get(channel.schema_id)
         return (channel.topic, schema.name, schema.data) if schema else (channel.topic, "", b"")
@@ -125,7 +125,7 @@ def _inside(records: bytes) -> Iterator[Frame]:
     """Yield the places of the records in a chunk.
 
     Raises:
-        DamagedError: One goes beyond its end.
+        DamagedError: A record goes beyond the end of the chunk.
     """
     at, size = 0, len(records)
     while at + FRAME.size <= size:
@@ -137,7 +137,7 @@ def _inside(records: bytes) -> Iterator[Frame]:
 
 
 def bytes_at(file: BinaryIO, at: int, size: int) -> bytes:
-    """Return so many bytes from a place of the file; ``ValueError`` for more than a chunk."""
+    """Return bytes at a place in the file; raise ``ValueError`` for more than a chunk."""
     if size > LARGEST_CHUNK:
         raise ValueError("it is larger than any of ours")
     file.seek(at)
@@ -145,5 +145,5 @@ def bytes_at(file: BinaryIO, at: int, size: int) -> bytes:
 
 
 def stream_of(data: bytes) -> ReadDataStream:
-    """Return the bytes as the official library reads them."""
+    """Return the bytes as a stream for the official library."""
     return ReadDataStream(BytesIO(data))

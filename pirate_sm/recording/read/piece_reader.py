@@ -1,4 +1,4 @@
-"""The pieces of a recording's file, decoded one at a time: its steps, effects and states."""
+"""Decodes the pieces of a recording's file one at a time: its steps, effects and states."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from pirate_sm.recording.read.steps import Message, Step, StepEffects
 class PieceReader:
     """Reads the pieces of one file and decodes their messages.
 
-    Every method raises a ``RecordingError`` where the file cannot be read or is damaged.
+    Every method raises a ``RecordingError`` if the file cannot be read or is damaged.
 
     Args:
         path: The file.
-        header: What the recording begins with.
-        pieces: Where the pieces are in the file.
+        header: The header of the recording.
+        pieces: The places of the pieces in the file.
     """
 
     def __init__(self, path: Path, header: RunHeader, pieces: list[ChunkPlace]) -> None:
@@ -42,7 +42,7 @@ class PieceReader:
         self._same_version = header.version == __version__
 
     def messages(self, place: int) -> list[Message]:
-        """Return the messages of the piece of this number, in the order of writing."""
+        """Return the messages of the piece with this number, in the order of writing."""
         try:
             entries = self._chunks.entries(place)
         except DamagedError as error:
@@ -53,21 +53,21 @@ class PieceReader:
         return [Message(names[number], time_ns, data) for number, time_ns, data in entries]
 
     def first_input_s(self, messages: Sequence[Message]) -> float | None:
-        """Return the time of the first input by the engine's clock; None where there is none."""
+        """Return the time of the first input by the engine's clock; None without inputs."""
         return min((at_s for _, at_s, _, _ in self._rows(messages, inputs=True)), default=None)
 
     def effects(self, messages: Sequence[Message], origin_s: float) -> Iterator[StepEffects]:
-        """Yield the effects of each step in order; their times count from ``origin_s``."""
+        """Yield the effects of each step in order, with times since ``origin_s``."""
         rows = sorted(self._rows(messages, inputs=False), key=lambda row: (row[0], row[2]))
         for number, same_step in groupby(rows, key=lambda row: row[0]):
             found = list(same_step)
             yield StepEffects(number, found[0][1] - origin_s, tuple(row[3] for row in found))
 
     def states(self, messages: Sequence[Message]) -> Iterator[tuple[int, float, EngineState]]:
-        """Yield number, time and state of each step after which the engine's state was recorded.
+        """Yield number, time and state of each step with a recorded engine state.
 
-        A state can be used only by the version that recorded it: another one may number its
-        states otherwise.
+        Only the version that recorded a state can use it, because another version may number its
+        states differently.
         """
         if not self._same_version:
             return
@@ -81,8 +81,8 @@ class PieceReader:
         """Return the steps of a piece.
 
         Args:
-            messages: Of the piece.
-            first: The number that its first step must have; None: any.
+            messages: Messages of the piece.
+            first: The required number of its first step; None: any.
         """
         inputs = {number: (at_s, made) for number, at_s, _, made in self._rows(messages, True)}
         effects: dict[int, list[tuple[int, Effect]]] = defaultdict(list)
@@ -102,7 +102,7 @@ class PieceReader:
     def _rows(
         self, messages: Sequence[Message], inputs: bool
     ) -> Iterator[tuple[int, float, int, Any]]:
-        """Yield step, time, place and content of each row of the inputs, or of the effects."""
+        """Yield step, time, index and content of each row of the inputs, or of the effects."""
         for name, _, data in messages:
             topic = self._topics.get(name)
             if topic is not None and topic.is_input == inputs:
@@ -125,5 +125,5 @@ def _step(number: int, at_s: float, made: Any, effects: list[tuple[int, Effect]]
 
 
 def unreadable(path: Path, error: OSError) -> RecordingError:
-    """Return the error that says that a file cannot be read."""
+    """Return the error for a file that cannot be read."""
     return RecordingError(f"{shown(path)} cannot be read: {error.strerror}")

@@ -1,8 +1,8 @@
-"""Reads recordings, also those of runs that were cut short.
+"""Reads recordings, including those that were cut short.
 
 ``read_recording(path).steps()`` yields every input of the engine in order, with its effects. Only
-one piece of the file is in memory at a time, so a recording may be of any length. Where it holds
-checkpoints, :meth:`Recording.checkpoint`, reading can begin in the middle.
+one piece of the file is in memory at a time, so a recording may be of any length. If it has
+checkpoints (:meth:`Recording.checkpoint`), reading can begin in the middle.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from functools import cached_property
 from hashlib import file_digest
 from math import inf
 from pathlib import Path
+from typing import Any
 
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.file_names import shown
@@ -48,16 +49,16 @@ def _no_progress(share: float) -> None:
 
 @dataclass(frozen=True)
 class Recording:
-    """A recording whose beginning has been read.
+    """A recording whose header has been read.
 
-    Whatever reads more of the file raises a ``RecordingError`` where it cannot be read or is
+    Methods that read more of the file raise a ``RecordingError`` if it cannot be read or is
     damaged.
 
     Attributes:
-        path: Of its file.
-        header: What was run, with every text that it was made from.
-        content: Where everything is in the file.
-        watch: Receives how much of the recording has been read, from 0 to 1.
+        path: Path of the file.
+        header: The set-up of the run, with every text that it was made from.
+        content: The places of everything in the file.
+        watch: Receives the share of the recording that has been read, from 0 to 1.
     """
 
     path: Path
@@ -65,14 +66,18 @@ class Recording:
     content: Content = field(repr=False)
     watch: Callable[[float], None] = field(default=_no_progress, repr=False)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Another process reads the file itself: what this one has read stays here.
+        return Recording, (self.path, self.header, self.content, self.watch)
+
     @property
     def complete(self) -> bool:
-        """Whether the run wrote the recording to its end."""
+        """Whether the run itself wrote the recording to its end."""
         return self.content.complete and REPAIRED not in self.content.metadata
 
     @cached_property
     def notices(self) -> tuple[str, ...]:
-        """Return what a person should know of a recording that is incomplete or lacks its index."""
+        """Return notices about a recording that is incomplete or has no index."""
         if self.complete:
             return () if self.content.indexed else (_NO_INDEX,)
         if not self.until_s:
@@ -83,9 +88,9 @@ class Recording:
 
     @cached_property
     def origin_s(self) -> float:
-        """Return when the run began on the clock that the engine was given, 0 where nothing is.
+        """Return when the run began by the engine's clock; 0 for an empty recording.
 
-        All other times of a recording count from then, those of its steps apart.
+        All times of a recording except those of its steps count from then.
         """
         for _, messages in self._pieces(0):
             first_s = self._reader.first_input_s(messages)
@@ -95,12 +100,12 @@ class Recording:
 
     @cached_property
     def until_s(self) -> float:
-        """Return the time of the last step in it, s; 0 where there is none."""
+        """Return the time of the last step, s; 0 without steps."""
         return self._last_steps[-1].at_s - self.origin_s if self._last_steps else 0.0
 
     @cached_property
     def _ended(self) -> bool:
-        """Whether the recording holds the end of the run."""
+        """Whether the recording contains the end of the run."""
         last = (effect for step in self._last_steps for effect in step.effects)
         return any(isinstance(effect, Ended) for effect in last)
 
@@ -126,9 +131,10 @@ class Recording:
         return [self._time_s(piece.start_ns) for piece in self.content.pieces]
 
     def checkpoint(self, at_s: float) -> Checkpoint | None:
-        """Return the last checkpoint up to this time; None where there is none that can be used.
+        """Return the last usable checkpoint up to this time; None if there is none.
 
-        Only the version that recorded can use one: another one may number its states otherwise.
+        Only the version that recorded a checkpoint can use it, because another version may number
+        its states differently.
         """
         for place in reversed(range(bisect_right(self.starts_s, at_s))):
             found = [each for each in self._checkpoints(place) if each.at_s <= at_s]
@@ -137,10 +143,10 @@ class Recording:
         return None
 
     def checkpoints(self, after: Checkpoint | None = None) -> Iterator[Checkpoint]:
-        """Yield every checkpoint that can be used, in order.
+        """Yield every usable checkpoint, in order.
 
         Args:
-            after: Only those that come after this one; None: all.
+            after: Only later checkpoints than this one; None: all.
         """
         for place in range(after.place if after else 0, len(self.content.pieces)):
             for each in self._checkpoints(place):
@@ -148,7 +154,7 @@ class Recording:
                     yield each
 
     def steps(self, after: Checkpoint | None = None) -> Iterator[Step]:
-        """Yield everything that the engine was given, in order, with its effects.
+        """Yield every input of the engine, in order, with its effects.
 
         Args:
             after: Where to begin; None: at the beginning.
@@ -160,7 +166,7 @@ class Recording:
                 yield step if started or step.by != "engine" else step._replace(by="seen")
 
     def commits(self, after: Checkpoint | None = None) -> Iterator[list[Step]]:
-        """Yield the steps of each piece; inputs before the start are marked as steps of the engine.
+        """Yield the steps of each piece; inputs before the start count as steps of the engine.
 
         Args:
             after: Where to begin; None: at the beginning.
@@ -180,11 +186,11 @@ class Recording:
                 yield each._replace(effects=with_own_times(each.effects, self.origin_s))
 
     def shown(self, *topics: str, since_s: float = -inf) -> Iterator[Shown]:
-        """Yield the messages that were made for viewers, in order: of these topics, or of all.
+        """Yield the messages for viewers, in order: of these topics, or of all.
 
         Args:
             topics: Their names.
-            since_s: Messages from before this time may be left out.
+            since_s: Messages before this time may be left out.
         """
         for _, messages in self._pieces(max(bisect_right(self.starts_s, since_s) - 2, 0)):
             for topic, time_ns, data in messages:
@@ -199,8 +205,8 @@ class Recording:
     def _zero_ns(self) -> int:
         """Return the time at which the run began, ns since 1970.
 
-        Messages of later runs of a session once counted from the session's first run, so the
-        header's time is used only where the file holds no piece.
+        In old recordings, messages of later runs of a session counted from the session's first run.
+        So the header's time is used only if the file has no piece.
         """
         if self.content.pieces:
             return self.content.pieces[0].start_ns
@@ -215,7 +221,7 @@ class Recording:
             yield Checkpoint(step, at_s - self.origin_s, state, place)
 
     def _pieces(self, first: int) -> Iterator[tuple[int, list[Message]]]:
-        """Yield number and messages of each piece, which holds whole steps."""
+        """Yield number and messages of each piece, which contains whole steps."""
         for place in range(first, len(self.content.pieces)):
             self.watch(self.content.pieces[place].at / self.content.size)
             yield place, self._reader.messages(place)
@@ -225,15 +231,15 @@ class Recording:
 def read_recording(
     path: Path, watch: Callable[[float], None] = _no_progress, *, damaged: bool = False
 ) -> Recording:
-    """Return the recording in this file, as far as it goes.
+    """Return the recording in this file, up to where it is cut off.
 
     Args:
         path: The file.
-        watch: Receives how much of it has been read, whenever it is read.
-        damaged: Whether to accept a damaged recording, which ends where the damage begins.
+        watch: Receives the share that has been read, whenever the file is read.
+        damaged: Whether to accept a damaged recording, which then ends where the damage begins.
 
     Raises:
-        RecordingError: There is none, it is something else, or its beginning is damaged.
+        RecordingError: There is no such file, it is no recording, or its header is damaged.
     """
     try:
         with path.open("rb") as file:

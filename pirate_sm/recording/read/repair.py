@@ -1,7 +1,7 @@
 """Repairs a recording that was cut short: adds the end and the index that other programs need.
 
-Everything that is whole goes into a new file in the order of writing. Steps after a missing one
-could not be executed again, so what follows damage is left out.
+Everything that is whole is copied to a new file in the order of writing. Steps after a missing one
+could not be replayed, so everything after damage is left out.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from pirate_sm.recording.read.steps import Step
 from pirate_sm.recording.write.recording_file import DiskFile, Pieces
 
 _LEAST_BYTES = 1 << 20
-"""The fewest bytes of messages in one piece; small pieces serve only while a run goes on."""
+"""The least size of the messages in one piece, bytes; small pieces only help during a run."""
 
 
 class Repaired(NamedTuple):
-    """What a new recording holds, and what not.
+    """The content of a repaired recording, and what it lacks.
 
     Attributes:
-        steps: How many steps it holds.
-        until_s: Until when.
-        torn_bytes: How many bytes at the end of the old file are not whole, or come after damage.
-        damage: Why more was left out; empty where nothing was.
-        left_until_s: Until about when that goes; 0 where that is not known.
-        complete: Whether all that was recorded is in it.
+        steps: Number of steps.
+        until_s: Time of its end.
+        torn_bytes: Bytes at the end of the old file that are cut off or follow damage.
+        damage: Why more was left out; empty if nothing was.
+        left_until_s: Approximate time of the end of what was left out; 0 if unknown.
+        complete: Whether it contains all that was recorded.
     """
 
     steps: int = 0
@@ -43,7 +43,7 @@ class Repaired(NamedTuple):
 
 
 def is_whole(recording: Recording) -> bool:
-    """Whether all that it says it holds is there, and the index by which others find it."""
+    """Return whether the recording is undamaged and has its index."""
     if not recording.content.indexed:
         return False
     try:
@@ -55,14 +55,14 @@ def is_whole(recording: Recording) -> bool:
 
 
 def repair(recording: Recording, path: Path) -> Repaired:
-    """Write all that is whole into a new, complete file.
+    """Write all that is whole to a new, complete file.
 
     Args:
-        recording: What is to be repaired; its file stays as it is.
+        recording: The recording to repair; its file does not change.
         path: The new file.
 
     Raises:
-        FileExistsError: There is one of this name, which stays as it is.
+        FileExistsError: The new file exists already; it does not change.
         OSError: It cannot be written; no file is left then.
     """
     with closing(DiskFile(path)) as sink:
@@ -94,7 +94,7 @@ def _write(recording: Recording, file: Pieces) -> Repaired:
 
 
 class _Copy:
-    """Hands piece after piece to the new file."""
+    """Copies piece after piece to the new file."""
 
     def __init__(self, recording: Recording, file: Pieces) -> None:
         self.steps, self.until_s = 0, 0.0
@@ -104,7 +104,7 @@ class _Copy:
         self._uncut = 0
 
     def take(self, place: int, steps: list[Step]) -> None:
-        """Copy this piece, which holds these steps, to the new file."""
+        """Copy this piece with these steps to the new file."""
         file, topics = self._file, self._topics
         for number, time_ns, data in self._chunks.entries(place):
             if number not in topics:

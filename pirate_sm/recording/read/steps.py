@@ -1,4 +1,4 @@
-"""What a recording holds: the steps of the engine, checkpoints, messages for viewers."""
+"""The records in a recording: steps of the engine, checkpoints, messages for viewers."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from pirate_sm.model.events import Event
 
 
 class Step(NamedTuple):
-    """Something that the engine was given, and what it gave back.
+    """An input of the engine and its effects.
 
     Attributes:
-        number: Its place in the recording, from 0.
-        at_s: When it was on the clock that the engine was given. The runs of a console's session
-            share that clock: see :attr:`Recording.origin_s`.
-        event: What the engine was given; None for its start and where it was not asked.
-        effects: What it gave back; those of the program around it where it was not asked.
-        by: ``seen``: shown to the engine at its start, which comes after it. ``start``: the start
-            itself. ``engine``: a step of it. ``runtime``: the engine was given up.
-        body: Of a start: what an earlier mission had commanded the robot to.
-        paused: Of a start: whether the operator had the robot first.
-        state: What the engine remembered after it, where the recording says so.
+        number: Its number in the recording, from 0.
+        at_s: Its time by the engine's clock. The runs of a console's session share that clock: see
+            :attr:`Recording.origin_s`.
+        event: The input; None for the start and for actions past the engine.
+        effects: The engine's effects; those of the program around it for actions past the engine.
+        by: ``seen``: known to the engine before its start. ``start``: the start itself.
+            ``engine``: a step of the engine. ``runtime``: an action past the engine.
+        body: For a start: the robot state after an earlier mission.
+        paused: For a start: whether the operator controlled the robot first.
+        state: The engine's state after it, if it was recorded.
     """
 
     number: int
@@ -37,7 +37,7 @@ class Step(NamedTuple):
 
 
 class StepEffects(NamedTuple):
-    """The effects of the step of this number; ``at_s`` is the time since the run began."""
+    """The effects of the step with this number; ``at_s`` is the time since the run began."""
 
     number: int
     at_s: float
@@ -45,7 +45,7 @@ class StepEffects(NamedTuple):
 
 
 class Message(NamedTuple):
-    """A message and its topic; ``time_ns`` is when it was, ns since 1970."""
+    """A message and its topic; ``time_ns`` is its time, ns since 1970."""
 
     topic: str
     time_ns: int
@@ -53,7 +53,7 @@ class Message(NamedTuple):
 
 
 class Shown(NamedTuple):
-    """A message that was made for viewers."""
+    """A message for viewers."""
 
     topic: str
     at_s: float
@@ -61,13 +61,13 @@ class Shown(NamedTuple):
 
 
 class Checkpoint(NamedTuple):
-    """The engine's state in the middle of a run, from where it can be executed again.
+    """The engine's state in the middle of a run, from which a replay can begin.
 
     Attributes:
-        step: The step after which the state was such.
-        at_s: When that was, time since the run began.
-        state: What the engine remembered then.
-        place: Number of the piece of the file that holds it.
+        step: The last step before this state.
+        at_s: Time since the run began.
+        state: The engine's state.
+        place: Number of the piece of the file that contains it.
     """
 
     step: int

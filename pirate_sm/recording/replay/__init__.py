@@ -1,1 +1,1 @@
-"""Executes the recorded inputs again and compares the result, or one run with another."""
+"""Replays recordings and compares the result, or one run with another."""

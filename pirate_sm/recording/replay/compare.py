@@ -1,9 +1,9 @@
-"""Two runs side by side: lined up by what the mission has come to, not by the clock.
+"""Compares two runs, aligned by what the mission has reached, not by the clock.
 
 The marks of a run are the phases that it enters, the commands that are done and the triggers that
-fire. As long as both runs have the same marks in the same order they are on one course; between
-two marks, time counts from the first one as a share of the way to the second. So a robot that is
-slower than its simulation is compared where it does the same.
+fire. As long as both runs have the same marks in the same order they are aligned. Between two
+marks, time is the share of the way from one mark to the next. So a robot that is slower than its
+simulation is compared where it does the same.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ from pirate_sm.recording.replay.replay import engine_of, rerun
 from pirate_sm.recording.thinning import add_evenly
 
 SAMPLES = 50
-"""So many places between two marks are compared."""
+"""Number of compared instants between two marks."""
 
 _MOST_KEPT = 60_000
-"""The most frames of a run that are compared: all those of a quarter of an hour."""
+"""The most frames of a run that are kept: all those of a quarter of an hour."""
 
 
 @dataclass(frozen=True)
 class Milestone:
-    """Something that a mission has come to."""
+    """A mark of a run."""
 
     what: str
     at_s: float
@@ -39,12 +39,12 @@ class Milestone:
 
 @dataclass
 class ComparedRun:
-    """A run as it is compared.
+    """The data of a run for the comparison.
 
     Attributes:
-        times: Of the frames, of a long run only of some, evenly; ``values`` their signals, in the
-            order of ``names``.
-        kinds: What each signal is, such as a current; for ranges that signals share.
+        times: Times of the frames; in a long run of some, evenly spaced. ``values`` are their
+            signals, in the order of ``names``.
+        kinds: The kind of each signal, such as a current; signals of one kind share a range.
     """
 
     marks: list[Milestone] = field(default_factory=list)
@@ -56,14 +56,14 @@ class ComparedRun:
     until_s: float = 0.0
 
     def at(self, time_s: float) -> Sequence[float] | None:
-        """Return the signals as they were last known at a time."""
+        """Return the last known signals at a time."""
         place = bisect_right(self.times, time_s) - 1
         return self.values[place] if place >= 0 else None
 
 
 @dataclass(frozen=True)
 class Leg:
-    """The way between two marks in both runs, s."""
+    """The durations between two marks in both runs, s."""
 
     mark: str
     first_s: float
@@ -74,12 +74,12 @@ class Leg:
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far a signal of the two runs is apart.
+    """The deviation of a signal between the two runs.
 
     Attributes:
-        most: The largest distance, in the unit of the signal; ``typical`` its root mean square.
-        where: After which mark it was largest; ``at_s`` when, in the first run.
-        first: Its value there in the first run; ``second`` in the second.
+        most: The largest deviation, in the unit of the signal; ``typical`` is the root mean square.
+        where: The mark before the largest deviation; ``at_s`` is its time in the first run.
+        first: The value there in the first run; ``second`` in the second.
     """
 
     name: str
@@ -93,13 +93,13 @@ class Deviation:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two runs side by side.
+    """The comparison of two runs.
 
     Attributes:
-        legs: As long as they are on one course.
-        parted: What each came to where they part, first and second; None: they do not.
-        deviations: Of the signals of both, those first that are typically the farthest apart
-            for what signals of their kind span.
+        legs: The ways between common marks.
+        parted: The next mark of each run after the last common one; None: all are common.
+        deviations: Deviations of common signals, sorted by the typical deviation as a share of the
+            range of their kind.
     """
 
     legs: tuple[Leg, ...]
@@ -148,7 +148,7 @@ def _mark(effect: fx.Effect) -> str:
 
 
 def compare(first: ComparedRun, second: ComparedRun) -> Comparison:
-    """Return where two runs part, the duration of each leg, and how far signals are apart."""
+    """Return where two runs part, the duration of each leg, and the deviations of signals."""
     common = 0
     for one, other in zip(first.marks, second.marks, strict=False):
         if one.what != other.what:

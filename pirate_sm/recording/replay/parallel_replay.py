@@ -1,8 +1,8 @@
 """Replays a long recording in several processes.
 
-Each executes the stretch between two checkpoints and compares what the engine remembers at its end
-with the checkpoint there, with which the next stretch begins. So if every stretch comes out the
-same, the whole does.
+Each process replays the stretch between two checkpoints and compares the engine's state at its end
+with the checkpoint there, from which the next stretch begins. If every stretch is the same, so is
+the whole run.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import Replayed, replay
 
 _EACH = 16
-"""Stretches for each process: one sees how far it has come, and none waits long at last."""
+"""Stretches per process: several, for progress and so that the processes end together."""
 
 
 class _Stretch(NamedTuple):
-    """Between two checkpoints; None stands for the start and for the end."""
+    """The part between two checkpoints; None stands for the start and the end."""
 
     after: Checkpoint | None
     until: Checkpoint | None
@@ -40,13 +40,13 @@ def replay_shared(
     after: Checkpoint | None = None,
     until_s: float = inf,
 ) -> Replayed:
-    """Execute the recording again as :func:`replay` does, in several processes.
+    """Replay the recording as :func:`replay` does, in several processes.
 
     Args:
-        recording: What was recorded.
-        processes: Among how many it is shared out.
+        recording: The recording.
+        processes: Number of processes.
         after: The checkpoint to begin with; None: the start.
-        until_s: Nothing after this time is executed.
+        until_s: Steps after this time are not replayed.
 
     Raises:
         RecordingError: The recording is damaged.
@@ -65,7 +65,7 @@ def replay_shared(
 def _stretches(
     recording: Recording, most: int, after: Checkpoint | None, until_s: float
 ) -> Iterator[_Stretch]:
-    """Yield about ``most`` stretches of about equal length, one after the other."""
+    """Yield about ``most`` consecutive stretches of similar length."""
     from_s = after.at_s if after is not None else 0.0
     each_s = (min(until_s, recording.until_s) - from_s) / most
     for checkpoint in recording.checkpoints(after):
@@ -103,5 +103,5 @@ def _loaded(path: Path) -> tuple[Recording, LoadedMission]:
 
 
 def _heed_no_keys() -> None:
-    """Ignore Ctrl-C: it ends the main process, which ends this one."""
+    """Ignore Ctrl-C, which ends the main process and with it this one."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,4 +1,4 @@
-"""Loads the mission of a recording from the texts that the recording holds."""
+"""Loads the mission of a recording from its recorded texts."""
 
 from __future__ import annotations
 
@@ -22,11 +22,10 @@ _PROFILE = "profile.yaml"
 
 @contextmanager
 def recorded_mission(header: RunHeader) -> Iterator[LoadedMission]:
-    """Yield the mission as it was run; its files stand in a temporary folder until the block ends.
+    """Yield the mission as it was run; its files are in a temporary folder until the block ends.
 
     Raises:
-        RecordingError: This version of the program cannot use its texts any more, or they cannot
-            be written.
+        RecordingError: This version cannot load the texts any more, or they cannot be written.
     """
     with ExitStack() as stack:
         try:
@@ -56,7 +55,7 @@ def recorded_mission(header: RunHeader) -> Iterator[LoadedMission]:
 
 
 def as_recorded(loaded: LoadedMission, header: RunHeader) -> LoadedMission:
-    """Return the mission with file names and joint zeros as the run had them."""
+    """Return the mission with the file names and joint zeros of the run."""
     names = {
         document.name: file.name
         for document, file in zip(loaded.documents, header.files, strict=False)
@@ -69,7 +68,7 @@ def as_recorded(loaded: LoadedMission, header: RunHeader) -> LoadedMission:
 
 
 def _placed(instruction: Any, names: Mapping[str, str]) -> Any:
-    """Return the instruction with the file in each of its ``place`` values renamed."""
+    """Return the instruction with the file renamed in each of its ``place`` values."""
     changed: dict[str, Any] = {}
     if getattr(instruction, "place", ""):
         file, line, column = instruction.place.rsplit(":", 2)
@@ -80,7 +79,7 @@ def _placed(instruction: Any, names: Mapping[str, str]) -> Any:
 
 
 def _write(header: RunHeader, folder: Path) -> Path:
-    """Write every text to where the others refer to it, and return the mission's file."""
+    """Write every text where the others refer to it, and return the mission's file."""
     mission = next(file for file in header.files if file.role == "mission")
     (folder / "robot").mkdir()
     chart = _chart_name(header)
@@ -110,7 +109,7 @@ def _chart_name(header: RunHeader) -> str:
 
 
 def _beside(file: RecordedFile, mission: RecordedFile) -> str:
-    """Return the path of a called mission relative to its caller, never outside of that folder."""
+    """Return the path of a called mission relative to its caller, within the caller's folder."""
     same = file.path.startswith("shipped:") == mission.path.startswith("shipped:")
     relative = os.path.relpath(_plain(file.path), _plain(mission.path).parent)
     return relative if same and not relative.startswith("..") else Path(file.path).name

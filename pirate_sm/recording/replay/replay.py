@@ -1,4 +1,4 @@
-"""Executes a recording again: gives the engine its inputs and compares the effects."""
+"""Replays a recording: gives the engine its inputs again and compares the effects."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from pirate_sm.recording.read.steps import Checkpoint, Step
 
 
 class Rerun(NamedTuple):
-    """A step of a recording and what the engine makes of it now.
+    """A step of a recording and its result in the replay.
 
     Attributes:
         state: The engine's state after it; None before the start.
-        effects: What came of it now; those of the recording where the engine was not asked.
-        at_s: When it was, time since the run began.
+        effects: The effects in the replay; the recorded ones for actions past the engine.
+        at_s: Time since the run began.
     """
 
     step: Step
@@ -34,15 +34,15 @@ class Rerun(NamedTuple):
 
 @dataclass(frozen=True)
 class Difference:
-    """The first step in which something else comes out than was recorded.
+    """The first step whose result differs from the recording.
 
     Attributes:
         step: The step; its ``at_s`` is the time since the run began.
-        recorded: Effects of the recording that the replay does not have at this place.
+        recorded: Recorded effects that the replay does not have at this point.
         replayed: Effects of the replay in their place.
-        phase: The phase of the mission then; ``place`` its place in the file, if it has one.
-        remembers: What the engine remembers otherwise than was recorded, ``sensing.numbers``;
-            empty where the effects differ.
+        phase: The phase of the mission then; ``place`` is its place in the file, if it has one.
+        remembers: Names of the parts of the engine's state that differ, ``sensing.numbers``;
+            empty if the effects differ.
     """
 
     step: Step
@@ -55,15 +55,15 @@ class Difference:
 
 @dataclass(frozen=True)
 class Replayed:
-    """How a replay went.
+    """The result of a replay.
 
     Attributes:
-        steps: How many were the same.
-        effects: How many in these.
+        steps: Number of equal steps.
+        effects: Number of effects in these.
         until_s: Time of the last of them.
-        difference: The first difference; None where there is none.
+        difference: The first difference; None if there is none.
         executed: Whether the engine was executed at all.
-        from_s: Where it began.
+        from_s: Time at which the replay began.
     """
 
     steps: int
@@ -75,19 +75,19 @@ class Replayed:
 
 
 def engine_of(recording: Recording, loaded: LoadedMission) -> Engine:
-    """Return the engine with the options that it had in the run."""
+    """Return the engine with the options of the run."""
     return Engine(loaded.robot, loaded.program, nominal=recording.header.nominal)
 
 
 def rerun(
     recording: Recording, loaded: LoadedMission, after: Checkpoint | None = None
 ) -> Iterator[Rerun]:
-    """Yield every step of the recording, given to the engine again, in order.
+    """Yield every step of the recording, replayed, in order.
 
     Args:
-        recording: What was recorded.
+        recording: The recording.
         loaded: The mission.
-        after: The checkpoint to begin with; only one of this mission will do. None: the start.
+        after: The checkpoint of this mission to begin with; None: the start.
 
     Raises:
         RecordingError: The recording is damaged.
@@ -103,12 +103,12 @@ def rerun_steps(
     state: EngineState | None = None,
     origin_s: float = 0.0,
 ) -> Iterator[Rerun]:
-    """Yield every step, given to the engine again, in order.
+    """Yield every step, replayed, in order.
 
     Args:
-        engine: As it ran then.
-        steps: What it was given.
-        state: What it was before the first of them.
+        engine: The engine as in the run.
+        steps: The recorded steps.
+        state: The engine's state before the first of them.
         origin_s: When the run began, by the engine's clock.
     """
     seen: list[SensorFrame | SignalReport] = []
@@ -132,17 +132,17 @@ def replay(
     until: Checkpoint | None = None,
     until_s: float = inf,
 ) -> Replayed:
-    """Execute the recording again up to its end or the first difference.
+    """Replay the recording up to its end or the first difference.
 
-    What the engine remembers is compared, too, wherever the recording holds it.
+    The engine's state is compared too, wherever the recording contains it.
 
     Args:
-        recording: What was recorded.
-        loaded: The mission; the one in the recording, or another one.
-        changed: Whether it is another one: then lines and columns of its file do not count.
+        recording: The recording.
+        loaded: The mission in the recording, or another one.
+        changed: Whether it is another one; then lines and columns of its file are not compared.
         after: The checkpoint to begin with; None: the start.
         until: The checkpoint to end with; None: the end.
-        until_s: Nothing after this time is executed.
+        until_s: Steps after this time are not replayed.
 
     Raises:
         RecordingError: The recording is damaged.
@@ -170,7 +170,7 @@ def replay(
 
 
 def _remembered(step: Step, until: Checkpoint | None) -> EngineState | None:
-    """Return the engine's state after a step as recorded; None where it was not."""
+    """Return the recorded state of the engine after a step; None if there is none."""
     return until.state if until is not None and until.step == step.number else step.state
 
 
@@ -200,7 +200,7 @@ def _placeless(effects: Sequence[Effect]) -> tuple[Any, ...]:
 
 
 def same(one: Any, other: Any) -> bool:
-    """Whether two things of the alphabet are the same; unknown is the same as unknown."""
+    """Return whether two events, effects or values are equal; unknown equals unknown."""
     if isinstance(one, float) and isinstance(other, float):
         return one == other or (isnan(one) and isnan(other))
     if isinstance(one, tuple) and isinstance(other, tuple):
@@ -215,9 +215,9 @@ def _difference(again: Rerun, loaded: LoadedMission, remembers: tuple[str, ...])
         pc = again.state.mission.pc
         phase = loaded.program.phase_of[pc]
         place = getattr(loaded.program.instructions[pc], "place", "")
-    if recorded or replayed:  # these say more
+    if recorded or replayed:  # these explain more
         remembers = ()
-    # Its state holds NaN, which is not the same as itself.
+    # The step's state contains NaN, which does not equal itself.
     step = again.step._replace(state=None, at_s=again.at_s)
     return Difference(step, recorded, replayed, phase, place, remembers)
 
@@ -225,7 +225,7 @@ def _difference(again: Rerun, loaded: LoadedMission, remembers: tuple[str, ...])
 def _without_common(
     one: Sequence[Effect], other: Sequence[Effect]
 ) -> tuple[tuple[Effect, ...], tuple[Effect, ...]]:
-    """Return both without what they begin and end with alike."""
+    """Return both without their common beginning and end."""
     first = 0
     while first < min(len(one), len(other)) and same(one[first], other[first]):
         first += 1

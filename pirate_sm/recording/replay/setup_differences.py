@@ -1,4 +1,4 @@
-"""In which files, options and parameters two runs differ."""
+"""Finds the files, options and parameters in which two runs differ."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import Any, NamedTuple
 from pirate_sm.recording.format.header import RunHeader
 
 _NAMED_ALREADY = {"mission", "robot", "pipe", "backend", "detector", "settings"}
-"""Options that say what was asked for where the header says what that came to."""
+"""Options for which the header has the resulting value as well."""
 
 
 class Unlike(NamedTuple):
-    """Something in which two runs were not alike.
+    """A difference in the set-up of two runs.
 
     Attributes:
-        name: What it is, ``seed``, ``parameter give_up``.
-        first: What it was in the first run, in words; ``second`` in the second.
+        name: Its name, such as ``seed`` or ``parameter give_up``.
+        first: Its value in the first run, as text; ``second`` in the second.
     """
 
     name: str
@@ -26,18 +26,18 @@ class Unlike(NamedTuple):
 
 
 def unlike(first: RunHeader, second: RunHeader) -> tuple[Unlike, ...]:
-    """Return all differences in the set-up of two runs, except when they began."""
+    """Return all differences in the set-up of two runs, except the times of their start."""
     one, other = dict(_circumstances(first)), dict(_circumstances(second))
     names = dict.fromkeys((*one, *other))
     return tuple(
-        Unlike(name, _said(one.get(name)), _said(other.get(name)))
+        Unlike(name, _as_text(one.get(name)), _as_text(other.get(name)))
         for name in names
         if one.get(name) != other.get(name)
     )
 
 
 def _circumstances(it: RunHeader) -> Iterator[tuple[str, Any]]:
-    """Yield name and value of everything that a run was set up with."""
+    """Yield name and value of every item in the set-up of a run."""
     for name in ("mission", "robot", "polarity", "pipe", "backend", "detector"):
         yield name, getattr(it, name)
     for name, value in it.options.items():
@@ -53,8 +53,8 @@ def _circumstances(it: RunHeader) -> Iterator[tuple[str, Any]]:
     yield "version", it.version
 
 
-def _said(value: Any) -> str:
-    """Return the value in words."""
+def _as_text(value: Any) -> str:
+    """Return the value as text."""
     if value in (None, [], {}, ""):
         return "none"
     if isinstance(value, bool):

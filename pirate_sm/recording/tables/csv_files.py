@@ -21,12 +21,12 @@ from pirate_sm.recording.viewers.viewer_messages import PLACES
 def write_tables(recording: Recording, loaded: LoadedMission, folder: Path) -> tuple[Path, ...]:
     """Write each topic of the recording to a CSV file in the folder, and return the files.
 
-    Signals are those that the engine made of the boards' raw values, one line for each frame.
-    Places of wheels are those that viewers were shown: the simulator's, where it knew.
+    Signals are those that the engine computed from the raw values, one line for each frame.
+    Positions of wheels are those shown to viewers: the simulator's true ones, if it knew them.
 
     Raises:
-        RecordingError: The recording is damaged or holds nothing, or the folder cannot be written.
-            Then there are no tables.
+        RecordingError: The recording is damaged or empty, or the folder cannot be written. No
+            tables are left then.
     """
     tables: _Tables | None = None
     try:
@@ -53,7 +53,7 @@ def _fill(tables: _Tables, recording: Recording, loaded: LoadedMission) -> None:
 
 
 class _Tables:
-    """The files being written; one begins with its first line."""
+    """The files being written; each begins with its first line."""
 
     def __init__(self, loaded: LoadedMission, folder: Path, stack: ExitStack) -> None:
         self._wheels = loaded.loaded_robot.profile.body.wheels
@@ -67,14 +67,14 @@ class _Tables:
         return tuple(self._paths)
 
     def discard(self) -> None:
-        """Remove the files, and their folder where nothing else is in it."""
+        """Remove the files, and their folder if it is empty then."""
         with suppress(OSError):
             for path in self._paths:
                 path.unlink()
             self._folder.rmdir()
 
     def places(self, it: Shown) -> None:
-        """Add the place of each wheel; ``known`` is 1 where a simulator knew the true one."""
+        """Add the position of each wheel; ``known`` is 1 if a simulator knew the true one."""
         names = [wheel.name for wheel in self._wheels]
         columns = [f"{name}_{axis}_m" for name in names for axis in "xy"]
         row = (it.at_s, int(it.content["known"]), *(it.content.get(name, nan) for name in columns))
@@ -94,10 +94,10 @@ class _Tables:
 
 
 def _cell(value: Any) -> Any:
-    """Return the value as a cell; unknown is an empty one, which pandas and Matlab read as NaN.
+    """Return the value as a cell; an unknown number is empty, which pandas and Matlab read as NaN.
 
-    Text from a mission must not begin a formula in a spreadsheet: an apostrophe before it makes
-    it text there.
+    Text from a mission must not begin a formula in a spreadsheet, so an apostrophe before it
+    keeps it text.
     """
     if isinstance(value, str) and value.startswith(_FORMULAS):
         return f"'{value}"
@@ -105,4 +105,4 @@ def _cell(value: Any) -> Any:
 
 
 _FORMULAS = ("=", "+", "-", "@", "\t", "\r")
-"""What a spreadsheet takes for the beginning of a formula (OWASP, CSV injection)."""
+"""Characters that begin a formula in a spreadsheet (OWASP, CSV injection)."""

@@ -1,8 +1,8 @@
-"""What happens in a run as rows of tables, with SI units in the headers."""
+"""The events of a run as rows of tables, with SI units in the headers."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 from pirate_sm.engine.engine import Engine
@@ -15,7 +15,7 @@ from pirate_sm.recording.read.steps import with_own_times
 from pirate_sm.recording.replay.replay import Rerun
 
 SIGNALS = "signals"
-"""The table of what the engine made of the boards' raw values, one row for each frame."""
+"""The table of the signals, one row for each frame."""
 
 TABLES = (
     *(SIGNALS, "setpoints", "states", "commands", "phases", "waits", "triggers", "detector"),
@@ -41,77 +41,72 @@ class TableRow(NamedTuple):
     values: tuple[Any, ...]
 
 
-def signal_row(robot: RobotSpec, at_s: float, signals: Mapping[str, float]) -> TableRow:
-    """Return the values of all signals at this time."""
-    header = (TIME, *signal_names(robot, signals))
-    return TableRow(SIGNALS, header, (at_s, *signals.values()))
+def headers(robot: RobotSpec) -> dict[str, tuple[str, ...]]:
+    """Return the names of the columns of each table in :data:`TABLES`."""
+    after_time: dict[str, tuple[str, ...]] = {
+        SIGNALS: signal_names(robot),
+        "setpoints": ("setpoint_id", *slot_names(robot)),
+        "states": (*robot.regions, "unconfirmed"),
+        "commands": fx.CommandStatus._fields,
+        "phases": fx.PhaseChange._fields,
+        "waits": ("phase", "trigger", "condition", "deadline_s"),
+        "triggers": fx.TriggerFired._fields,
+        "detector": fx.Detected._fields,
+        "environment": fx.Environment._fields,
+        "faults": fx.Fault._fields,
+        "log": fx.Log._fields,
+        "questions": fx.Ask._fields,
+        "end": fx.Ended._fields,
+    }
+    return {table: (TIME, *after_time[table]) for table in TABLES}
 
 
 def rows_of(engine: Engine, again: Iterable[Rerun], origin_s: float = 0.0) -> Iterator[TableRow]:
-    """Yield all rows of a run, from its steps given to the engine again.
+    """Yield all rows of a run from its replayed steps.
 
     Args:
-        engine: As it ran then.
-        again: The steps.
+        engine: The engine as in the run.
+        again: The replayed steps.
         origin_s: When the run began, by the engine's clock; times of rows count from there.
     """
+    columns = headers(engine.robot)
     for each in again:
         if each.state is not None and isinstance(each.step.event, SensorFrame):
-            yield signal_row(engine.robot, each.at_s, engine.signals(each.state))
+            values = engine.signals(each.state).values()
+            yield TableRow(SIGNALS, columns[SIGNALS], (each.at_s, *values))
         for effect in with_own_times(each.step.effects, origin_s):
-            yield from effect_rows(engine.robot, each.at_s, effect)
+            table, rows = _rows(effect)
+            for row in rows:
+                yield TableRow(table, columns[table], (each.at_s, *row))
 
 
-def effect_rows(robot: RobotSpec, at_s: float, effect: fx.Effect) -> Iterator[TableRow]:
-    """Yield the effect as rows of its table; nothing where it has none."""
-    made = _table(robot, effect)
-    if made is not None:
-        for values in made.rows:
-            yield TableRow(made.table, (TIME, *made.header), (at_s, *values))
-
-
-class _Made(NamedTuple):
-    """Rows of one table without their times."""
-
-    table: str
-    header: tuple[str, ...]
-    rows: Iterable[tuple[Any, ...]]
-
-
-def _table(robot: RobotSpec, effect: fx.Effect) -> _Made | None:  # noqa: C901 - one case each
+def _rows(effect: fx.Effect) -> tuple[str, Iterable[tuple[Any, ...]]]:  # noqa: C901 - one case each
+    """Return the table of an effect and its rows without their times."""
     match effect:
         case fx.Setpoints(setpoint_id, values):
-            header = ("setpoint_id", *slot_names(robot))
-            return _Made("setpoints", header, [(setpoint_id, *values)])
+            return "setpoints", [(setpoint_id, *values)]
         case fx.StateChange(states, unconfirmed):
-            header = (*robot.regions, "unconfirmed")
-            return _Made("states", header, [(*states, " ".join(unconfirmed))])
+            return "states", [(*states, " ".join(unconfirmed))]
         case fx.WaitArmed(phase, triggers, conditions, deadline_s):
             armed = zip(triggers, conditions, strict=True)
-            rows = [(phase, name, text, deadline_s) for name, text in armed]
-            return _Made("waits", ("phase", "trigger", "condition", "deadline_s"), rows)
+            return "waits", [(phase, name, text, deadline_s) for name, text in armed]
         case fx.Ask(question):
-            return _Made("questions", effect._fields, [(question, choice_words(effect))])
+            return "questions", [(question, choice_words(effect))]
         case fx.CommandStatus():
-            return _plain("commands", effect)
+            return "commands", [effect]
         case fx.PhaseChange():
-            return _plain("phases", effect)
+            return "phases", [effect]
         case fx.TriggerFired():
-            return _plain("triggers", effect)
+            return "triggers", [effect]
         case fx.Detected():
-            return _plain("detector", effect)
+            return "detector", [effect]
         case fx.Environment():
-            return _plain("environment", effect)
+            return "environment", [effect]
         case fx.Fault():
-            return _plain("faults", effect)
+            return "faults", [effect]
         case fx.Log():
-            return _plain("log", effect)
+            return "log", [effect]
         case fx.Ended():
-            return _plain("end", effect)
+            return "end", [effect]
         case fx.WakeAt():
-            return None
-
-
-def _plain(table: str, effect: fx.Effect) -> _Made:
-    """Return the row with the fields of an effect as columns."""
-    return _Made(table, effect._fields, [tuple(effect)])
+            return "", ()

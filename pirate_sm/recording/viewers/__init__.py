@@ -1,1 +1,1 @@
-"""What other people's viewers need: messages, a scene, a robot description, layouts."""
+"""Output for viewers of other projects: messages, a scene, a robot description, layouts."""

@@ -27,12 +27,12 @@ _UPRIGHT = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
 
 
 def scene_message(stamp: str, body: Body, pipe: Pipe | None) -> bytes:
-    """Return a message that shows everything, for as long as a viewer runs.
+    """Return a message with the whole scene, which viewers show as long as they run.
 
     Args:
         stamp: The time as JSON.
-        body: The robot's.
-        pipe: Where it is; None where that is not known.
+        body: The robot's body.
+        pipe: The pipe; None if unknown.
     """
     entities = [*_links(body), *_wheels(body)]
     if pipe is not None:
@@ -88,10 +88,10 @@ def _pipe(pipe: Pipe) -> dict[str, Any]:
 
 
 def _glass(piece: Piece) -> dict[str, Any]:
-    """Return a piece of pipe as a cylinder that one sees through; its own axis is z."""
+    """Return a piece of pipe as a transparent cylinder; its own axis is z."""
     middle = flat(piece.point(piece.arc_m + piece.length_m / 2))
     heading = atan2(piece.frame.ahead[1], piece.frame.ahead[0])
-    # First from z to x, half a right angle about y, then about z by the heading.
+    # First a rotation from z to x by a right angle about y, then about z by the heading.
     half = hypot(0.5, 0.5)
     turned = {
         "x": -sin(heading / 2) * half,

@@ -1,8 +1,8 @@
 """Layouts for viewers of other projects, made for one robot.
 
-A layout names topics and fields of a recording, which are those of its robot, so it is made for a
-robot. Lichtblick and Foxglove import JSON, with panels in a tree of splits; PlotJuggler loads XML,
-with tabs of plots in two columns.
+A layout names topics and fields of a recording, which depend on its robot. Lichtblick and Foxglove
+import JSON, with panels in a tree of splits. PlotJuggler loads XML, with tabs of plots in two
+columns.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pirate_sm.recording.column_names import signal_names, slot_names
 from pirate_sm.recording.viewers.transforms import PIPE
 
 Split: TypeAlias = dict[str, Any]
-"""A panel's name stands for itself; a split has two of either."""
+"""A panel is its name; a split has two panels or splits."""
 
 _COLORS = (
     *("#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e"),
@@ -26,11 +26,11 @@ _COLORS = (
 )
 _SCENE, _STATES, _LOG = "3D!scene", "StateTransitions!states", "RosOut!log"
 _FAR_ROBOTS = 2.0
-"""How many lengths of the robot the camera stands above it."""
+"""Height of the camera above the robot, in lengths of the robot."""
 
 
 class Plot(NamedTuple):
-    """A plot of numbers that have one unit.
+    """A plot of numbers with one unit.
 
     Attributes:
         fields: Topic and field of each curve.
@@ -41,7 +41,7 @@ class Plot(NamedTuple):
 
 
 def plots_of(loaded: LoadedMission) -> tuple[Plot, ...]:
-    """Return the plots that a robot's profile calls for."""
+    """Return the plots for a robot's profile."""
     robot, profile = loaded.robot, loaded.loaded_robot.profile
     names = dict(zip(robot.vocabulary.numbers, signal_names(robot), strict=True))
     slots = {slot.name: slot for slot in profile.slots}
@@ -57,7 +57,7 @@ def plots_of(loaded: LoadedMission) -> tuple[Plot, ...]:
         for index in (robot.odometry, robot.speed)
     )
     diameters = [name for name, it in profile.derived.items() if isinstance(it, kinds.DiameterOf)]
-    told = [
+    others = [
         ("Distance", way),
         ("Speed", speed),
         ("Joint angles", [*(joint.name for joint in joints), *rolls]),
@@ -66,7 +66,7 @@ def plots_of(loaded: LoadedMission) -> tuple[Plot, ...]:
         ("Joint motor currents", [name for name, wheel in currents if not wheel]),
         ("Inner diameter", diameters),
     ]
-    found = [Plot(title, tuple(("/signals", names[it]) for it in each)) for title, each in told]
+    found = [Plot(title, tuple(("/signals", names[it]) for it in each)) for title, each in others]
     drives = [
         ("/setpoints", name)
         for slot, name in zip(profile.slots, slot_names(robot), strict=True)
@@ -156,7 +156,7 @@ def _colors(plot: Plot) -> Iterator[str]:
 
 
 def _split(direction: str, parts: Sequence[str | Split]) -> str | Split:
-    """Return two parts beside or above each other; one part alone where there are not two."""
+    """Return two parts beside or above each other; a single part alone."""
     if len(parts) < 2 or not parts[1]:
         return parts[0]
     first, second = parts
@@ -178,11 +178,11 @@ def plotjuggler_layout(loaded: LoadedMission) -> str:
     codes = [("/state", f"{region}_code") for region in loaded.robot.regions]
     states = Plot("States", tuple(codes))
     signals = [plot for plot in plots if plot.fields[0][0] == "/signals"]
-    told = [plot for plot in plots if plot not in signals]
+    others = [plot for plot in plots if plot not in signals]
     root = Xml.Element("root")
     window = {"name": "Main Window", "parent": "main_window"}
     tabs = Xml.SubElement(root, "tabbed_widget", window)
-    for title, each in (("Signals", signals), ("Setpoints and states", [*told, states])):
+    for title, each in (("Signals", signals), ("Setpoints and states", [*others, states])):
         half = -(-len(each) // 2)
         columns = [column for column in (each[:half], each[half:]) if column]
         tab = Xml.SubElement(tabs, "Tab", tab_name=title, containers="1")

@@ -1,4 +1,4 @@
-"""A run shown while it goes on: a WebSocket on loopback that Foxglove and Lichtblick connect to."""
+"""Shows a run while it goes on: a WebSocket on loopback for Foxglove and Lichtblick."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pirate_sm.recording.viewers.viewer_messages import ViewerChannel
 
 HOST: Final = "127.0.0.1"
 PORT: Final = 8765
-"""Where the viewers look first."""
+"""The port that viewers try first."""
 
 
 class Live:
-    """Serves what viewers are shown until it is closed.
+    """Serves messages to viewers until it is closed.
 
     Raises:
-        UsageError: The extra is not installed, or somebody else has the port.
+        UsageError: The extra is not installed, or the port is in use.
     """
 
     def __init__(self, port: int = PORT) -> None:
@@ -39,7 +39,7 @@ class Live:
 
     @property
     def address(self) -> str:
-        """Return the address that viewers connect to."""
+        """Return the address for viewers."""
         return f"ws://{HOST}:{self._server.port}"
 
     def show(self, channel: ViewerChannel, time_ns: int, data: bytes) -> None:

@@ -15,7 +15,7 @@ from pirate_sm.model.effect_words import (
 Level = Literal["info", "warning", "error"]
 
 LEVELS: dict[Level, int] = {"info": 2, "warning": 3, "error": 4}
-"""Numbers of ``foxglove.Log``."""
+"""Level numbers of ``foxglove.Log``."""
 
 
 class LogLine(NamedTuple):
@@ -28,7 +28,7 @@ class LogLine(NamedTuple):
 
 
 def log_line(effect: fx.Effect) -> LogLine | None:  # noqa: C901 - one case each
-    """Return what a log says of an effect; None where a log has no use for it."""
+    """Return the log line of an effect; None if it has none."""
     level: Level
     match effect:
         case fx.Log():

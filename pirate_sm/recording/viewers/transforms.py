@@ -1,7 +1,7 @@
-"""The frames of a robot's parts and where each is in the one before it, as Foxglove writes it.
+"""The frames of a robot's parts, each relative to the one before it, as Foxglove messages.
 
-Names and places are those of the robot's URDF: a link's frame sits at its front wheel with x
-ahead, a link with a roll joint inside has a second one in its middle, wheels turn about z.
+Names and positions are those of the robot's URDF: a link's frame is at its front wheel with x
+ahead, a link with a roll joint inside has a second frame in its middle, wheels turn about z.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from pirate_sm.geometry.kinematics import Pose
 from pirate_sm.model.body import Body
 
 PIPE = "pipe"
-"""The frame of the plane in which the pipe lies."""
+"""The frame of the plane of the pipe."""
 
 
 class LinkFrame(NamedTuple):
-    """A frame that turns about one axis of the frame it stands in.
+    """A frame that turns about one axis of its parent frame.
 
     Attributes:
         name: Name of the frame.
-        parent: The frame that it stands in.
-        x_m: Its place on the parent's x axis; of the first link the pose says that.
-        axis: What it turns about.
-        turned_by: ``bend``: how much two links differ in heading. Else a signal.
+        parent: Its parent frame.
+        x_m: Its position on the parent's x axis; for the first link the pose gives it.
+        axis: The axis that it turns about.
+        turned_by: ``bend``: the difference in heading of two links. Otherwise a signal.
     """
 
     name: str
@@ -56,7 +56,7 @@ def frames_of(body: Body) -> tuple[LinkFrame, ...]:
 
 
 class Transforms:
-    """Writes where every frame is; the text is prepared once because it is written often."""
+    """Writes the poses of all frames; the text is prepared once because it is written often."""
 
     def __init__(self, body: Body) -> None:
         self._frames = frames_of(body)
@@ -67,8 +67,8 @@ class Transforms:
 
         Args:
             stamp: The time as JSON.
-            poses: Of each link in the plane of the pipe.
-            angles: Of wheels and roll joints by signal, rad; unknown ones are 0.
+            poses: Pose of each link in the plane of the pipe.
+            angles: Angles of wheels and roll joints by signal, rad; unknown ones are 0.
         """
         values: list[object] = []
         before, links = 0.0, iter(poses)
@@ -88,7 +88,7 @@ class Transforms:
 
 
 def _layout(frame: LinkFrame) -> str:
-    """Return the text of one transform with gaps for time, place (if it moves) and angle."""
+    """Return the text of one transform with gaps for time, position (if it moves) and angle."""
     names = f'"parent_frame_id":"{frame.parent}","child_frame_id":"{frame.name}"'
     place = '"x":%.7g,"y":%.7g' if frame.parent == PIPE else f'"x":{frame.x_m!r},"y":0'
     turned = '"x":%.7g,"y":0,"z":0' if frame.axis == "x" else '"x":0,"y":0,"z":%.7g'

@@ -37,7 +37,7 @@ def urdf(profile: Profile) -> str:
 
 
 def _reach(link: model.Link) -> float:
-    """Return how far the end of a link's last piece is behind that piece's frame, m."""
+    """Return the distance from a link's last frame to the link's end, m."""
     return link.length if link.roll is None else link.length / 2
 
 
@@ -55,7 +55,7 @@ def _link(root: Xml.Element, name: str, length: float, mass: float, body: model.
 def _inertial(
     link: Xml.Element, mass: float, size: tuple[float, float, float], x: float = 0.0
 ) -> None:
-    """Add mass and inertia of a solid box of even density."""
+    """Add mass and inertia of a solid box of uniform density."""
     inertial = Xml.SubElement(link, "inertial")
     _origin(inertial, x)
     Xml.SubElement(inertial, "mass", value=_number(mass))

@@ -1,8 +1,8 @@
-"""Messages for viewers: Foxglove's own message types, and flat topics that plot as they are.
+"""Messages for viewers: Foxglove's own message types, and flat topics that can be plotted.
 
-Times of day, frames, scene, joint states and log are as Foxglove has published them, so that
-Foxglove, Lichtblick and PlotJuggler need no set-up. The rest are plain numbers and words by name.
-All of it can be made again from what the engine was given; nothing reads it but viewers.
+Times, frames, scene, joint states and log have Foxglove's published types, so Foxglove, Lichtblick
+and PlotJuggler need no set-up. The rest are plain numbers and words by name. All of it can be made
+again from the engine's inputs, and only viewers read it.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from pirate_sm.recording.viewers.transforms import Transforms
 from pirate_sm.recording.viewers.wheel_places import Placing
 
 PLACES = "/places"
-"""The topic with the place of each wheel."""
+"""The topic with the position of each wheel."""
 
 NS_PER_S = 1_000_000_000
 
@@ -44,12 +44,12 @@ class ViewerChannel:
 
 
 class ViewerSnapshot(NamedTuple):
-    """Where a run stands.
+    """The present state of a run.
 
     Attributes:
-        state: The engine's.
-        wheels: Where the wheels are in the plane of the pipe, m, where anybody knows or reckons.
-        known: Whether it is known.
+        state: The engine's state.
+        wheels: Positions of the wheels in the plane of the pipe, m, if known or reckoned.
+        known: Whether they are the true positions.
     """
 
     state: EngineState
@@ -64,8 +64,8 @@ class ViewerMessages:
     """Makes messages for viewers of one run.
 
     Args:
-        loaded: What is run.
-        first_wheel_m: Where the first wheel began along the pipe; None: as the pipe says.
+        loaded: The mission.
+        first_wheel_m: Position of the first wheel along the pipe at the start; None: the pipe's.
     """
 
     def __init__(self, loaded: LoadedMission, first_wheel_m: float | None) -> None:
@@ -103,7 +103,7 @@ class ViewerMessages:
         return self._scene, scene_message(stamp(time_ns), self._body, self._loaded.pipe)
 
     def sample(self, at_s: float, time_ns: int, it: ViewerSnapshot) -> Iterator[Message]:
-        """Yield the messages that say where everything is at a moment."""
+        """Yield the messages with all positions at this time."""
         now = stamp(time_ns)
         shown = it.state.sensing.shown
         numbers = dict(zip(self._numbers, shown, strict=True))
@@ -116,8 +116,8 @@ class ViewerMessages:
         yield self._joint_states, self._joint_message(now, shown)
         yield self._signal_channel, _object(*_filled(self._signals, shown))
 
-    def tell(self, time_ns: int, effects: Sequence[fx.Effect]) -> Iterator[Message]:
-        """Yield the messages that effects lead to."""
+    def of_effects(self, time_ns: int, effects: Sequence[fx.Effect]) -> Iterator[Message]:
+        """Yield the messages about these effects."""
         changed = False
         for effect in effects:
             line = log_line(effect)
@@ -132,7 +132,7 @@ class ViewerMessages:
             yield self._states, _json(self._state)
 
     def _note(self, effect: fx.Effect) -> bool:
-        """Whether the effect has changed what the robot and the mission are in."""
+        """Remember the effect; return whether it has changed a state or the phase."""
         match effect:
             case fx.StateChange(states, unconfirmed):
                 self._state |= zip(self._codes, states, strict=True)
@@ -155,22 +155,22 @@ class ViewerMessages:
         joints = []
         for opening, values in self._joints:
             for key, at in values:
-                if isfinite(shown[at]):  # what is unknown is left out
+                if isfinite(shown[at]):  # unknown values are left out
                     opening += key % shown[at]  # noqa: PLW2901 - it grows
             joints.append(opening)
         return f'{{"timestamp":{now},"joints":[{"},".join(joints)}}}]}}'.encode()
 
 
 def stamp(time_ns: int) -> str:
-    """Return the moment as Foxglove writes it in JSON."""
+    """Return the time as JSON in Foxglove's format."""
     seconds, rest = divmod(time_ns, NS_PER_S)
     return f'{{"sec":{seconds},"nsec":{rest}}}'
 
 
 def _joints(loaded: LoadedMission) -> list[tuple[str, list[tuple[str, int]]]]:
-    """Return the text that each joint of the URDF begins with, and its numbers with indexes."""
+    """Return the beginning of each joint's JSON, and its numbers with their indices."""
     body, numbers = loaded.loaded_robot.profile.body, loaded.robot.vocabulary.numbers
-    told_by = [
+    signals_of = [
         *((joint.name, joint.name, None, joint.torque) for joint in body.joints),
         *((link.roll, link.roll, None, None) for link in body.links if link.roll),
         *((wheel.angle, wheel.angle, wheel.speed, None) for wheel in body.wheels),
@@ -185,17 +185,17 @@ def _joints(loaded: LoadedMission) -> list[tuple[str, list[tuple[str, int]]]]:
                 if signal in numbers
             ],
         )
-        for name, *signals in told_by
+        for name, *signals in signals_of
     ]
 
 
 def _gaps(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the members of a JSON object of numbers, each with a gap: they are written often."""
+    """Return the members of a JSON object of numbers, with gaps for frequent formatting."""
     return tuple(f'"{name}":%.9g' for name in names)
 
 
 def _filled(members: Sequence[str], values: Sequence[float]) -> Iterator[str]:
-    """Yield the members with their values; unknown and infinite ones are left out."""
+    """Yield the members with their values, without unknown and infinite ones."""
     for member, value in zip(members, values, strict=True):
         if isfinite(value):
             yield member % value
@@ -206,7 +206,7 @@ def _object(*members: str) -> bytes:
 
 
 def _state_codes(robot: RobotSpec) -> dict[str, tuple[str, ...]]:
-    """Return the states of each region in the order of the chart: a state's place is its code."""
+    """Return the states of each region in the order of the chart; a state's index is its code."""
     types = robot.vocabulary.types
     return {
         region: kind.values
@@ -234,7 +234,7 @@ def _flat(topic: str, columns: Mapping[str, Any]) -> ViewerChannel:
 
 
 def _foxglove(topic: str, name: str) -> ViewerChannel:
-    """Return a topic of one of Foxglove's types; their schemas stand beside this module."""
+    """Return a topic of one of Foxglove's types; their schemas are beside this module."""
     title = f"foxglove.{name}"
     file = files("pirate_sm.recording.viewers") / "foxglove_schemas" / f"{title}.json"
     return ViewerChannel(topic, title, json.loads(file.read_text("utf-8")))

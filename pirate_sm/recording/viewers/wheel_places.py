@@ -1,4 +1,4 @@
-"""Where a robot's wheels are in the plane of its pipe, reckoned from its signals."""
+"""Positions of a robot's wheels in the plane of its pipe, reckoned from its signals."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from pirate_sm.model.pipe import Pipe, Straight
 from pirate_sm.model.profile import Profile
 
 _PATIENCE_S = 1.0
-"""A joint without a value for this long is taken to be straight, s."""
+"""A joint without a value for this long is drawn straight, s."""
 
 _LONGEST_M = 100.0
 
 
 class Placing:
-    """Follows a robot by its joints and its odometer, where its true place is not known.
+    """Follows a robot by its joints and its odometer, if its true position is not known.
 
     Args:
-        profile: The robot.
-        robot: The same, as the engine knows it.
-        pipe: Where it is; None: somewhere straight.
-        first_wheel_m: Where its first wheel began along the pipe; None: as the pipe says.
+        profile: The robot's profile.
+        robot: The robot as the engine knows it.
+        pipe: The pipe; None: a straight one.
+        first_wheel_m: Position of the first wheel along the pipe at the start; None: the pipe's.
     """
 
     def __init__(
@@ -42,9 +42,9 @@ class Placing:
         self._angles = dict.fromkeys(self._joints, 0.0)
 
     def look(self, state: EngineState, now_s: float) -> tuple[Place, ...] | None:
-        """Return the place of each wheel now; None before its joints have values.
+        """Return the present position of each wheel; None before its joints have values.
 
-        A picture needs an angle: an unknown one is drawn as it was last.
+        A picture needs an angle, so an unknown one is drawn with its last value.
         """
         numbers, held = list(state.sensing.numbers), confirmed_parts(self._robot, state.robot)
         unknown = [joint for joint in self._joints if isnan(numbers[joint])]
@@ -61,6 +61,6 @@ class Placing:
 
 
 def _somewhere(body: Body) -> Pipe:
-    """Return a straight just wide enough for the robot, for a run of which no pipe is known."""
+    """Return a straight pipe just wide enough for the robot, if the pipe is unknown."""
     straight = Straight(straight=_LONGEST_M)
     return Pipe(diameter=2.5 * body.wheel_radius, segments=(straight,))

@@ -1,1 +1,1 @@
-"""Writes a recording while the mission runs, and shows the run to viewers that are connected."""
+"""Writes a recording while the mission runs, and shows the run to connected viewers."""

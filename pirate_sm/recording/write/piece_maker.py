@@ -1,4 +1,4 @@
-"""Makes messages of what a run has noted, and pieces of the file of the messages."""
+"""Makes messages of a run's notes, and pieces of the file of the messages."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _BATCH_S = 2.0
 
 
 class StepNote(NamedTuple):
-    """Something that the run has noted."""
+    """An input of the engine and its effects, as noted by the run."""
 
     event: Input
     at_s: float
@@ -26,14 +26,14 @@ class StepNote(NamedTuple):
 
 
 class StateNote(NamedTuple):
-    """The engine's state after the note that comes before."""
+    """The engine's state after the previous note."""
 
     at_s: float
     state: EngineState
 
 
 class WrittenPiece(NamedTuple):
-    """Bytes to be written in one go; ``until_s`` is the time of the last note in them."""
+    """Bytes to write at once; ``until_s`` is the time of the last note in them."""
 
     data: bytes
     until_s: float | None
@@ -46,11 +46,11 @@ class PieceMaker:
 
     Args:
         file: Receives the messages.
-        topics: Of the engine's inputs and effects.
+        topics: Topics of the engine's inputs and effects.
         side: Makes the messages for viewers.
 
     Attributes:
-        steps: How many steps of the engine the next piece holds.
+        steps: Number of steps of the engine in the next piece.
     """
 
     def __init__(self, file: RecordingFile, topics: Topics, side: SideChannel | None) -> None:
@@ -77,7 +77,7 @@ class PieceMaker:
                 pass
 
     def cut(self) -> WrittenPiece:
-        """Return all that was added since the last cut as bytes; empty where nothing was."""
+        """Return everything since the last cut as bytes; empty if there is nothing."""
         self._batch()
         self.steps = 0
         return WrittenPiece(self._file.cut(), self._until_s)
@@ -95,7 +95,7 @@ class PieceMaker:
             row = (step, at_s, place, effect)
             rows[topics.of_effect(effect)].append(row)
         if note.effects and self._side is not None:
-            self._side.tell(self._file, note.at_s, note.effects)
+            self._side.show_effects(self._file, note.at_s, note.effects)
 
     def _batch(self) -> None:
         """Make messages of the rows gathered so far."""

@@ -1,7 +1,7 @@
 """Records a run while it goes on: the run itself only notes what happened.
 
-A thread of its own makes bytes of the notes and waits for the disk, so that neither slows the loop
-down. An error there ends the recording, never the run; ``failure`` says why.
+A thread encodes the notes and waits for the disk, so that neither slows the loop down. An error
+there ends the recording, not the run; ``failure`` gives the reason.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from pirate_sm.recording.write.recording_file import RecordingFile
 from pirate_sm.recording.write.side_channel import Sample, SideChannel
 
 COMMIT_S = 0.25
-"""The notes go to the disk this often, s; the documentation promises half a second."""
+"""Interval at which notes are written to disk, s; the documentation promises half a second."""
 
 CHECKPOINT_S = 60.0
-"""The longest mission time between two checkpoints, where a reader can begin, s."""
+"""The longest mission time between two checkpoints, from which reading can begin, s."""
 
 _EARLIER = 0.8
-"""A run that makes bytes itself cuts them after this share of the time between commits."""
+"""A run that encodes notes itself cuts them after this share of the time between commits."""
 
 _MOST_STEPS = 20_000
 """The most steps in one commit."""
 
 _HELP_AT = 2_000
-"""A run without a robot makes bytes itself when more notes than this wait."""
+"""A run without a robot encodes notes itself when more than this many wait."""
 
 _MOST_NOTES = 200_000
 """The most notes that may wait for the thread while a robot is connected."""
@@ -44,23 +44,23 @@ _MOST_BYTES = 1 << 28
 """The most bytes that may wait for the disk."""
 
 _PATIENCE_S = 20.0
-"""How long the end of a run waits for the disk."""
+"""How long the end of a run waits for the disk, s."""
 
 
 class Recorder:
     """Records every input and effect of the engine.
 
     Args:
-        file: Where to.
-        header: What stands at its beginning.
-        real_time: Whether a robot waits for the run. If none does, the run lends a hand when it is
-            faster than the thread: two threads of one interpreter hinder each other.
-        side: What is written for viewers besides.
-        commit_s: How often, on the wall's clock, everything is brought to the disk.
+        file: The file.
+        header: Its header.
+        real_time: Whether a robot waits for the run. If none does, the run helps to encode when it
+            is faster than the thread, because two threads of one interpreter hinder each other.
+        side: Makes the messages for viewers.
+        commit_s: Interval of the wall clock at which everything is written to disk.
 
     Attributes:
-        failure: Why nothing is recorded any more; empty while all is well.
-        kept_s: Until when everything is in the file, mission time; None before anything is.
+        failure: Why recording has stopped; empty if it has not.
+        kept_s: Mission time up to which everything is in the file; None before the first commit.
         begun: Whether anything has been noted.
     """
 
@@ -95,7 +95,7 @@ class Recorder:
     # --- the run's side ---------------------------------------------------------------------
 
     def follow(self, look: Callable[[], EngineState | None]) -> None:
-        """Set the function that returns the engine's state after the step that was noted last."""
+        """Set the function that returns the engine's state after the last noted step."""
         self._look = look
 
     def start(
@@ -107,25 +107,25 @@ class Recorder:
         body: RobotState | None = None,
         paused: bool = False,
     ) -> None:
-        """StepNote the start of the engine, with its inputs."""
+        """Note the start of the engine, with its inputs."""
         self.begun = True
         for event in seen:
             self._note(StepNote(event, now_s, ()))
         self._note(StepNote(Started(paused, body_to_text(body)), now_s, effects))
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
-        """StepNote one step of the engine."""
+        """Note one step of the engine."""
         self._note(StepNote(event, now_s, effects))
         if self._checkpoint_s is None or now_s >= self._checkpoint_s:
             self._remember(now_s)
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
-        """StepNote effects that the program brought about without the engine."""
+        """Note effects of actions past the engine."""
         self.begun = True
         self._note(StepNote(Abandoned(), now_s, effects))
 
     def close(self) -> None:
-        """Write what is left and close the file; ``failure`` says why that was not possible."""
+        """Write the rest and close the file; if that fails, ``failure`` gives the reason."""
         self._ending = True
         self._wake.set()
         self._thread.join(_PATIENCE_S)
@@ -145,14 +145,14 @@ class Recorder:
             self._lend_a_hand()
 
     def _remember(self, now_s: float) -> None:
-        """StepNote the engine's state when a checkpoint is due, but not after the first step."""
+        """Note the engine's state when a checkpoint is due, except after the first step."""
         state = self._look() if self._checkpoint_s is not None else None
         self._checkpoint_s = now_s + CHECKPOINT_S
         if state is not None and not self.failure:
             self._notes.append(StateNote(now_s, state))
 
     def _lend_a_hand(self) -> None:
-        """Make bytes of the notes in the run itself, or end the recording that is too slow."""
+        """Encode notes in the run itself, or end a recording that is too slow."""
         if self._real_time or sum(len(each.data) for each in self._unwritten) > _MOST_BYTES:
             self._fail("the disk is too slow")
             return
@@ -178,7 +178,7 @@ class Recorder:
                 self._wake.clear()
                 if perf_counter() >= self._cut_s + self._commit_s:
                     self._commit()
-                else:  # the run itself has just seen to that
+                else:  # the run itself has just written
                     self._write()
             if not self.failure:
                 self._commit()
@@ -212,14 +212,14 @@ class Recorder:
         for _ in range(len(notes)):
             try:
                 note = notes.popleft()
-            except IndexError:  # it has been given up meanwhile
+            except IndexError:  # the recording has ended meanwhile
                 return
             self._pieces.take(note)
         if self._pieces.steps >= _MOST_STEPS:
             self._cut()
 
     def _cut(self) -> None:
-        """Make bytes, which wait for the disk, of the messages so far."""
+        """Encode the messages so far as a piece, which waits for the disk."""
         self._cut_s = perf_counter()
         piece = self._pieces.cut()
         if piece.data:

@@ -1,9 +1,9 @@
-"""Writes the file of a recording: MCAP, so that a crash costs only what came last.
+"""Writes the file of a recording as MCAP, so that a crash costs only the latest data.
 
-What was added since the last cut goes to the file as one chunk with a checksum, written at once
-and asked to be on the disk. So a reader finds whole chunks, and at most one torn one, which is the
-last. The official library makes the bytes; it never sees the file itself, so that a disk
-that is full cannot leave it in an unknown state.
+Everything since the last cut goes to the file as one chunk with a checksum, written at once and
+synced to the disk. So a reader finds whole chunks, and at most one torn one at the end. The
+official library makes the bytes; it never sees the file itself, so that a full disk cannot leave
+it in an unknown state.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Sink(Protocol):
         ...
 
     def close(self) -> None:
-        """Close the sink: no more bytes come."""
+        """Close the sink, after the last bytes."""
         ...
 
 
@@ -43,17 +43,17 @@ class DiskFile:
     """A new file whose bytes are on the disk when ``write`` returns.
 
     Args:
-        path: Of the file, whose folder is made where it is missing.
+        path: Path of the file; a missing folder is made.
 
     Raises:
-        FileExistsError: There is one of this name, which stays as it is.
+        FileExistsError: The file exists already; it does not change.
         OSError: It cannot be made.
     """
 
     def __init__(self, path: Path) -> None:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-        except FileExistsError as error:  # it is the folder's name that is taken
+        except FileExistsError as error:  # the folder's name is that of a file
             raise NotADirectoryError(error.errno, "its folder is a file") from None
         self._file = path.open("xb", buffering=0)
         self._sync_folder(path.parent)
@@ -63,7 +63,7 @@ class DiskFile:
         left = memoryview(data)
         while left:
             left = left[self._file.write(left) :]
-        with suppress(OSError):  # some file systems and devices cannot
+        with suppress(OSError):  # some file systems and devices cannot sync
             os.fsync(self._file.fileno())
 
     def close(self) -> None:
@@ -71,7 +71,7 @@ class DiskFile:
         self._file.close()
 
     def _sync_folder(self, folder: Path) -> None:
-        """Sync the folder, so that the file's name outlives a power cut too."""
+        """Sync the folder, so that the file's name survives a power cut too."""
         with suppress(OSError):
             handle = os.open(folder, os.O_RDONLY)
             try:
@@ -81,7 +81,7 @@ class DiskFile:
 
 
 class Nowhere:
-    """Keeps nothing, for a run that is only looked at."""
+    """Discards everything, for a run that is only viewed."""
 
     def write(self, data: bytes, /) -> None:
         """Discard the bytes."""
@@ -98,11 +98,11 @@ class _Gathered(BytesIO):
         self._taken = 0
 
     def tell(self) -> int:
-        """Return the place in the file."""
+        """Return the position in the file."""
         return self._taken + super().tell()
 
     def take(self) -> bytes:
-        """Return what has been written since the last call."""
+        """Return the bytes written since the last call."""
         data = self.getvalue()
         self._taken += len(data)
         self.seek(0)
@@ -114,7 +114,7 @@ class Pieces:
     """An MCAP file being written, one piece at a time.
 
     Args:
-        sink: Where the bytes go.
+        sink: Receives the bytes.
     """
 
     def __init__(self, sink: Sink) -> None:
@@ -133,7 +133,7 @@ class Pieces:
         self._writer.add_attachment(time_ns, time_ns, name, media_type, data)
 
     def note(self, name: str, content: Mapping[str, str]) -> None:
-        """Write metadata after what was cut last."""
+        """Write metadata after the last cut."""
         self._writer.add_metadata(name, dict(content))
 
     def topic(self, name: str, schema_name: str, schema: bytes) -> int:
@@ -146,7 +146,7 @@ class Pieces:
         self._writer.add_message(topic, time_ns, data, time_ns)
 
     def cut(self) -> bytes:
-        """Return what was added since the last cut, as one complete piece of the file."""
+        """Return everything since the last cut, as one complete piece of the file."""
         self._writer.flush()  # type: ignore[no-untyped-call]
         return self._gathered.take()
 
@@ -154,7 +154,7 @@ class Pieces:
         """Write pieces to the file, in the order of their cuts.
 
         Raises:
-            OSError: They are not; a part may be.
+            OSError: They could not be written; some may be.
         """
         if data:
             self._sink.write(data)
@@ -163,22 +163,22 @@ class Pieces:
         """Complete the file with the index that readers look for at the end.
 
         Raises:
-            OSError: It is not.
+            OSError: The index could not be written.
         """
         self._writer.finish()  # type: ignore[no-untyped-call]
         self.write(self._gathered.take())
 
     def close(self) -> None:
-        """Close the sink: nothing more is written."""
+        """Close the sink; write no more."""
         self._sink.close()
 
 
 class RecordingFile(Pieces):
-    """A recording being written; its header is on the disk.
+    """A recording being written; its header is on disk from the start.
 
     Args:
-        sink: Where the bytes go.
-        header: What it begins with.
+        sink: Receives the bytes.
+        header: The header.
 
     Raises:
         OSError: The header cannot be written.
@@ -195,7 +195,7 @@ class RecordingFile(Pieces):
         self.write(self._gathered.take())
 
     def time_ns(self, at_s: float) -> int:
-        """Return the moment of a mission time, ns since 1970; the first one is the beginning."""
+        """Return the time of a mission time, ns since 1970; the first call sets the beginning."""
         if self._start_s is None:
             self._start_s = at_s
         return self._zero_ns + round((at_s - self._start_s) * NS_PER_S)
@@ -209,7 +209,7 @@ class RecordingFile(Pieces):
             topic: Its topic.
             at_s: Mission time.
             data: The message, JSON.
-            schema: JSON Schema of the topic; counts when the topic comes for the first time.
+            schema: JSON Schema of the topic; used when the topic comes first.
             schema_name: Name of the schema.
         """
         number = self._topics.get(topic)

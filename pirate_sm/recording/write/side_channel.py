@@ -1,6 +1,6 @@
-"""Messages for viewers, written to the recording beside the engine's topics, and served live.
+"""Messages for viewers, beside the engine's topics in the recording, and served live.
 
-Nothing depends on it: an error here ends the side channel, neither the recording nor the run.
+Nothing depends on them: an error here ends the side channel, not the recording or the run.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from pirate_sm.recording.viewers.viewer_messages import (
 from pirate_sm.recording.write.recording_file import RecordingFile
 
 EVERY_S = 0.1
-"""The robot is drawn this often, mission time, s."""
+"""Interval at which the robot is drawn, mission time, s."""
 
 _SCENE_EVERY = 10
-"""The scene is shown again after this many samples, for viewers that connect late."""
+"""The scene is repeated after this many samples, for viewers that connect late."""
 
 
 class Audience(Protocol):
-    """Viewers that are connected while the run goes on."""
+    """Viewers that are connected during the run."""
 
     def show(self, channel: ViewerChannel, time_ns: int, data: bytes) -> None:
         """Send the message to the viewers."""
@@ -34,22 +34,22 @@ class Audience(Protocol):
 
 
 class Sample(NamedTuple):
-    """Where a run stood at a moment."""
+    """The state of a run at one time."""
 
     at_s: float
     snapshot: ViewerSnapshot
 
 
 class SideChannel:
-    """Takes a look at the run now and then, and makes messages of what it sees.
+    """Samples the run at intervals, and makes messages of the samples.
 
     Args:
-        viewer: What makes the messages.
-        audience: Who sees them at once.
+        viewer: Makes the messages.
+        audience: Shows them at once.
 
     Attributes:
-        due_s: Mission time of the next look.
-        failure: Why there are none any more; empty while all is well.
+        due_s: Mission time of the next sample.
+        failure: Why there are no more messages; empty while there are.
     """
 
     def __init__(self, viewer: ViewerMessages, audience: Audience | None = None) -> None:
@@ -61,11 +61,11 @@ class SideChannel:
         self._samples = 0
 
     def follow(self, look: Callable[[], ViewerSnapshot | None]) -> None:
-        """Set the function that returns where the run stands; None before it has begun."""
+        """Set the function that returns the state of the run; None before it has begun."""
         self._look = look
 
     def look(self, now_s: float) -> Sample | None:
-        """Return where the run stands; None before it has begun."""
+        """Return the state of the run; None before it has begun."""
         self.due_s = now_s + EVERY_S
         try:
             snapshot = self._look()
@@ -84,10 +84,10 @@ class SideChannel:
             self._put(file if first else None, at_s, time_ns, lambda: [viewer.scene(time_ns)])
         self._put(file, at_s, time_ns, lambda: viewer.sample(at_s, time_ns, sample.snapshot))
 
-    def tell(self, file: RecordingFile, at_s: float, effects: Sequence[Effect]) -> None:
-        """Add the messages that effects lead to to the file and show them to the audience."""
+    def show_effects(self, file: RecordingFile, at_s: float, effects: Sequence[Effect]) -> None:
+        """Write the messages about effects to the file and show them to the audience."""
         time_ns = file.time_ns(at_s)
-        self._put(file, at_s, time_ns, lambda: self._viewer.tell(time_ns, effects))
+        self._put(file, at_s, time_ns, lambda: self._viewer.of_effects(time_ns, effects))
 
     def _put(
         self,

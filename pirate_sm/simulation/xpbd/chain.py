@@ -1,4 +1,4 @@
-"""A chain and its state as the arrays that the kernel takes."""
+"""A chain and its state as arrays for the kernel."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RIGID = JointBody(stiffness_nm_rad=200.0, rate_rad_s=0.0, stall_nm=1.0, stop_rad
 
 
 def body_array(chain: ChainBody, friction: Friction) -> Floats:
-    """Return the chain as the kernel takes it, `(wheels, kernel.BODY_COLUMNS)`."""
+    """Return the chain as an array for the kernel, `(wheels, kernel.BODY_COLUMNS)`."""
     n = chain.nodes
     body = np.zeros((n, kernel.BODY_COLUMNS))
     for i, wheel in enumerate(chain.wheels):
@@ -44,10 +44,10 @@ def body_array(chain: ChainBody, friction: Friction) -> Floats:
 
 
 class ChainState:
-    """Views into the one array that holds everything that moves.
+    """Views into the one array with the state of the chain.
 
     Attributes:
-        array: What the kernel takes.
+        array: The array for the kernel.
         position: `(wheels, 2)`, m.
         velocity: `(wheels, 2)`, m/s.
         motor: Motor-side angle of the joint at each wheel, rad.

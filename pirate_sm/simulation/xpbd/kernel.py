@@ -1,12 +1,13 @@
 """The compiled part of the kinematic simulator: extended position-based dynamics in a plane.
 
-Everything that is compiled for it lives in this one module, because numba's cache does not notice
-edits in functions that are called from another file. `chain.py`, `world.py` and the pipe's
-`geometry.py` fill the arrays whose columns are named here.
+All compiled code of the simulator is in this one module, because numba's cache does not notice
+edits in functions that are called from another file. `chain.py`, `world.py` and `pipe_arrays.py`
+fill the arrays whose columns are named here.
 
 A substep is: motors, predict, iterate (joints, contacts, corners, links), velocity from
-displacement (XPBD, Macklin et al. 2016). Gradients are those of the substep's start: nothing turns
-by more than a few mrad in one. Impulses are in kg m, that is force times the squared step.
+displacement (XPBD, Macklin et al. 2016). Gradients are those at the start of the substep, since
+nothing turns by more than a few mrad in one. Impulses are in kg m, that is force times the squared
+step.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ BLOCK_NODE, BLOCK_X, BLOCK_Y, BLOCK_NX, BLOCK_NY = range(7, 12)
 ROLL_LINK, ROLL_TARGET, ROLL_RATE, MAG_X, MAG_Y, MAG_Z, ROLL_STALL = range(12, 19)
 WORLD_ENTRIES = 19
 
-# Blocks of `state`, each as long as there are wheels times the number given.
+# Blocks of `state`; the number times the count of wheels is the length of each.
 S_POSITION, S_VELOCITY, S_MOTOR, S_WHEEL, S_BEND, S_ANCHOR, S_TURNED, S_READ, S_ROLL = (
     0, 2, 4, 5, 6, 7, 11, 12, 13,
 )  # fmt: skip
@@ -73,15 +74,15 @@ _MARGIN_M = 0.002
 _WHEEL_FILTER = 0.5  # of x_velocity, a mean of angle differences (thesis B-11)
 # The motor side of a spring may wind this far beyond the joint's own end stop.
 _WINDING_RAD = 0.6
-# Share of a force's limit from which it has reached it.
+# Share of its limit from which a force counts as having reached it.
 _REACHED = 0.9999
-# Shares of the longest anchor: the kinetic friction holds from the first on, and one whose wheel
-# does not slip stays below it.
+# Shares of the longest anchor: from the first on the friction is kinetic; a wheel that does not
+# slip stays below the second.
 _SLIPPED, _STUCK = 0.999, 0.998
 # A part that lies in the pipe presses with up to its weight, and little more where its joints still
-# bear some torque; one that was clamped and is relaxed presses with at least 4 weights.
+# bear some torque. A part that was clamped and is relaxed presses with at least 4 weights.
 _LYING_WEIGHTS = 2.0
-# Farther from its end stops than this, a joint cannot reach them in one substep.
+# A joint farther from its end stops than this cannot reach them in one substep.
 _STOP_RAD = 0.1
 
 
@@ -89,7 +90,7 @@ _STOP_RAD = 0.1
 def _wall_contact(
     x: float, y: float, wall: Floats, reach: float, depth: float, hit: Floats
 ) -> bool:
-    """Whether a point is near a wall; `hit` then holds the normal there and the distance."""
+    """Return whether a point is near a wall; write the normal there and the distance to `hit`."""
     dx = x - wall[W_X]
     dy = y - wall[W_Y]
     along = dx * wall[W_TX] + dy * wall[W_TY]
@@ -119,7 +120,7 @@ def _wall_contact(
 def _find_contacts(
     n: int, pos: Floats, walls: Floats, world: Floats, con: Floats, who: Ints, hit: Floats
 ) -> int:
-    """Normals and gaps of all wheels near a wall or an obstacle are in `con`; how many."""
+    """Write normals and gaps of wheels near a wall or an obstacle to `con`; return the count."""
     count = 0
     reach = world[RADIUS] + _MARGIN_M
     for i in range(n):
@@ -140,7 +141,7 @@ def _find_contacts(
                 con[count, NY] = hit[1]
                 con[count, GAP] = hit[2] - world[RADIUS]
                 who[count, NODE] = i
-                # Two walls of one side meet in a corner: a wheel may touch both.
+                # Two walls of one side meet in a corner, where a wheel may touch both.
                 who[count, KEY] = k % 4 if k < walls.shape[0] else -1
                 count += 1
     return count
@@ -150,7 +151,7 @@ def _find_contacts(
 def _prepare_contacts(
     count: int, body: Floats, world: Floats, anchor: Floats, w: Floats, con: Floats, who: Ints
 ) -> None:
-    """Gradients, masses, limits and targets of the contacts are set, impulses are zero.
+    """Set gradients, masses, limits and targets of the contacts, and zero their impulses.
 
     The wheel's motor reacts on its link: rolling = t dp - r (d link angle + d wheel angle).
     """
@@ -191,7 +192,7 @@ def _prepare_contacts(
 
 @compiled
 def _rolled(c: int, i: int, o: int, pos: Floats, w: Floats, con: Floats) -> float:
-    """How far the surface of a wheel without its motor would have moved along the wall."""
+    """Return how far a wheel without its motor would have rolled along the wall."""
     return float(
         con[c, GI_X] * (pos[i, 0] - w[i, X0])
         + con[c, GI_Y] * (pos[i, 1] - w[i, Y0])
@@ -204,7 +205,7 @@ def _rolled(c: int, i: int, o: int, pos: Floats, w: Floats, con: Floats) -> floa
 def _solve_contacts(
     count: int, pos: Floats, body: Floats, compliance: float, w: Floats, con: Floats, who: Ints
 ) -> None:
-    """Each contact has been pushed out and rolled once, friction within its cone."""
+    """Push out and roll each contact once, with friction within its cone."""
     for c in range(count):
         i = who[c, NODE]
         inv = body[i, MASS_INV]
@@ -235,7 +236,7 @@ def _solve_contacts(
 def _find_corners(
     n: int, pos: Floats, walls: Floats, body: Floats, world: Floats, cor: Floats, who: Ints
 ) -> int:
-    """Links whose body is near an inner corner are in `cor`; how many."""
+    """Write the links whose body is near an inner corner to `cor`; return the count."""
     count = 0
     thickness = world[HALF_THICKNESS]
     compliance = world[CONTACT_COMPLIANCE] / (world[DT] * world[DT])
@@ -280,7 +281,7 @@ def _find_corners(
 def _solve_corners(
     count: int, pos: Floats, body: Floats, compliance: float, w: Floats, cor: Floats, who: Ints
 ) -> None:
-    """Each link near an inner corner has been pushed clear of it once."""
+    """Push each link near an inner corner clear of it once."""
     for c in range(count):
         m = who[c]
         ahead = 1.0 - cor[c, K_SHARE]
@@ -311,7 +312,7 @@ def _begin(
     w: Floats,
     tally: Floats,
 ) -> None:
-    """Angles and gradients are those of the positions, motors have turned for one substep.
+    """Compute angles and gradients from the positions, and turn the motors by one substep.
 
     A bend motor turns at rate * (duty - torque / stall torque) and is never driven back.
     """
@@ -364,7 +365,7 @@ def _begin(
 
 @compiled
 def _predict(n: int, pos: Floats, vel: Floats, dt: float, w: Floats) -> None:
-    """Wheels have moved on as gravity and the floor's friction would have them alone."""
+    """Move the wheels as gravity and the floor's friction alone would."""
     for i in range(n):
         vx = vel[i, 0] + dt * w[i, G_X]
         vy = vel[i, 1] + dt * w[i, G_Y]
@@ -379,7 +380,7 @@ def _predict(n: int, pos: Floats, vel: Floats, dt: float, w: Floats) -> None:
 
 @compiled
 def _resist(i: int, turned: float, bend: float, body: Floats, dt2: float, w: Floats) -> float:
-    """Impulse that dry friction and end stops of a joint add after it has turned so far."""
+    """Return the impulse that a joint's dry friction and end stops add after it has turned."""
     added = 0.0
     if body[i, JOINT_FRICTION] > 0.0:
         limit = body[i, JOINT_FRICTION] * dt2
@@ -399,9 +400,9 @@ def _resist(i: int, turned: float, bend: float, body: Floats, dt2: float, w: Flo
 def _solve_joints(
     n: int, pos: Floats, bend: Floats, motor: Floats, body: Floats, dt2: float, w: Floats
 ) -> None:
-    """Each joint has been pulled towards its motor-side angle through its spring once."""
+    """Pull each joint once towards its motor-side angle through its spring."""
     for i in range(1, n - 1):
-        # Three short sums: one long one would have to wait for each of its terms in turn.
+        # Three short sums, because one long sum would wait for each of its terms in turn.
         ahead = w[i, GA_X] * (pos[i - 1, 0] - w[i - 1, X0])
         ahead += w[i, GA_Y] * (pos[i - 1, 1] - w[i - 1, Y0])
         middle = w[i, GM_X] * (pos[i, 0] - w[i, X0]) + w[i, GM_Y] * (pos[i, 1] - w[i, Y0])
@@ -427,7 +428,7 @@ def _solve_joints(
 
 @compiled
 def _solve_links(n: int, pos: Floats, body: Floats, w: Floats) -> None:
-    """Each link has been brought back to its length once."""
+    """Bring each link back to its length once."""
     for m in range(n - 1):
         dx = pos[m, 0] - pos[m + 1, 0]
         dy = pos[m, 1] - pos[m + 1, 1]
@@ -443,7 +444,7 @@ def _solve_links(n: int, pos: Floats, body: Floats, w: Floats) -> None:
 
 @compiled
 def _strongest(n: int, count: int, con: Floats, who: Ints, touch: Ints, tally: Floats) -> None:
-    """For each wheel, the wall contact that presses most is in `touch`, -1 without any."""
+    """Write the strongest wall contact of each wheel to `touch`, -1 without any."""
     for i in range(n):
         touch[i] = -1
     for c in range(count):
@@ -468,11 +469,11 @@ def _turn_wheels(
     touch: Ints,
     tally: Floats,
 ) -> None:
-    """Wheels have turned, and rolling that was left unsolved is carried on as the anchor.
+    """Turn the wheels, and carry unsolved rolling over as the anchor.
 
     Without the anchor a hold creeps and the driven distance is wrong by percents. A wheel slips,
-    and turns with its motor, only where the force along the wall has reached its friction: one
-    that is blocked may leave much unsolved although it grips. All others turn with the wall.
+    and turns with its motor, only if the force along the wall has reached its friction. A blocked
+    wheel may leave much unsolved although it grips. All other wheels turn with the wall.
     """
     radius = world[RADIUS]
     bound = world[ANCHOR_MAX]
@@ -511,7 +512,7 @@ def _project(n: int, pos: Floats, legs: Floats, out: Floats) -> None:
             dy = pos[i, 1] - legs[k, L_Y]
             along = dx * legs[k, L_TX] + dy * legs[k, L_TY]
             across = dy * legs[k, L_TX] - dx * legs[k, L_TY]
-            # The first and the last leg go on beyond the pipe's open ends.
+            # The first and the last leg continue beyond the pipe's open ends.
             if k > 0:
                 along = max(along, 0.0)
             if k < legs.shape[0] - 1:
@@ -528,7 +529,7 @@ def _project(n: int, pos: Floats, legs: Floats, out: Floats) -> None:
 
 @compiled
 def _lies(n: int, part: int, body: Floats, legs: Floats, world: Floats, out: Floats) -> bool:
-    """Whether a part, 1 ahead of the roll joint or 2 behind it, lies in the pipe, not wedged."""
+    """Return whether a part (1: ahead of the roll joint, 2: behind) lies in the pipe, unwedged."""
     press, mass = 0.0, 0.0
     for i in range(n):
         if (i <= world[ROLL_LINK]) == (part == 1):
@@ -549,7 +550,7 @@ def _prepare(
     out: Floats,
     w: Floats,
 ) -> None:
-    """What stays the same for a whole call is set: gravity, motor limits, compliances."""
+    """Set what is constant during a call: gravity, motor limits, compliances."""
     dt = world[DT]
     radius = world[RADIUS]
     leg_of = (OUT_PER_WHEEL + 1) * n + OUT_SINGLE
@@ -557,7 +558,7 @@ def _prepare(
     if front != rear:
         front_lies = _lies(n, 1, body, legs, world, out)
         rear_lies = _lies(n, 2, body, legs, world, out)
-        # The joints of the part that holds bear the weight of the other, in their own plane.
+        # The joints of the holding part bear the weight of the other one, in their own plane.
         if front_lies and not rear_lies:
             front = rear
         elif rear_lies and not front_lies:
@@ -570,7 +571,7 @@ def _prepare(
             across = leg[L_GN] * np.cos(part) - leg[L_GB] * np.sin(part)
         w[i, G_X] = leg[L_GT] * leg[L_TX] - across * leg[L_TY]
         w[i, G_Y] = leg[L_GT] * leg[L_TY] + across * leg[L_TX]
-        # A wheel that presses no wall lies on the floor and drags there by its weight.
+        # A wheel that presses on no wall lies on the floor and drags by its weight.
         floor = abs(leg[L_GN] * np.sin(part) + leg[L_GB] * np.cos(part))
         w[i, DRAG] = body[i, MU_KINETIC] * floor * dt if out[6 * n + i] == 0.0 else 0.0
         duty = command[n + i]
@@ -594,10 +595,10 @@ def _turn_roll(
     """Turn the roll joint towards its target, as far as one of the parts can turn.
 
     A part that presses on the walls with much more than its own weight is wedged and does not
-    turn. One that only lies there turns against the friction of its wheels, with the lever of the
-    pipe's radius. Where both parts could turn, the one with less friction does.
+    turn. A part that only lies there turns against the friction of its wheels, with the pipe's
+    radius as lever. If both parts could turn, the one with less friction does.
 
-    The current is the share of the stall torque that the motor gives: all of it while it stalls.
+    The current is the motor's share of its stall torque: all of it while it stalls.
     """
     k = OUT_PER_WHEEL * n
     out[k] = roll[0]
@@ -639,9 +640,9 @@ def _feel(
     out: Floats,
     w: Floats,
 ) -> None:
-    """The IMU's quantities are in `out`: specific force and field along forward, side B, up.
+    """Write the IMU's quantities to `out`: specific force and field along forward, side B, up.
 
-    "Up" is the normal of the plane of the part ahead of the roll joint, which points up when the
+    "Up" is the normal of the plane of the part ahead of the roll joint. It points up when the
     pipe lies flat and the part has roll 0. In free fall the specific force is zero.
     """
     k = OUT_PER_WHEEL * n
@@ -677,9 +678,9 @@ def advance(
     out: Floats,
     steps: int,
 ) -> None:
-    """Let `steps` substeps pass and write the quantities to `out`.
+    """Simulate `steps` substeps and write the quantities to `out`.
 
-    Bitwise repeatable for equal inputs. SI units.
+    Equal inputs give equal results to the bit. SI units.
 
     Args:
         state: See `chain.ChainState`; changed.
@@ -688,9 +689,9 @@ def advance(
         walls: `(2 * legs, WALL_COLUMNS)`, side A and side B of each leg in turn.
         legs: `(legs, LEG_COLUMNS)`.
         world: `(WORLD_ENTRIES,)`.
-        out: `((OUT_PER_WHEEL + OUT_OWN) * wheels + OUT_SINGLE,)`; it must hold what the last call
-            has written.
-        steps: Substeps to pass; at least 1.
+        out: `((OUT_PER_WHEEL + OUT_OWN) * wheels + OUT_SINGLE,)`; it must hold the output of the
+            last call.
+        steps: Number of substeps; at least 1.
     """
     n = body.shape[0]
     pos = state[: 2 * n].reshape(n, 2)

@@ -1,4 +1,4 @@
-"""A route through a plane as the arrays that the kernel takes: its straight pieces, their walls."""
+"""A planar route as arrays for the kernel: its straight pieces and their walls."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pirate_sm.simulation.xpbd import kernel
 
 
 def leg_rows(route: Route) -> Floats:
-    """Return the pieces for the kernel, `(pieces, kernel.LEG_COLUMNS)`."""
+    """Return the pieces as an array for the kernel, `(pieces, kernel.LEG_COLUMNS)`."""
     return np.array([_leg_row(route, piece) for piece in route.pieces])
 
 
@@ -40,7 +40,7 @@ def wall_rows(route: Route) -> Floats:
 
 
 def _leg_row(route: Route, piece: Piece) -> tuple[float, ...]:
-    """Return a piece, and gravity along it, towards side A and along the normal of the plane."""
+    """Return a piece's row, with gravity along it, towards side A and normal to the plane."""
     (tx, ty), (up_x, up_y, up_z) = flat(piece.frame.ahead), route.up
     gravity = [-GRAVITY_M_S2 * up for up in (up_x * tx + up_y * ty, up_y * tx - up_x * ty, up_z)]
     return (*flat(piece.frame.origin), tx, ty, piece.length_m, piece.arc_m, *gravity)

@@ -1,4 +1,4 @@
-"""The physics of a chain in a planar pipe by extended position-based dynamics."""
+"""The physics of a chain in a planar pipe, by extended position-based dynamics."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from pirate_sm.simulation.xpbd.pipe_arrays import leg_rows, wall_rows
 
 STEP_S = 0.002
 _ITERATIONS = 4
-_CONTACT_COMPLIANCE_M_N = 1e-5  # 1e5 N/m; with 1000 N/m a clamped V toggles through the wall
+_CONTACT_COMPLIANCE_M_N = 1e-5  # 1e5 N/m; with 1000 N/m a clamped V snaps through the wall
 _ANCHOR_M = 2e-4
 # A horizontal magnetic field along the first leg and downwards, uT (central Europe).
 _FIELD_UT = (20.0, 0.0, 44.0)
 
 
 def is_compiled() -> bool:
-    """Return whether a simulation can start at once; otherwise its first call takes seconds."""
+    """Return whether a simulation can start at once; if not, its first call takes seconds."""
     return is_kept(kernel.advance) and is_kept(digitizing.digitize)
 
 
@@ -36,15 +36,15 @@ class World:
     """A chain in a planar pipe; a :class:`~pirate_sm.simulation.physics.Physics`.
 
     Args:
-        chain: What moves.
-        route: Where it is, in a plane.
-        friction: Between wheels and walls.
-        pose: How it stands.
-        cycle_s: How long a cycle lasts.
+        chain: The moving parts.
+        route: The pipe, in a plane.
+        friction: Friction between wheels and walls.
+        pose: The pose at the start.
+        cycle_s: Duration of a cycle.
 
     Attributes:
-        state: Everything that moves.
-        duties: Duties in force, of joints, then of wheels.
+        state: Positions, velocities and angles.
+        duties: Duties in force: of joints, then of wheels.
         quantities: Quantities after the last cycle, then the kernel's own.
     """
 
@@ -69,28 +69,28 @@ class World:
         self.state.bend[:] = pose.bends_rad
         self.state.motor[:] = pose.motors_rad
         self.state.roll[1:] = pose.roll_rad
-        # The quantities are those of the start pose; hardly any time has passed.
+        # This fills in the quantities of the start pose; hardly any time passes.
         kernel.advance(*self._arrays, 1)
 
     def turn_roll_to(self, angle_rad: float) -> None:
-        """Give the roll joint a new target."""
+        """Set a new target for the roll joint."""
         self._world[kernel.ROLL_TARGET] = angle_rad
 
     def advance(self) -> None:
-        """Let one cycle pass."""
+        """Simulate one cycle."""
         kernel.advance(*self._arrays, self._steps)
 
     def places(self) -> Sequence[Vector]:
-        """Return where the middle of each wheel is in the drawing of the pipe, m; z is 0."""
+        """Return the centre of each wheel in the drawing of the pipe, m; z is 0."""
         return [(x, y, 0.0) for x, y in self.state.position.tolist()]
 
     def rolls(self) -> Sequence[float]:
-        """Return the angle of the roll joint, then the roll of the part ahead and behind, rad."""
+        """Return the angle of the roll joint, then the roll of the parts ahead and behind, rad."""
         found: list[float] = self.state.roll.tolist()
         return found
 
     def block(self, wheel: int, arc_m: float, ahead: bool) -> None:
-        """Put an obstacle in the way of one wheel; `ahead`: the wheel is before it."""
+        """Put an obstacle in the way of one wheel; `ahead`: the obstacle is ahead of the wheel."""
         frame = self._route.frame_at(arc_m)
         sign = -1.0 if ahead else 1.0
         self._world[kernel.BLOCK_NODE] = wheel
@@ -99,17 +99,17 @@ class World:
         self._world[kernel.BLOCK_NY] = sign * frame.ahead[1]
 
     def unblock(self) -> None:
-        """Take the obstacle away."""
+        """Remove the obstacle."""
         self._world[kernel.BLOCK_NODE] = -1
 
     def disable_wheel(self, wheel: int, drag_nm: float) -> None:
-        """Let a wheel turn by its motor no more, and drag with this torque."""
+        """Disable a wheel's motor and make the wheel drag with this torque."""
         self.body[wheel, kernel.WHEEL_RATE] = 0.0
         self.body[wheel, kernel.WHEEL_HOLD] = drag_nm
         self.body[wheel, kernel.WHEEL_STALL] = drag_nm
 
     def stiffen_joint(self, wheel: int, friction_nm: float) -> None:
-        """Give the joint at a wheel so much dry friction."""
+        """Set the dry friction of the joint at a wheel."""
         self.body[wheel, kernel.JOINT_FRICTION] = friction_nm
 
 

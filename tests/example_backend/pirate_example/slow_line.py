@@ -57,7 +57,7 @@ class SlowLine:
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """Return the backend, with a script that takes the first trigger of each wait."""
     if order.defects:
-        raise UsageError("--defect is for --backend sim")
+        raise UsageError("slow_line has no robot that could have a defect")
     return Equipment(backend=SlowLine(), companions=(TriggerScript(loaded.program),))
 
 

@@ -1,7 +1,10 @@
 from __future__ import annotations
 
 import sys
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
+from pickle import HIGHEST_PROTOCOL, dumps, loads
 from types import ModuleType
 
 import pandas as pd
@@ -27,7 +30,7 @@ def test_tables_are_columns_of_one_length_with_units(patrolled: pirate_sm.Run) -
         assert len({len(column) for column in patrolled.table(name).values()}) == 1
     assert {"time_s", "way_m"} <= patrolled.signals.keys()
     assert patrolled.states["Grip"][-1]
-    assert patrolled.table("questions") == {}
+    assert "questions" not in patrolled.tables
 
 
 def test_pandas_takes_every_table(patrolled: pirate_sm.Run) -> None:
@@ -38,7 +41,88 @@ def test_pandas_takes_every_table(patrolled: pirate_sm.Run) -> None:
     assert signals["way_m"].max() > 0.05
     done = commands[commands.status == "done"].name.tolist()
     assert done[:3] == ["HoldNose", "HoldTail", "GoAhead"]
-    assert pd.DataFrame(patrolled.faults).empty
+
+
+def test_tables_in_which_nothing_stands_have_their_columns(tmp_path: Path) -> None:
+    nothing = (
+        "format: 1\nmission: nothing\nrobot: pirate_ii\nstart: go\nphases:\n  go: {go: there}\n"
+    )
+    file = tmp_path / "nothing.yaml"
+    file.write_text(f"{nothing}ends:\n  there: {{succeed: There}}\n")
+    run = pirate_sm.run(file, "trace")
+
+    assert run.faults["code"] == run.commands["name"] == run.signals["odometry_m"] == []
+    assert run.table("questions")["choices"] == []
+    assert run.states["BendingState"] == ["Unclamped"]
+    for table in (run.faults, run.commands, run.signals):
+        assert pd.DataFrame(table).empty
+    assert {"faults", "commands", "signals"}.isdisjoint(run.tables)
+
+
+def test_an_empty_table_has_the_columns_of_a_full_one(patrolled: pirate_sm.Run) -> None:
+    empty = pirate_sm.run(PATROL, "trace").signals
+
+    assert list(empty) == list(patrolled.signals)
+    assert set(map(len, empty.values())) == {0}
+    assert patrolled.faults == {"time_s": [], "code": [], "message": [], "handling": []}
+
+
+@pytest.mark.parametrize("protocol", range(2, HIGHEST_PROTOCOL + 1))
+def test_a_run_can_be_pickled(recorded: tuple[pirate_sm.Run, pirate_sm.Run], protocol: int) -> None:
+    for run in recorded:
+        sent = loads(dumps(run, protocol))
+
+        assert (repr(sent), sent.ended, sent.notices) == (repr(run), run.ended, run.notices)
+        for name in run.tables:
+            assert repr(sent.table(name)) == repr(run.table(name)), name
+        assert sent.report().html == run.report().html
+
+
+def test_a_run_reaches_another_process_and_comes_back(patrol: pirate_sm.LoadedMission) -> None:
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        sent = pool.submit(pirate_sm.run, patrol, "trace").result()
+
+    assert sent.commands == pirate_sm.run(patrol, "trace").commands
+
+
+def test_errors_can_be_pickled_with_what_they_hold(faulty: Path, tmp_path: Path) -> None:
+    (tmp_path / "empty.yaml").write_text("")
+    with pytest.raises(pirate_sm.CheckError) as refused:
+        pirate_sm.run(faulty)
+    with pytest.raises(pirate_sm.LoadError) as unusable:
+        pirate_sm.load(tmp_path / "empty.yaml")
+    with pytest.raises(pirate_sm.UsageError) as usage:
+        pirate_sm.run(PATROL, "serial")
+
+    for error in (refused.value, unusable.value, usage.value):
+        sent = loads(dumps(error))
+        assert (type(sent), str(sent), sent.for_terminal) == (
+            type(error),
+            str(error),
+            error.for_terminal,
+        )
+    assert loads(dumps(refused.value)).findings == refused.value.findings
+    assert loads(dumps(unusable.value)).problems == unusable.value.problems
+
+
+def test_whatever_a_notebook_prints_is_one_short_line(
+    patrolled: pirate_sm.Run, faulty: Path
+) -> None:
+    session = pirate_sm.session(PATROL, "trace")
+    before = repr(session)
+    with session:
+        during = repr(session)
+
+    assert before == "<Session of patrol on trace: not entered>"
+    assert during == "<Session of patrol on trace: going on at 0.00 s>"
+    assert repr(session) == "<Session of patrol on trace: interrupted at 0.00 s>"
+    assert repr(patrolled.loaded) == "<LoadedMission patrol: robot newt, in pipe elbow>"
+    assert repr(pirate_sm.load(faulty)).endswith("robot pirate_ii, in pipe straight_113>")
+    assert repr(pirate_sm.check(faulty)[0]).startswith(f"<Finding {faulty}:7:")
+    assert repr(patrolled.report()).startswith("<Page of HTML: ")
+    for each in (session, patrolled, patrolled.loaded, *pirate_sm.check(faulty)):
+        assert "\n" not in repr(each)
+        assert len(repr(each)) < 300
 
 
 def test_a_recording_says_the_same_as_the_run(

@@ -56,16 +56,9 @@ def test_an_argument_that_does_not_fit_is_refused(arguments: dict[str, Any], why
         pirate_sm.run(PATROL, **arguments)
 
 
-def test_a_mission_with_something_wrong_is_refused_with_its_findings(tmp_path: Path) -> None:
-    file = tmp_path / "stuck.yaml"
-    file.write_text(
-        "format: 1\nmission: stuck\nrobot: pirate_ii\npipe: straight_113\nstart: go\n"
-        "phases:\n  go: {do: [ClampFront, ClampRear, RelaxFront, RelaxRear], go: there}\n"
-        "ends:\n  there: {succeed: There}\n"
-    )
-
+def test_a_mission_with_something_wrong_is_refused_with_its_findings(faulty: Path) -> None:
     with pytest.raises(pirate_sm.CheckError) as caught:
-        pirate_sm.run(file)
+        pirate_sm.run(faulty)
 
     assert caught.value.findings[0].place.line == 7
 

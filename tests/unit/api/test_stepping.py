@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
 from pathlib import Path
 
 import pytest
@@ -187,6 +188,8 @@ def test_what_is_neither_a_time_nor_a_condition_is_refused(until: object) -> Non
     with pirate_sm.session(PATROL, "trace") as session:
         with pytest.raises(pirate_sm.UsageError, match="expected a time in s or a condition"):
             session.advance(until)  # type: ignore[arg-type]
+        with pytest.raises(pirate_sm.UsageError, match="expected a time in s that comes"):
+            session.advance(inf)
         with pytest.raises(pirate_sm.UsageError, match="within_s: expected a time"):
             session.advance(within_s=float("nan"))
         with pytest.raises(pirate_sm.UsageError, match="expected the name of a command"):

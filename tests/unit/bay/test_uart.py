@@ -45,7 +45,7 @@ def test_a_ring_that_is_read_in_time_loses_nothing() -> None:
 
 def test_a_frame_leaves_byte_by_byte() -> None:
     outlet = Outlet(RATE, 64)
-    outlet.carry(b"abcd", outlet.write(4, 1.0)[0])
+    outlet.send(b"abcd", outlet.write(4, 1.0)[0])
 
     assert outlet.collect(1.0015) == b"a"
     assert outlet.due_s == pytest.approx(1.004)
@@ -64,7 +64,7 @@ def test_a_write_waits_until_the_send_ring_has_room() -> None:
 
 def test_a_restart_cuts_the_frame_on_the_line() -> None:
     outlet = Outlet(RATE, 64)
-    outlet.carry(b"abcdefgh", outlet.write(8, 0.0)[0])
+    outlet.send(b"abcdefgh", outlet.write(8, 0.0)[0])
     outlet.cut(0.003)
 
     assert outlet.collect(1.0) == b"abc"

@@ -1,4 +1,4 @@
-"""Missions of a few lines for the small robot, checked."""
+"""Missions of a few lines, and what a check says of them."""
 
 from __future__ import annotations
 
@@ -9,11 +9,23 @@ from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
 
 NEWT = Path(__file__).resolve().parents[2] / "robots" / "newt"
 
+MISSION = """\
+format: 1
+mission: m
+robot: pirate_ii
+start: a
+phases:
+  a: {do: [ClampFront], go: e}
+ends:
+  e: {succeed: ok}
+"""
+"""The shortest mission of a shipped robot that succeeds."""
+
 ENDS = "ends: {good: {succeed: Good}, bad: {fail: 'Bad: {cause}'}}\n"
 
 
 def write(folder: Path, body: str, *, name: str = "m", robot: Path = NEWT) -> Path:
-    """A mission file with its head, and with ends unless the body has its own."""
+    """A mission file of the small robot with a head, and with ends unless the body has its own."""
     path = folder / f"{name}.yaml"
     ends = "" if "\nends:" in body else ENDS
     head = f"format: 1\nmission: {name}\nrobot: {robot}\n"

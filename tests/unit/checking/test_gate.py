@@ -6,19 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from checking.small_missions import MISSION
 from pirate_sm.checking.gate import CheckError, pass_or_raise
 from pirate_sm.loading.mission import load_mission
-
-MISSION = """\
-format: 1
-mission: m
-robot: pirate_ii
-start: a
-phases:
-  a: {do: [ClampFront], go: e}
-ends:
-  e: {succeed: ok}
-"""
 
 
 def passes(folder: Path, text: str) -> None:

@@ -32,7 +32,7 @@ def test_a_mission_runs_on_odometry_and_says_so(pirate_run) -> None:
 @pytest.mark.parametrize(
     ("options", "why"),
     [
-        (("--detector", "radar"), "no such detector"),
+        (("--detector", "radar"), "there is no detector 'radar'"),
         (("--detector", "operator"), "needs a terminal"),
         (("--detector", "socket:10.0.0.1:5005"), "could steer the robot"),
         (("--start-at", "700mm"), "--detector odometry"),

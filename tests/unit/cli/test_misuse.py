@@ -39,10 +39,10 @@ def refused(result: Any) -> str:
         (("--speed", "inf"), "expected max, realtime, or a factor"),
         (("--seed", "one"), "--seed"),
         (("--seed", "-1"), "--seed"),
-        (("--backend", "simulator"), "--backend"),
+        (("--backend", "simulator"), "there is no backend 'simulator'"),
         (("--set", "look"), "expected NAME=VALUE"),
         (("--set", "=3 s"), "expected NAME=VALUE"),
-        (("--set", "look=3"), "look=3"),
+        (("--set", "look=3"), "parameter 'look'"),
         (("--set", "look=1 h"), "look"),
         (("--set", "lok=3 s"), "did you mean 'look'"),
         (("--set", "look=3 s", "--set", "look=4 s"), "twice"),
@@ -81,7 +81,7 @@ def test_a_shipped_mission_that_is_misspelt(pirate_run: Any) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (None, "there is no such file"),
+        (None, "there is no mission at"),
         (b"", "empty"),
         (b"\x00\x01\x02\xff\xfe", "text"),
         (b"just words", "mapping"),

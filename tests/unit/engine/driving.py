@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.robot.robot_state import at_rest_in, states_of, unconfirmed
+from pirate_sm.engine.robot.robot_state import RobotState, at_rest_in, states_of, unconfirmed
 from pirate_sm.engine.sensing.plausibility_spec import WatchedSpec
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model import effects as fx
@@ -29,6 +29,18 @@ format: 1
 mission: under_test
 robot: {robot}
 """
+
+
+def joints_that_obey(robot: RobotSpec, body: RobotState) -> dict[str, float]:
+    """What joints show that have come to their setpoints, by the signal's name."""
+    names = robot.vocabulary.numbers
+    shown = {names[loop.angle]: loop.target_rad for loop in body.seekers}
+    for slot, value in zip(robot.slots, body.values, strict=True):
+        if slot.torque >= 0:
+            shown[names[slot.torque]] = value
+        if slot.unit == "angle" and slot.angle >= 0 and not math.isnan(value):
+            shown[names[slot.angle]] = value
+    return shown
 
 
 class Driver:
@@ -136,13 +148,7 @@ class Driver:
         if self.in_flight:
             self.accept()
         names, body = self.robot.vocabulary.numbers, self.state.robot
-        for loop in body.seekers:
-            self.signals[names[loop.angle]] = loop.target_rad
-        for slot, value in zip(self.robot.slots, body.values, strict=True):
-            if slot.torque >= 0:
-                self.signals[names[slot.torque]] = value
-            if slot.unit == "angle" and slot.angle >= 0 and not math.isnan(value):
-                self.signals[names[slot.angle]] = value
+        self.signals |= joints_that_obey(self.robot, body)
         turning = {names[w.angle]: 3.0 * body.values[w.slot] for w in self.robot.wheels}
         self.run(self.now + lasting, every=lasting, **turning)
 
@@ -171,6 +177,11 @@ class Driver:
 
     def of(self, kind: type[E]) -> list[E]:
         return [effect for effect in self.effects if isinstance(effect, kind)]
+
+    @property
+    def messages(self) -> list[str]:
+        """What was said to the operator."""
+        return [log.message for log in self.of(fx.Log)]
 
     @property
     def in_flight(self) -> bool:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
+from driving import joints_that_obey
 from hypothesis import strategies as st
 
 from pirate_sm.engine.engine import Engine
@@ -172,13 +173,7 @@ class Course:
     def _move(self, elapsed: float) -> None:
         names = self.robot.vocabulary.numbers
         body = self.state.robot
-        for loop in body.seekers:
-            self.signals[names[loop.angle]] = loop.target_rad
-        for slot, value in zip(self.robot.slots, body.values, strict=True):
-            if slot.torque >= 0:
-                self.signals[names[slot.torque]] = value
-            if slot.unit == "angle" and slot.angle >= 0 and not math.isnan(value):
-                self.signals[names[slot.angle]] = value
+        self.signals |= joints_that_obey(self.robot, body)
         for wheel in self.robot.wheels:
             turned = 3.0 * body.values[wheel.slot] * elapsed
             self.signals[names[wheel.angle]] = self.signals.get(names[wheel.angle], 0.0) + turned

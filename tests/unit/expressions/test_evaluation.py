@@ -165,7 +165,7 @@ def test_an_expression_of_the_longest_length_compiles() -> None:
 
 def interpret(node: tree.Node, numbers: Sequence[float], words: Sequence[str | None]) -> object:
     """The value of a tree; None is unknown for numbers too."""
-    if isinstance(node, tree.Number | tree.Truth):
+    if isinstance(node, tree.Number | tree.TruthValue):
         return node.value
     if isinstance(node, tree.Signal):
         value = numbers[node.index] if node.kind == "number" else words[node.index]
@@ -278,7 +278,7 @@ COMPARISONS = st.builds(
 )
 CONDITIONS: st.SearchStrategy[tree.Node] = st.recursive(
     st.one_of(
-        st.booleans().map(tree.Truth),
+        st.booleans().map(tree.TruthValue),
         MATCHES,
         COMPARISONS,
         st.one_of(NUMBERS, st.sampled_from(WORD_SIGNALS)).map(tree.Known),

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from checking.small_missions import MISSION
 
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.chart import table_cache as chart_cache
@@ -18,17 +19,6 @@ from pirate_sm.loading.robot import LoadedRobot, load_robot
 
 ROOT = Path(__file__).resolve().parents[3]
 NEWT = ROOT / "tests" / "robots" / "newt"
-
-MISSION = """\
-format: 1
-mission: m
-robot: pirate_ii
-start: a
-phases:
-  a: {do: [ClampFront], go: e}
-ends:
-  e: {succeed: ok}
-"""
 
 
 @pytest.fixture(autouse=True)

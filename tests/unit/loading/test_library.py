@@ -62,7 +62,6 @@ def test_a_path_goes_to_the_file_itself(tmp_path):
     file.touch()
 
     assert library.find_mission(str(file)) == file
-    assert library.find_pipe(str(tmp_path / "none.yaml")) == tmp_path / "none.yaml"
 
 
 def test_a_robot_is_a_folder_or_the_profile_in_it():
@@ -100,6 +99,15 @@ def test_a_robot_that_hides_a_shipped_one_is_told(tmp_path):
         assert loaded.notices == notices
         assert tuple(problem.message for problem in problems.all) == notices
     assert read_mission(ROOT / "sequences" / "climb.yaml")[0].notices == ()
+
+
+@pytest.mark.parametrize("name", ["none.yaml", "mine.yaml/none.yaml"])
+def test_a_path_must_lead_somewhere(tmp_path, name):
+    (tmp_path / "mine.yaml").touch()
+
+    for kind, find in (("mission", library.find_mission), ("pipe", library.find_pipe)):
+        with pytest.raises(UsageError, match=f"there is no {kind} at '{tmp_path / name}'"):
+            find(str(tmp_path / name))
 
 
 def test_a_path_in_a_file_must_lead_somewhere(tmp_path):

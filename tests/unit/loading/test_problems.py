@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from pirate_sm.errors import PirateError
-from pirate_sm.expressions import ExpressionError, Fault
+from pirate_sm.expressions import ExpressionError, ExpressionFault
 from pirate_sm.loading.problems import LoadError, Place, Problem, Problems, Severity
 from pirate_sm.loading.yaml.document import parse_document
 
@@ -63,7 +63,8 @@ def test_a_collector_places_values_keys_and_characters() -> None:
 def test_faults_of_an_expression_stand_at_their_own_columns() -> None:
     problems = Problems(DOCUMENT)
     problems.add_expression(
-        ("when",), ExpressionError([Fault("bad", 8, "and"), Fault("unknown", 0, "path")])
+        ("when",),
+        ExpressionError([ExpressionFault("bad", 8, "and"), ExpressionFault("unknown", 0, "path")]),
     )
 
     assert [(found.place.column, found.suggestion) for found in problems.all] == [

@@ -1,7 +1,7 @@
 """The guardian's decisions: when the runner falls silent, the guardian stops the robot itself.
 
-Pure: what comes from the runner and from the port goes in with the time, what is to be done comes
-out. The process around it is :mod:`pirate_sm.backends.serial.guardian.process`.
+Pure: notes of the runner, bytes of the port and the time go in, and actions come out. The process
+around it is :mod:`pirate_sm.backends.serial.guardian.process`.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from pirate_sm.rosserial.frames import Decoder, Frame, encode
 from pirate_sm.rosserial.topics import FIRST_OF_THE_DEVICE, TX_STOP
 
 BEATS = 6
-"""In the time within which one must be heard."""
+"""The runner beats this often within the time after which it counts as silent."""
 
 AFTER_A_WRITE_S = 0.03
-"""Two frames at once would not fit into the ring of the receiver."""
+"""The least time between two frames: two at once would overflow the receiver's ring."""
 
 REPEAT_EVERY_S = 0.1
 REOPEN_EVERY_S = 0.5
@@ -34,23 +34,23 @@ _ASK_AFTER_S = 0.5
 """A device that confirms nothing for this long is asked for its topics: it may have been reset."""
 
 _LATE_ECHO_S = 0.3
-"""An echo may come so late: about four times what it takes on a healthy link (76 ms)."""
+"""An echo may come this late: about four times its time on a healthy link (76 ms)."""
 
 
 class Guard:
     """Relays between runner and port, and stops the robot when the runner is gone or silent.
 
-    The port is closed until :meth:`opened`.
+    The port counts as closed until :meth:`opened` is called.
 
     Args:
-        instructions: What it was told at its start.
+        instructions: The guardian's instructions from its start.
         epoch_s: Added to the time it gives seconds since 1970, which devices ask for.
 
     Attributes:
-        payload: The safe array; empty while there is nothing to be stopped.
-        acting: Whether it has taken over.
-        alone: Whether there is no runner any more.
-        confirmed: Whether the device has echoed the safe array since it took over.
+        payload: The safe array; empty while the robot needs no stop.
+        acting: Whether the guardian has taken over.
+        alone: Whether the runner has gone.
+        confirmed: Whether the device has echoed the safe array since the guardian took over.
     """
 
     def __init__(self, instructions: Instructions, epoch_s: float = 0.0) -> None:
@@ -77,7 +77,7 @@ class Guard:
 
     @property
     def due_s(self) -> float:
-        """When :meth:`tick` is to be called, if nothing comes before."""
+        """When :meth:`tick` is due if nothing comes before."""
         if not self.acting:
             watch_s = self._patience.due_s(self._silence_s) if self.payload else inf
             return min(self._retry_s, watch_s)
@@ -92,13 +92,13 @@ class Guard:
     # --- the runner -------------------------------------------------------------------------
 
     def hear(self, note: Note, now: float) -> list[Action]:
-        """Return what is to be done about a note of the runner."""
+        """Return the actions for a note of the runner."""
         self._patience.hear(now)
         match note.kind:
             case Kind.LEAVE if not self.acting or self.confirmed:
                 return [EndGuardian()]
             case Kind.LEAVE:
-                return self.bereave(now)
+                return self.runner_gone(now)
             case Kind.HEED:
                 self.acting = False
             case Kind.STOP:
@@ -112,8 +112,8 @@ class Guard:
                 return self._relay(note.body, now)
         return []
 
-    def bereave(self, now: float) -> list[Action]:
-        """Return what is to be done now that the runner is gone, or this process is told to end."""
+    def runner_gone(self, now: float) -> list[Action]:
+        """Return the actions when the runner has gone, or this process has to end."""
         if not self.payload or (self.acting and self.confirmed):
             return [*self._farewell(), EndGuardian()]
         if not self.alone:
@@ -135,25 +135,25 @@ class Guard:
     # --- the port ---------------------------------------------------------------------------
 
     def opened(self, now: float) -> list[Action]:
-        """Note that the port is open; the device may be another one, or have been reset by it."""
+        """Handle that the port is open; its device may be new or reset."""
         self._plugged, self._opened_s, self._retry_s = True, now, inf
         if self.acting:
             self._conversation = self._meet(now)
         return [ToRunner(Note(Kind.OPENED))]
 
     def refused(self, reason: str, now: float) -> list[Action]:
-        """Note that the port could not be opened."""
+        """Handle that the port could not be opened."""
         self._retry_s = now + REOPEN_EVERY_S
         return [ToRunner(Note(Kind.REFUSED, reason.encode()))]
 
     def lost(self, reason: str, now: float) -> list[Action]:
-        """Note that the port has gone."""
+        """Handle that the port has gone."""
         self._plugged, self._retry_s = False, now + REOPEN_EVERY_S
         self._number = None
         return [ToRunner(Note(Kind.LOST, reason.encode()))]
 
     def receive(self, data: bytes, now: float) -> list[Action]:
-        """Return what is to be done about bytes from the port."""
+        """Return the actions for bytes from the port."""
         actions: list[Action] = [] if self.alone else [ToRunner(Note(Kind.DATA, data))]
         if not self.acting or self.confirmed:
             return actions
@@ -168,7 +168,7 @@ class Guard:
         return actions
 
     def _is_echo(self, frame: Frame, now: float) -> bool:
-        """Return whether this echoes our own writing, not one of the runner's shortly before."""
+        """Return whether this echoes the guardian's own writing, not a recent one of the runner."""
         if frame.payload != self.payload or frame.topic < FIRST_OF_THE_DEVICE:
             return False
         return self._written not in (-1, frame.topic) and now > self._alike_s + _LATE_ECHO_S
@@ -176,7 +176,7 @@ class Guard:
     # --- time -------------------------------------------------------------------------------
 
     def tick(self, now: float) -> list[Action]:
-        """Return what is to be done at this time."""
+        """Return the actions that are due at this time."""
         actions: list[Action] = []
         if not self.acting and self.payload and self._patience.look(now) >= self._silence_s:
             self._take_over(now)
@@ -196,9 +196,9 @@ class Guard:
         self._conversation = self._meet(now)
 
     def _meet(self, now: float) -> Conversation:
-        """Return a conversation that asks for topics where their numbers are not known.
+        """Return a conversation that asks for topics if their numbers are unknown.
 
-        Where the runner has written arrays on this connection its number still holds, and the
+        If the runner has written arrays on this connection, its topic number still holds, and the
         device is asked only if it does not answer.
         """
         self._decoder = Decoder()
@@ -208,7 +208,7 @@ class Guard:
         return Conversation(self._instructions.wanted, now, self._epoch_s, boot_s)
 
     def _insist(self, now: float) -> list[Action]:
-        """Return the next frame towards a confirmed stop, if one may be written now."""
+        """Return the actions for the next frame towards a confirmed stop, if one may be written."""
         if not self._plugged or now < self._wrote_s + AFTER_A_WRITE_S:
             return []
         data = self._safe_frame() if now >= self._safe_due_s else b""
@@ -223,7 +223,7 @@ class Guard:
         return [ToPort(data)]
 
     def _safe_frame(self) -> bytes:
-        """Return the safe frame with the number that the device has given to its topic."""
+        """Return the safe frame with the topic number that the device has assigned."""
         if not self._plugged:
             return b""
         frame = self._conversation.frame(self._instructions.array, self.payload)

@@ -1,4 +1,4 @@
-"""What a guardian decides to do: bytes to the port, notes to the runner, reopening, its own end."""
+"""Actions of a guardian: write to the port, send a note to the runner, reopen, end."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from pirate_sm.backends.serial.guardian.notes import Note
 
 
 class ToPort(NamedTuple):
-    """Bytes to be written in one call."""
+    """Write these bytes to the port in one call."""
 
     data: bytes
 
 
 class ToRunner(NamedTuple):
-    """A note to be passed on to the runner."""
+    """Send this note to the runner."""
 
     note: Note
 
 
 class Reopen(NamedTuple):
-    """An order to open the port again."""
+    """Open the port again."""
 
 
 class EndGuardian(NamedTuple):
-    """An order to end the guardian.
+    """End the guardian.
 
     Attributes:
         stopped: Whether the robot is known to be stopped, or was never set in motion.

@@ -1,4 +1,4 @@
-"""A serial port in the hands of a guardian, as the runner sees it."""
+"""A serial port that a guardian owns, as the runner sees it."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from pirate_sm.errors import BackendError
 
 _STARTS_WITHIN_S = 15.0
 _STOPS_WITHIN_S = 6.0
-"""Beyond the boot loader's time; with every second frame lost that is enough."""
+"""Longer than a boot loader runs, and long enough even if every second frame is lost."""
 
 _HUNG_AFTER_S = 1.0
-"""A guardian that has not acknowledged a beat for this long hangs. It may wait for half a second
+"""A guardian that has not acknowledged a beat for this long hangs. It may block for half a second
 while the port takes nothing."""
 
 _DIED = "the guardian of the port has died"
@@ -29,12 +29,12 @@ _HUNG = "the guardian of the port did not answer and was replaced"
 
 
 class GuardedPort:
-    """Starts a guardian for a port and speaks through it.
+    """Starts a guardian for a port and uses the port through it.
 
     Args:
         url: A device such as ``/dev/ttyACM0``, or any URL of pyserial.
-        baud: Of the line.
-        instructions: What the guardian must know.
+        baud: Baud rate of the line.
+        instructions: The guardian's instructions.
     """
 
     def __init__(self, url: str, baud: int, instructions: Instructions) -> None:
@@ -60,19 +60,18 @@ class GuardedPort:
 
     @property
     def guardian_pid(self) -> int | None:
-        """Number of the guardian's process; None when there is none."""
+        """Process id of the guardian; None when there is none."""
         return self._guardian.pid if self._guardian is not None else None
 
     # --- opening and closing ----------------------------------------------------------------
 
     def open(self) -> None:
-        """Start a guardian that has the port.
+        """Start a guardian and wait until it has the port.
 
-        What a guardian of an earlier run has not finished is finished first: the robot confirms
-        the array that stops it.
+        If an earlier run has left the robot without a confirmed stop, the robot is stopped first.
 
         Raises:
-            BackendError: The port cannot be had, or the robot does not confirm that it stops.
+            BackendError: The port cannot be opened, or the robot does not confirm its stop.
         """
         left = self._start()
         if not self._await(lambda: self._opened or bool(self._refused), _STARTS_WITHIN_S):
@@ -85,7 +84,7 @@ class GuardedPort:
             raise BackendError("; ".join(filter(None, (refused, going_on))))
 
     def _start(self) -> LeftBehind | None:
-        """Start a guardian; return the one that had been left on the port, if it must go on."""
+        """Start a guardian; return an earlier one whose stop is not confirmed yet, if any."""
         self._forget()
         left = take_over(self.name, self._instructions.array_md5)
         self._guardian = GuardianProcess(self._silence_s)
@@ -104,7 +103,7 @@ class GuardedPort:
         self._beat_s = -inf
 
     def _await(self, true: Callable[[], bool], within_s: float) -> bool:
-        """Return whether it became true.
+        """Wait until the condition is true; return whether it became true.
 
         Raises:
             BackendError: The guardian has died.
@@ -118,17 +117,17 @@ class GuardedPort:
         return true()
 
     def _await_stop(self) -> str:
-        """Wait until the robot has confirmed its stop; return what is wrong if it does not."""
+        """Wait until the robot has confirmed its stop; return the problem if it does not."""
         within_s = self._instructions.boot_s + _STOPS_WITHIN_S
         what = f"an earlier run has left the robot on {self.name} without a confirmed stop"
         if not self._await(lambda: self._stopped, within_s):
             return f"{what}, and it confirms none now"
-        self._say(Note(Kind.HEED))
+        self._notify(Note(Kind.HEED))
         self._remark = f"{what}: it is stopped now, as it has confirmed"
         return ""
 
     def reopen(self) -> bool:
-        """Return whether the guardian has the port again; without a guardian start another."""
+        """Return whether the guardian has the port again; start another guardian if needed."""
         if self._guardian is None:
             self._start()
         with suppress(PortLostError):
@@ -140,19 +139,19 @@ class GuardedPort:
         return True
 
     def close(self, stopped: bool = False) -> None:
-        """End the guardian; it stays if the robot has not confirmed its stop."""
+        """End the guardian, unless the robot has not confirmed its stop."""
         self._remark = self._leave(dismissed=stopped or not self._safe_frame)
 
     def remark(self) -> str:
-        """Return what a person must know about who has had or keeps the port, once."""
+        """Return, once, what a person must know about other guardians of the port."""
         remark, self._remark = self._remark, ""
         return remark
 
     def _leave(self, dismissed: bool = False) -> str:
-        """End the connection to the guardian; return what a person must know if it stays.
+        """Disconnect from the guardian; return what a person must know if it stays.
 
         Args:
-            dismissed: Whether there is nothing left to guard.
+            dismissed: Whether the robot needs no guardian any more.
         """
         if dismissed:
             self._send(Note(Kind.LEAVE))
@@ -185,7 +184,7 @@ class GuardedPort:
         return False
 
     def _kill(self) -> None:
-        """Kill the guardian, so that the next one can open the port."""
+        """Kill the guardian, so that another can open the port."""
         guardian, self._guardian = self._guardian, None
         if guardian is not None:
             guardian.kill()
@@ -193,11 +192,11 @@ class GuardedPort:
     # --- what a port does -------------------------------------------------------------------
 
     def write(self, data: bytes) -> None:
-        """Give the bytes to the guardian in one piece."""
-        self._say(Note(Kind.WRITE, data))
+        """Send the bytes to the guardian in one piece."""
+        self._notify(Note(Kind.WRITE, data))
 
     def read(self, until_s: float) -> bytes:
-        """Return what has come, as soon as anything has; empty when nothing had by ``until_s``."""
+        """Return received bytes as soon as there are any; empty if none came by ``until_s``."""
         if not self._data:
             self._listen(until_s)
         if self._lost and not self._data:
@@ -209,7 +208,7 @@ class GuardedPort:
         time.sleep(max(0.0, until_s - self.now()))
 
     def beat(self, safe_frame: bytes) -> None:
-        """Tell the guardian that this program lives, and which frame to send when it does not.
+        """Send the guardian a sign of life and the frame to send if these signs stop.
 
         A guardian that hangs is killed; :meth:`reopen` starts another.
         """
@@ -219,33 +218,33 @@ class GuardedPort:
         self._beat_s, self._safe_frame = now, safe_frame
         if self._guardian is None:
             return
-        self._say(Note(Kind.BEAT, safe_frame))
-        # To open a port on a network takes a guardian longer.
+        self._notify(Note(Kind.BEAT, safe_frame))
+        # A guardian needs longer to open a port on a network.
         limit_s = _HUNG_AFTER_S if self._opened else _STARTS_WITHIN_S
         if self._acknowledged.look(now) >= limit_s:
             self._kill()
             raise PortLostError(_HUNG)
 
     def overruled(self) -> bool:
-        """Return whether the guardian has acted since the last call; then let it relay again."""
+        """Return whether the guardian has acted since the last call; if so, let it relay again."""
         overruled, self._overruled = self._overruled, False
         if overruled:
-            self._say(Note(Kind.HEED))
+            self._notify(Note(Kind.HEED))
             self._beat_s = -inf
         return overruled
 
     # --- the pipe ---------------------------------------------------------------------------
 
-    def _say(self, note: Note) -> None:
+    def _notify(self, note: Note) -> None:
         if self._guardian is None:
             raise PortLostError(_DIED)
         try:
             self._guardian.send(note)
-        except TimeoutError:  # left alone it would have the port as soon as it wakes
+        except TimeoutError:  # otherwise it would use the port when it wakes
             self._kill()
             raise PortLostError(_HUNG) from None
         except OSError:
-            self._bury()
+            self._abandon()
         if self._lost:
             raise PortLostError(self._lost)
 
@@ -258,17 +257,17 @@ class GuardedPort:
         return self._guardian is not None
 
     def _listen(self, until_s: float) -> None:
-        """Take in what the guardian says by then; return as soon as it has said something."""
+        """Take in notes of the guardian until ``until_s``; return after the first."""
         if self._guardian is None:
             raise PortLostError(_DIED)
         notes = self._guardian.receive(until_s - self.now())
         if notes is None:
-            self._bury()
+            self._abandon()
             return
         for note in notes:
             self._hear(note)
 
-    def _bury(self) -> None:
+    def _abandon(self) -> None:
         """Give up a guardian that has closed the pipe; it may go on until the robot has stopped."""
         guardian, self._guardian = self._guardian, None
         if guardian is not None and not guardian.hang_up():
@@ -293,4 +292,4 @@ class GuardedPort:
                 self._heard_s = self.now()
                 self._acknowledged.hear(self._heard_s)
             case Kind.WRITE | Kind.BEAT | Kind.HEED | Kind.LEAVE | Kind.STOP:
-                pass  # what is only sent to the guardian
+                pass  # kinds that only the runner sends

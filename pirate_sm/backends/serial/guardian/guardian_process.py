@@ -1,4 +1,4 @@
-"""Start a guardian in a process of its own, exchange notes with it, and end or leave it."""
+"""Start a guardian in its own process, exchange notes with it, and end or leave it."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ _MOST_BYTES = 65536
 _MODULE = "pirate_sm.backends.serial.guardian.process"
 
 _left: list[subprocess.Popen[bytes]] = []
-"""Guardians that go on without us: Python complains about processes that nobody waits for."""
+"""Guardians left running. Python warns about child processes that are garbage-collected."""
 
 
 class GuardianProcess:
-    """A guardian's process and the pipe to it.
+    """The guardian's process and the pipe to it.
 
-    Notes that are sent before it starts wait in the pipe.
+    Notes sent before the process starts wait in the pipe.
 
     Args:
-        patience_s: A note that the pipe does not take for this long raises ``TimeoutError``.
+        patience_s: Sending raises ``TimeoutError`` if the pipe takes nothing for this long.
     """
 
     def __init__(self, patience_s: float) -> None:
@@ -34,14 +34,14 @@ class GuardianProcess:
 
     @property
     def pid(self) -> int | None:
-        """Number of the process; None before it has started."""
+        """Process id; None before the process has started."""
         return self._process.pid if self._process is not None else None
 
     def start(self, *arguments: str) -> None:
-        """Start the process with these arguments after the number of its end of the pipe."""
+        """Start the process with its pipe's descriptor and these arguments."""
         with self._theirs as theirs:
-            # In a session of its own, without any stream of ours: the terminal's Ctrl-C and
-            # hang-up are not for it, and nobody who reads our output waits for it.
+            # A session of its own and no stream of ours: the terminal's Ctrl-C and hang-up do not
+            # reach it, and a reader of our output does not wait for it.
             self._process = subprocess.Popen(
                 [sys.executable, "-m", _MODULE, str(theirs.fileno()), *arguments],
                 pass_fds=[theirs.fileno()],
@@ -53,15 +53,15 @@ class GuardianProcess:
         self._pipe.settimeout(self._patience_s)
 
     def send(self, note: Note) -> None:
-        """Put a note into the pipe.
+        """Send a note through the pipe.
 
         Raises:
-            OSError: The guardian is gone; a ``TimeoutError`` where it reads nothing.
+            OSError: The guardian is gone; ``TimeoutError`` if it does not read.
         """
         self._pipe.sendall(note.to_bytes())
 
     def receive(self, within_s: float) -> list[Note] | None:
-        """Return the notes that come within this time, the first at once; None: it is gone."""
+        """Return notes received within this time, without delay; None if the guardian is gone."""
         ready, _, _ = select.select([self._pipe], [], [], max(0.0, within_s))
         if not ready:
             return []
@@ -88,6 +88,6 @@ class GuardianProcess:
         self.hang_up()
 
     def leave(self) -> None:
-        """Let the guardian go on by itself."""
+        """Let the guardian go on without this program."""
         if self._process is not None:
             _left.append(self._process)

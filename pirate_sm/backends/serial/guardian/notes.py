@@ -35,26 +35,26 @@ class Note(NamedTuple):
     """One message between runner and guardian.
 
     Attributes:
-        kind: ``WRITE``: this frame is to be written. ``BEAT``: the runner lives, and this frame is
-            the safe one. ``HEED``: the runner knows that it was overruled. ``LEAVE``: the robot
-            is stopped, nobody needs a guardian any more. ``STOP``: an earlier run has left the
-            robot without a confirmed stop; this is the safe payload. ``DATA``: the port has
-            received this. ``OPENED``, ``REFUSED``, ``LOST``: what has become of the port.
+        kind: ``WRITE``: write this frame. ``BEAT``: the runner lives, and this frame is the safe
+            one. ``HEED``: the runner knows that it was overruled. ``LEAVE``: the robot is stopped
+            and needs no guardian any more. ``STOP``: an earlier run has left the robot without a
+            confirmed stop; this is the safe payload. ``DATA``: bytes that the port has received.
+            ``OPENED``, ``REFUSED``, ``LOST``: the port was opened, could not be opened, has gone.
             ``OVERRULED``: the guardian has acted. ``HEARD``: it has received a beat.
             ``STOPPED``: the robot has confirmed the safe array.
-        body: Bytes of the port, the safe frame, or words for people.
+        body: Bytes of the port, the safe frame, or text for people.
     """
 
     kind: Kind
     body: bytes = b""
 
     def to_bytes(self) -> bytes:
-        """Return the bytes that travel through the pipe."""
+        """Return the note as bytes for the pipe."""
         return _HEADER.pack(self.kind, len(self.body)) + self.body
 
 
 class NoteReader:
-    """Finds the notes in the bytes that come through the pipe."""
+    """Splits the bytes from the pipe into notes."""
 
     def __init__(self) -> None:
         self._pending = b""
@@ -63,7 +63,7 @@ class NoteReader:
         """Return the notes that these bytes complete.
 
         Raises:
-            ValueError: The bytes do not come from our other end.
+            ValueError: The bytes are not a note.
         """
         self._pending += data
         notes: list[Note] = []
@@ -80,14 +80,14 @@ class NoteReader:
 
 
 class Instructions(NamedTuple):
-    """What a guardian is given when it is started.
+    """The arguments of a guardian at its start.
 
     Attributes:
-        silence_s: It stops the robot when it has not heard the runner for this long.
-        wanted: The robot's topics, in the order of the plan; the guardian asks for them after the
-            port was opened anew, because their numbers may differ.
+        silence_s: The guardian stops the robot when it has not heard the runner for this long.
+        wanted: The robot's topics, in the order of the plan. The guardian asks for them again after
+            the port was reopened, because their numbers may differ.
         boot_s: How long the controller's boot loader may run after the port was opened.
-        stay_s: Without a runner it tries this long to have the stop confirmed.
+        stay_s: How long the guardian tries, without a runner, to have the stop confirmed.
     """
 
     silence_s: float
@@ -97,7 +97,7 @@ class Instructions(NamedTuple):
 
     @property
     def array(self) -> int:
-        """Place of the topic that takes arrays of setpoints; -1 where there is none."""
+        """Index of the topic that takes arrays of setpoints; -1 if there is none."""
         return next((n for n, each in enumerate(self.wanted) if each.direction == "takes"), -1)
 
     @property
@@ -106,8 +106,8 @@ class Instructions(NamedTuple):
         return self.wanted[self.array].md5 if self.wanted else ""
 
     def to_json(self) -> str:
-        """Return the text that the guardian is started with."""
-        # The definitions are for people, and too long for an argument.
+        """Return the instructions as text, for a command line."""
+        # The definitions serve people only, and are too long for an argument.
         wanted = [each._replace(text="") for each in self.wanted]
         return json.dumps(self._replace(wanted=tuple(wanted)))
 

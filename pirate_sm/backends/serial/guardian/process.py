@@ -1,11 +1,11 @@
 """The process that owns the serial port, started with ``python -m`` and the name of this module.
 
-It relays between the port and the runner and keeps the runner's safe array at hand. Whatever
-happens to the runner, the pipe closes or the heartbeat stops, it writes that array until the
-robot has confirmed it, and opens the port again where that went away.
+It relays between the port and the runner and keeps the runner's safe array. If the pipe closes or
+the heartbeat stops, it writes that array until the robot has confirmed it, and reopens the port if
+that went away.
 
-Signals: SIGTERM ends the runner's use of the port; a guardian that is alone ends. SIGUSR1 makes a
-guardian that is alone give the port up to a new run.
+Signals: SIGTERM ends the runner's use of the port; a guardian without a runner ends. SIGUSR1 makes
+a guardian without a runner give the port up to a new run.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ from pirate_sm.errors import BackendError
 
 _MOST_BYTES = 65536
 _POLL_S = 0.005
-"""For ports that have no descriptor to wait for."""
+"""Polling interval for ports without a descriptor to wait for."""
 
 _MOST_WAITING = 16384
-"""Bytes kept for a runner that stands still: some seconds of the line."""
+"""Bytes of the port kept for a runner that does not read: some seconds of the line."""
 
 STOPPED, GAVE_UP = 0, 1
-"""Exit codes: the robot has confirmed its stop, or had none to confirm; it has not."""
+"""Exit codes: the robot has confirmed its stop or needed none; it has not confirmed it."""
 
 
 class Guardian:
@@ -49,15 +49,15 @@ class Guardian:
 
     Args:
         port: The serial port.
-        pipe: To the runner.
-        guard: What decides.
-        md5: Of the definition of an array, for whoever takes the port over.
+        pipe: The pipe to the runner.
+        guard: Makes the decisions.
+        md5: Checksum of the definition of an array, for a run that takes the port over.
     """
 
     def __init__(self, port: SerialPort, pipe: socket.socket, guard: Guard, md5: str = "") -> None:
         self._port = port
         self._pipe: socket.socket | None = pipe
-        pipe.setblocking(False)  # whoever waits for a runner guards nothing
+        pipe.setblocking(False)  # a guardian must not block on its runner
         self._waiting = bytearray()
         self._guard = guard
         self._md5 = md5
@@ -69,7 +69,7 @@ class Guardian:
         os.set_blocking(self._signal, False)
 
     def serve(self) -> int:
-        """Guard the port until nobody needs that any more; return the exit code."""
+        """Guard the port until nobody needs it any more; return the exit code."""
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.signal(signal.SIGHUP, signal.SIG_IGN)
         signal.signal(signal.SIGTERM, self._note_signal)
@@ -106,7 +106,7 @@ class Guardian:
         self._do(guard.tick(now()))
 
     def _wait(self) -> list[int]:
-        """Return what there is to be read, besides the port."""
+        """Return the readable descriptors, besides the port."""
         sources = [self._signalled]
         if self._pipe is not None:
             sources.append(self._pipe.fileno())
@@ -124,12 +124,12 @@ class Guardian:
         return readable
 
     def _heed(self, numbers: bytes) -> None:
-        """Act on signals."""
+        """Handle signals."""
         alone = self._guard.alone
         if alone:  # an operator or a new run wants the port
             self._finish = EndGuardian(stopped=False)
         elif signal.SIGTERM in numbers:
-            self._orphan()
+            self._close_pipe()
 
     def _hear(self) -> None:
         assert self._pipe is not None  # it has just been readable
@@ -143,16 +143,16 @@ class Guardian:
         for note in notes:
             self._do(self._guard.hear(note, self._port.now()))
         if not data:
-            self._orphan()
+            self._close_pipe()
 
-    def _orphan(self) -> None:
-        """Close the pipe and let the guard act: there is no runner any more."""
+    def _close_pipe(self) -> None:
+        """Close the pipe and let the guard act, because the runner has gone."""
         if self._pipe is None:
             return
         self._pipe.close()
         self._pipe = None
         self._waiting.clear()
-        self._do(self._guard.bereave(self._port.now()))
+        self._do(self._guard.runner_gone(self._port.now()))
         if self._finish is None:
             left = LeftBehind.of(self._port.name, self._md5, self._guard.payload)
             self._registration = Registration(left)
@@ -163,7 +163,7 @@ class Guardian:
                 case ToPort(data):
                     self._write(data)
                 case ToRunner(note):
-                    self._say(note)
+                    self._queue(note)
                 case Reopen():
                     self._open()
                 case EndGuardian():
@@ -176,8 +176,8 @@ class Guardian:
             except PortLostError as error:
                 self._lose(error)
 
-    def _say(self, note: Note) -> None:
-        """Queue a note for the runner; only so many bytes of the port are kept."""
+    def _queue(self, note: Note) -> None:
+        """Queue a note for the runner; drop bytes of the port beyond a limit."""
         if self._pipe is None or (note.kind == Kind.DATA and len(self._waiting) > _MOST_WAITING):
             return
         self._waiting += note.to_bytes()
@@ -189,9 +189,9 @@ class Guardian:
         try:
             del self._waiting[: self._pipe.send(self._waiting)]
         except BlockingIOError:
-            return  # it stands still
+            return  # the runner does not read
         except OSError:
-            self._waiting.clear()  # it has gone; what it said before is still to be read
+            self._waiting.clear()  # it has gone; its earlier notes are still to be read
 
     def _open(self) -> None:
         guard, now = self._guard, self._port.now

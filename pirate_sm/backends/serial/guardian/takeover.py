@@ -1,7 +1,7 @@
-"""How a new run takes the port over from a guardian that has outlived its runner.
+"""Takes the port over from a guardian that has outlived its runner.
 
-Each such guardian keeps a file, locked as long as it lives, in the user's runtime folder. It says
-which port the guardian holds and which array would stop the robot. SIGUSR1 asks for the port.
+Each such guardian keeps a file in the user's runtime folder, locked as long as it lives. The file
+names the guardian's port and the array that would stop the robot. SIGUSR1 asks for the port.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ class LeftBehind(NamedTuple):
     """A guardian that has no runner any more.
 
     Attributes:
-        pid: Number of its process.
+        pid: Its process id.
         url: The port, as its runner was given it.
-        device: What that name stood for.
-        md5: Of the definition of an array of setpoints.
+        device: The device that this name stood for.
+        md5: Checksum of the definition of an array of setpoints.
         payload: The array that stops the robot.
     """
 
@@ -43,18 +43,18 @@ class LeftBehind(NamedTuple):
 
     @classmethod
     def of(cls, url: str, md5: str, payload: bytes) -> Self:
-        """Describe this process as such a guardian."""
+        """Return the description of this process as such a guardian."""
         return cls(os.getpid(), url, os.path.realpath(url), md5, payload)
 
     def holds(self, url: str) -> bool:
-        """Return whether it holds this port, by whatever name."""
+        """Return whether it holds this port, under any of its names."""
         return os.path.realpath(url) in (self.device, os.path.realpath(self.url))
 
 
 class Registration:
     """The file that registers this process as a guardian without a runner.
 
-    Where no file can be written nothing is registered; then the port can only be waited for.
+    If no file can be written, nothing is registered, and others can only wait for the port.
     """
 
     def __init__(self, left: LeftBehind) -> None:
@@ -70,7 +70,7 @@ class Registration:
             draft.rename(self._path)
 
     def remove(self) -> None:
-        """Delete the file, and let whoever waits for its lock go on."""
+        """Delete the file and release its lock."""
         with suppress(OSError):
             self._path.unlink()
         if self._descriptor >= 0:
@@ -78,14 +78,14 @@ class Registration:
 
 
 def take_over(url: str, md5: str) -> LeftBehind | None:
-    """Make the guardian on this port give it up, and return it; None where there is none.
+    """Make the guardian on this port give it up, and return it; None if there is none.
 
-    A guardian that does not answer is killed. One whose arrays have another definition is left
-    alone: whoever asks could not go on with what it does.
+    A guardian that does not answer is killed. A guardian whose arrays have another definition is
+    left alone, because the new run could not write its safe array.
 
     Args:
         url: The port.
-        md5: Of the definition of an array of setpoints.
+        md5: Checksum of the definition of an array of setpoints.
     """
     for path in sorted(_folder().glob(_PATTERN)):
         left = _read(path)
@@ -101,14 +101,14 @@ def take_over(url: str, md5: str) -> LeftBehind | None:
 
 def _folder() -> Path:
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # a machine without such a folder has a substitute
+        warnings.simplefilter("ignore")  # a machine without such a folder gets a substitute
         return user_runtime_path("pirate_sm")
 
 
 def _read(path: Path) -> LeftBehind | None:
     try:
         if path.stat().st_uid != os.getuid():
-            return None  # others may not say what is written to our robot
+            return None  # other users must not choose what the robot gets
         fields = json.loads(path.read_bytes())
         return LeftBehind(**fields | {"payload": bytes.fromhex(fields["payload"])})
     except (OSError, ValueError, TypeError, KeyError):
@@ -116,14 +116,14 @@ def _read(path: Path) -> LeftBehind | None:
 
 
 def _ask(path: Path, pid: int) -> bool:
-    """Return whether a guardian held the lock; in the end nobody does."""
+    """Ask a guardian for the port; return whether it held the lock. Afterwards nobody holds it."""
     try:
         file = path.open("rb")
     except OSError:
         return False
     with file:
         if _locked(file.fileno(), 0.0):
-            return False  # it has died, and with it what it knew of where the robot is
+            return False  # it has died, and its knowledge of the robot with it
         for number, within_s in (
             (signal.SIGUSR1, _YIELDS_WITHIN_S),
             (signal.SIGKILL, _DIES_WITHIN_S),
@@ -136,7 +136,7 @@ def _ask(path: Path, pid: int) -> bool:
 
 
 def _locked(descriptor: int, within_s: float) -> bool:
-    """Return whether the lock could be had within this time."""
+    """Return whether the lock was obtained within this time."""
     give_up_s = time.monotonic() + within_s
     while True:
         with suppress(OSError):

@@ -1,4 +1,4 @@
-"""Why a robot is not understood, in one sentence that says what to do."""
+"""Explains in one sentence why a connection fails, and what to do."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ _SHOWN = 40
 def unanswered(
     port: str, baud: int, conversation: Conversation, sample: bytes, usual_baud: int | None = None
 ) -> str:
-    """Return why the topics that are needed have not been introduced.
+    """Return why the required topics have not been introduced.
 
     Args:
         port: Name of the port.
-        baud: Of the line.
-        conversation: What has been said.
-        sample: The last bytes that came.
-        usual_baud: What the robot's profile says.
+        baud: Baud rate of the line.
+        conversation: The conversation so far.
+        sample: The last bytes received.
+        usual_baud: The baud rate in the robot's profile.
     """
     if conversation.frames:
         return _incomplete(port, conversation)
@@ -42,7 +42,7 @@ def unanswered(
         return f"{port} speaks something else than rosserial, it says '{shown}': another device?"
     return (
         f"{port} sends bytes that make no sense at {baud} baud: the firmware uses another speed "
-        "(--baud), or it is another device"
+        "(option baud), or it is another device"
     )
 
 
@@ -62,7 +62,7 @@ def _incomplete(port: str, conversation: Conversation) -> str:
 
 
 def no_sensors(advice: str) -> str:
-    """Return why nothing is measured; ``advice`` is the robot's own, or empty."""
+    """Return the message that no board reports; ``advice`` is the profile's, or empty."""
     return f"{NO_SENSORS}: {sensors_off(advice)}"
 
 

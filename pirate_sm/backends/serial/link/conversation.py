@@ -1,7 +1,7 @@
-"""The host's side of rosserial: learns and checks topics, tells the time, notices silence.
+"""The host's side of rosserial: learns and checks topics, answers for the time, notices silence.
 
-Pure: bytes come in with the time, frames to be written come out. What an 8-bit sum lets through
-is met here by believing an introduction only when it has come twice in the same words.
+Pure: bytes and the time go in, frames to write come out. An 8-bit checksum lets some damage
+through, so an introduction counts only when it has come twice with the same content.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ from pirate_sm.rosserial.topics import (
 )
 
 ASK_EVERY_S = 0.1
-"""A device that boots is asked again so often; its whole answer takes half of that."""
+"""The interval at which a booting device is asked again; its whole answer takes half of it."""
 
 SILENT_AFTER_S = 0.4
-"""After a reset a device waits to be asked; 25 frames of a healthy one would have come by then."""
+"""After a reset a device waits to be asked; a healthy one would have sent 25 frames by then."""
 
 _LOOKS = 4
-"""How often a device that says nothing is looked at before it counts as silent."""
+"""How often the silence of a device is measured before it counts as silent."""
 
 _WORDS_KEPT = 20
 
@@ -54,13 +54,13 @@ class Conversation:
     """One connection to a device.
 
     Attributes:
-        frames: How many have come.
-        words: The last lines of the firmware.
-        heard_s: When the last frame came that was no mere answer.
-        silence_s: How long nothing had come before it, while this program was awake; where the
-            device is being asked anew, before any frame since the silence began.
+        frames: Frames received.
+        words: The last lines of the firmware's log.
+        heard_s: When the last frame came that the device sent of its own accord.
+        silence_s: How long nothing had come before that frame, while this program was awake. While
+            the device is asked anew: before any frame since the silence began.
         offered: Every topic that the device has introduced, by direction and name.
-        strange: How many frames there were on topics that nobody introduced.
+        strange: Frames on topics that were never introduced.
     """
 
     def __init__(
@@ -71,15 +71,15 @@ class Conversation:
         boot_s: float = 0.0,
         silent_s: float = SILENT_AFTER_S,
     ) -> None:
-        """Begin a connection on which nothing has been said.
+        """Begin a connection on which nothing has been received.
 
         Args:
-            wanted: The topics that are needed.
+            wanted: The required topics.
             now: The time.
-            epoch_s: Added to the time it gives what the device is told, seconds since 1970.
-            boot_s: How long a boot loader may be listening, to which nothing must be said.
-            silent_s: A device that has said nothing for this long is asked anew. The time in
-                which this program stood still does not count.
+            epoch_s: Added to the time it gives the device's time, seconds since 1970.
+            boot_s: How long a boot loader may be listening; nothing may be sent until then.
+            silent_s: A device that has been silent for this long is asked anew. Time in which this
+                program stood still does not count.
         """
         self._wanted = tuple(wanted)
         self._silent_s = silent_s
@@ -115,12 +115,12 @@ class Conversation:
 
     @property
     def dropped(self) -> int:
-        """How many bytes belonged to no frame."""
+        """Bytes that belonged to no frame."""
         return self._decoder.dropped
 
     @property
     def missing(self) -> tuple[Wanted, ...]:
-        """The wanted topics that the device has not introduced as they are defined here."""
+        """The wanted topics that the device has not introduced with our definition."""
         known = set(self._numbers.values())
         return tuple(each for at, each in enumerate(self._wanted) if at not in known)
 
@@ -131,7 +131,7 @@ class Conversation:
         return min(due, self._time.due_s)
 
     def write(self, now: float) -> bytes:
-        """Return the next frame to be written at this time; empty when there is none."""
+        """Return the next frame to write at this time; empty if there is none."""
         silent = self._patience.look(now) >= self._silent_s
         if now >= self._time.due_s:
             return self._time.answer()
@@ -145,10 +145,10 @@ class Conversation:
         return b""
 
     def frame(self, which: int, payload: bytes) -> bytes:
-        """Return the frame with a payload on a wanted topic; empty where it must not be sent.
+        """Return the frame with a payload on a wanted topic; empty if it must not be sent.
 
-        A device writes a payload that is too long, or for a topic that it does not have, over its
-        own memory.
+        A device overwrites its own memory with a payload that is too long or on a topic that it
+        does not have.
         """
         for number, at in self._numbers.items():
             if at == which and self._wanted[at].direction == "takes":
@@ -160,17 +160,16 @@ class Conversation:
         return encode(TX_STOP)
 
     def receive(self, data: bytes, now: float) -> Iterator[Heard]:
-        """Yield what these bytes say; each is taken in when it is asked for."""
+        """Decode these bytes and yield what they contain, one item at a time."""
         self._decoder.longest = self._longest
         for frame in self._decoder.feed(data):
             yield from self._take(frame, now)
 
     @property
     def _longest(self) -> int:
-        """Bytes of the longest payload that is expected now.
+        """The length of the longest payload that is expected now, bytes.
 
-        A device that is being asked, or that has topics besides those that are wanted, may send
-        payloads of any length.
+        While a device is asked, or if it has further topics, it may send payloads of any length.
         """
         wanted = {(each.direction, each.name.lstrip("/")) for each in self._wanted}
         others = (info for key, info in self.offered.items() if key not in wanted)
@@ -184,7 +183,7 @@ class Conversation:
         at = self._numbers.get(topic)
         if at is None and topic not in {PUBLISHER, SUBSCRIBER, LOG, TIME}:
             self.strange += topic >= FIRST_OF_THE_DEVICE
-            return  # nothing is proven by it: it may be damaged, or of no rosserial
+            return  # proves nothing: damaged, or not rosserial
         self.frames += 1
         if at is not None and self._wanted[at].answers:
             yield TopicPayload(at, payload)
@@ -195,12 +194,12 @@ class Conversation:
         if at is not None:
             if not (self._again and self._fresh):
                 self._silence_s = 0.0
-                self._again = False  # the device has gone on by itself: it was the link
+                self._again = False  # the device never stopped: the link was silent
             yield TopicPayload(at, payload)
         elif topic in {PUBLISHER, SUBSCRIBER}:
             yield from self._meet(read_topic(topic, payload))
             if self._known and not self._time.requested:
-                self._time.request(now)  # it did ask, and that was lost
+                self._time.request(now)  # its request was lost
         elif topic == TIME:
             self._time.request(now)
         else:
@@ -209,7 +208,7 @@ class Conversation:
                 self.words.append(line)
 
     def _meet(self, info: TopicInfo | None) -> Iterator[Heard]:
-        """Take in that the device has introduced one of its topics."""
+        """Handle the device's introduction of one of its topics."""
         if info is None:
             return
         self._unproven[info] += 1

@@ -6,15 +6,15 @@ from typing import NamedTuple
 
 
 class Counts(NamedTuple):
-    """Counts of what has happened on a link, for people.
+    """Counts of what has happened on a link.
 
     Attributes:
         dropped: Bytes that belonged to no frame.
-        unreadable: Payloads that were not what their type says.
-        strange: Frames and readings of nothing that is known.
-        damaged: Echoes of something else than was written.
-        repeats: Frames written again, since no echo came or the last copy was to be confirmed.
-        refreshes: Frames written again to show the firmware's dead man's switch a sign of life.
+        unreadable: Payloads that do not fit their type.
+        strange: Frames and readings of unknown topics, boards or channels.
+        damaged: Echoes of values that were not written.
+        repeats: Frames written again, because no echo came or the last copy needed confirming.
+        refreshes: Frames written again as a sign of life for the firmware's dead man's switch.
         trips: How often the firmware has reported that its switch has tripped.
     """
 

@@ -1,4 +1,4 @@
-"""The driver without its port: takes bytes and the time, gives events and bytes to write."""
+"""The driver without its port: bytes and the time go in, events and bytes to write come out."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from pirate_sm.rosserial.message_types import Malformed
 from pirate_sm.rosserial.messages import Array
 
 _GREETING_BYTES = OVERHEAD_BYTES * 2
-"""What the conversation itself writes is not longer."""
+"""The longest frame that the conversation itself writes, bytes."""
 
 _INTRODUCTION_S = 0.06
 """A device that introduces its topics, some 270 bytes at 57,600 baud, reads nothing meanwhile."""
@@ -33,26 +33,26 @@ _INTRODUCTION_S = 0.06
 _EXPIRE_EVERY_S = 0.05
 
 _SILENT_SHARE = 0.4
-"""Of the time after which a single board is silent: none may be so before all of them are."""
+"""Share of the time after which one board is silent; the link's silence is noticed first."""
 
 
 class Exchange:
     """Turns setpoints into bytes and bytes into events, and holds the mission during silences.
 
     Args:
-        plan: The robot on its wire.
+        plan: The robot's link plan.
         now: The time.
         epoch_s: Added to the time it gives seconds since 1970.
-        baud: Of the line.
+        baud: Baud rate of the line.
 
     Attributes:
-        conversation: What has been said about topics.
-        link: What has become of arrays.
+        conversation: Introduces topics and notices silence.
+        link: Sends arrays and follows their results.
         stopped: Whether the robot is known to be stopped.
         heard: Boards that have reported since the beginning.
-        outage: The silence during which the mission is held; None while all is well.
-        brief: Whether the last outage was none, only a short silence.
-        aside: Whether arrays wait until whoever was told of an outage has had a say.
+        outage: The silence during which the mission is held; None while the link works.
+        brief: Whether the last silence was too short to be an outage.
+        aside: Whether arrays wait until the engine has answered to an outage.
         newer: Whether an array has been submitted since the last outage began.
         refused: Why a topic cannot be used, one sentence each.
     """
@@ -100,24 +100,24 @@ class Exchange:
     # --- the link itself --------------------------------------------------------------------
 
     def watch(self) -> None:
-        """Hold the mission from now on in every silence, until it is clear what has happened."""
+        """From now on hold the mission in every silence, until its cause is clear."""
         self._watching = True
 
     def lost(self, reason: str, now: float) -> None:
-        """Note that the port has gone."""
+        """Handle that the port has gone."""
         outage = self._hold(now)
         if outage is not None:
             outage.relapse()
             outage.gone = outage.gone or reason
 
     def connected(self, now: float) -> None:
-        """Note that the port is open again, and ask for topics as at the beginning."""
+        """Handle that the port is open again, and ask for topics as at the beginning."""
         self.conversation = self._begin(now)
         if self.outage is not None:
             self.outage.sign_s = now
 
     def resume(self, now: float) -> None:
-        """Send the newest array: the engine has had its say about an outage."""
+        """Send the newest array, because the engine has answered to an outage."""
         if self.aside and self.outage is None:
             self.aside = False
             self.link.reassert(now)
@@ -125,18 +125,18 @@ class Exchange:
     # --- in ---------------------------------------------------------------------------------
 
     def submit(self, setpoint_id: int, values: tuple[float, ...], now: float) -> None:
-        """Hand an array over."""
+        """Submit an array."""
         self.newer = True
         self.link.submit(setpoint_id, values, now)
         self._events += self.link.take()
 
     def hold(self, values: tuple[float, ...], seeking: Collection[int] = ()) -> None:
-        """Take note of what is to be held should nobody be able to send anything more.
+        """Set the safe array, which is sent when nobody can send another one.
 
         Args:
-            values: The safe array; ignored where it must not be sent.
+            values: The safe array; ignored if it must not be sent.
             seeking: Slots that a position loop drives. The firmware's switch stops them, if the
-                message can tell it which they are.
+                message has a field for them.
         """
         if not why_refused(self._plan.slots, values):
             self._safe.held = to_counts(self._plan.slots, values)
@@ -144,7 +144,7 @@ class Exchange:
         self.link.hold = self._safe.kept & ~sum(1 << at for at in loose)
 
     def receive(self, data: bytes, now: float) -> None:
-        """Take in bytes from the port."""
+        """Handle bytes from the port."""
         dropped = self.conversation.dropped
         for heard in self.conversation.receive(data, now):
             if isinstance(heard, TopicsKnown):
@@ -158,14 +158,14 @@ class Exchange:
         self._events += self.link.take()
 
     def take(self) -> list[Event]:
-        """Return what has happened since the last call, oldest first."""
+        """Return the events since the last call, oldest first."""
         events, self._events = self._events, []
         return events
 
     def take_left_out_s(self) -> float:
-        """Return how much longer this program stood still than a short silence lasts, once, s.
+        """Return, once, how long this program stood still beyond a brief silence, s.
 
-        In the mission that time does not pass: every board would seem to be silent, though their
+        Mission time leaves this time out. Otherwise every board would seem silent, although its
         reports wait to be read.
         """
         left_out_s, self._left_out_s = self._left_out_s, 0.0
@@ -179,7 +179,7 @@ class Exchange:
         if due <= now:
             due = self._throttle.free_s(_GREETING_BYTES, now)
         if not self.conversation.known:
-            due = min(due, now + _EXPIRE_EVERY_S)  # arrays can only be given up meanwhile
+            due = min(due, now + _EXPIRE_EVERY_S)  # meanwhile arrays can only be given up
         if self.outage is not None:
             safe_due = self._recovery.due_s(self.outage)
             if safe_due <= now:
@@ -193,11 +193,11 @@ class Exchange:
         return min(due, link_due)
 
     def write(self, now: float, able: bool = True) -> bytes:
-        """Return the frame to be written now, in one call; empty when there is none.
+        """Return the frame to write now, in one call; empty if there is none.
 
         Args:
             now: The time.
-            able: Whether there is a port; without one nothing is returned and time passes.
+            able: Whether there is a port; without one only time passes.
         """
         data, busy_s = b"", 0.0
         if able and self._throttle.free_s(_GREETING_BYTES, now) <= now:
@@ -223,13 +223,13 @@ class Exchange:
         return self._throttle.free_s(size, now)
 
     def wrote(self, size: int, now: float) -> None:
-        """Note that so many bytes have been written past the exchange."""
+        """Count this many bytes as written by somebody else than the exchange."""
         self._throttle.wrote(size, now)
 
     def safe_frame(self) -> bytes:
-        """Return the frame of the safe array: what the safe state stops is zero, the rest is held.
+        """Return the frame of the safe array: zero where the safe state stops, the rest held.
 
-        There is none before anything has been sent: the robot stands as it was found.
+        Empty before anything has been sent, because the robot stands as it was found.
         """
         counts = self.link.in_force
         if counts is None:
@@ -237,13 +237,13 @@ class Exchange:
         frame = self.conversation.frame(SETPOINTS, self._safe.payload(counts))
         if frame or self.conversation.known:
             self._safe_frame = frame
-        return self._safe_frame  # while topics are not known again, what they were
+        return self._safe_frame  # until topics are known again, their old numbers
 
     @property
     def settled(self) -> bool:
-        """Whether nothing is under way: what is to be in force is in force, as far as is known.
+        """Whether nothing is under way, so that the right array is in force, as far as known.
 
-        After an outage that is the safe array, until something newer is wanted.
+        After an outage that is the safe array, until a newer one is submitted.
         """
         if self.outage is not None:
             return not self.safe_frame()
@@ -251,7 +251,7 @@ class Exchange:
 
     @property
     def counts(self) -> Counts:
-        """Counts of what has happened."""
+        """Counts of what has happened on the link."""
         conversation, link = self.conversation, self.link
         return Counts(
             frames=conversation.frames,
@@ -268,21 +268,21 @@ class Exchange:
     # --- inside -----------------------------------------------------------------------------
 
     def _hold(self, now: float) -> Outage | None:
-        """Return the outage that there is, or that begins now; None where none is looked for."""
+        """Return the present outage, beginning one if needed; None if outages are not watched."""
         outage = self.outage
         if outage is not None:
             if outage.back:
                 outage.relapse()
         elif self._watching and not self._given_up:
             heard_s = self.conversation.heard_s
-            # This program may have stood still: no more mission time passes than if it had not.
+            # Had this program stood still, no more mission time must pass than otherwise.
             since_s = min(now, heard_s + self._silent_s)
             outage = self.outage = Outage(heard_s, since_s, sign_s=heard_s)
             self.aside = self.newer = False
         return outage
 
     def _notice_return(self, now: float) -> None:
-        """Note that the controller speaks again; whether it has recovered is judged later."""
+        """Handle that the controller speaks again; whether it has recovered is decided later."""
         outage = self.outage
         if self.conversation.asking:
             return
@@ -302,7 +302,7 @@ class Exchange:
         return inf if self.outage is None else self._recovery.gives_up_s(self.outage)
 
     def _judge(self, outage: Outage, now: float) -> None:
-        """Report an outage as soon as it is clear what it was."""
+        """Report an outage as soon as its cause is clear."""
         outage.sign_s = max(outage.sign_s, self.conversation.heard_s)
         fault = self._recovery.verdict(outage, now, bool(self.safe_frame()))
         if fault is None:
@@ -312,7 +312,7 @@ class Exchange:
         self._events += [fault, *outage.frames.values()]
 
     def _setpoints(self, now: float) -> bytes:
-        """Return the frame with the array that is to be written now; empty when there is none."""
+        """Return the frame with the array to write now; empty if there is none."""
         outage = self.outage
         if outage is not None:
             if not self._recovery.wants_safe(outage, now):
@@ -362,10 +362,10 @@ class Exchange:
     def _know(self, known: TopicsKnown, now: float) -> None:
         if self.outage is not None:
             self.outage.anew = True
-            if not self.outage.gone:  # else it was silent since before the port was opened again
+            if not self.outage.gone:  # else its silence began before the port was reopened
                 self.outage.silence_s = known.silence_s
         elif known.again or self.link.in_force is not None:
-            # It may have forgotten what it was told.
+            # The device may have forgotten its setpoints.
             self.link.reassert(now)
         if known.again and self._flowing and not self._watching:
             self._flowing = False

@@ -1,4 +1,4 @@
-"""The quality of the line: what is lost, what comes damaged, how long an echo takes."""
+"""The quality of the line: shares of lost frames and damaged bytes, time to an echo."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from math import ceil, inf, log, sqrt
 from typing import NamedTuple
 
 _BAD = 0.25
-"""Where more than this share is lost, the echo of not even the first writing is waited for."""
+"""With more losses than this share, the next copy does not wait for an echo."""
 
 _LOSS_GAIN = 1 / 16
 _NOISE_BYTES = 2000
-"""The share of damaged bytes is taken over this many: half a second of a busy line."""
+"""Bytes over which the share of damage is taken: half a second of a busy line."""
 
-# How the time to wait for an echo follows what echoes have taken, as TCP's does (RFC 6298).
+# The time to wait for an echo follows the measured times, as in TCP (RFC 6298).
 _MEAN_GAIN = 1 / 8
 _SPREAD_GAIN = 1 / 4
 _SPREADS = 4.0
 _MARGIN_S = 0.01
 
 _TRIP_RISK = 1e-4
-"""Refreshes come so often that the switch trips with this chance after an array that arrived."""
+"""Refreshes are frequent enough that the switch trips with this chance after a received array."""
 
 _MOST_LOST = 0.99
 
@@ -29,18 +29,18 @@ class Refreshing(NamedTuple):
     """How the array in force is repeated for the firmware's dead man's switch.
 
     Attributes:
-        every_s: After this long without a writing; infinite: never.
-        stop_after_s: The switch trips after this long without an array; infinite: there is none.
+        every_s: The array is repeated after this long without a writing; infinite: never.
+        stop_after_s: The switch trips after this long without an array; infinite: no switch.
     """
 
     every_s: float = inf
     stop_after_s: float = inf
 
     def interval_s(self, lost: float, least_s: float) -> float:
-        """Return how long after a writing the array in force is to be repeated.
+        """Return the time from a writing to the repetition of the array in force.
 
         Args:
-            lost: Share of arrays that do not arrive.
+            lost: Share of arrays that are lost.
             least_s: The least time between two copies of one array.
         """
         if lost <= 0 or self.stop_after_s == inf:
@@ -53,13 +53,13 @@ NEVER = Refreshing()
 
 
 class LineQuality:
-    """Measures the line by the echoes of arrays and by the bytes of all that comes.
+    """Measures the line by the echoes of arrays and by all bytes received.
 
     Args:
-        echo_within_s: What an echo takes until any has been seen.
+        echo_within_s: The assumed time to an echo, until one has been measured.
 
     Attributes:
-        round_trips: What the last echoes have taken, s.
+        round_trips: Times to the last echoes, s.
     """
 
     def __init__(self, echo_within_s: float) -> None:
@@ -71,41 +71,40 @@ class LineQuality:
 
     @property
     def bad(self) -> bool:
-        """Whether so much is lost that no single writing can be relied upon.
+        """Whether the losses are too high to rely on a single writing.
 
-        Echoes that do not come tell it, and so do the bytes of all that comes, long before the
-        first array is written.
+        Missing echoes show it, and so do damaged bytes, long before the first array is written.
         """
         return self._worst > _BAD
 
     @property
     def lost_one_way(self) -> float:
-        """Share of frames lost one way, if the line loses as many the other way."""
+        """Share of frames lost one way, if both directions lose as many."""
         return 1 - sqrt(1 - self._worst)
 
     @property
     def patience_s(self) -> float:
-        """How long to wait for an echo until it is as good as lost."""
+        """How long to wait for an echo until it counts as lost."""
         return min(self._longest_s, self._mean_s + _SPREADS * self._spread_s + _MARGIN_S)
 
     @property
     def _worst(self) -> float:
-        # A byte may be known to be damaged long after it came, so the noise may exceed 1.
+        # Damage to a byte may be found long after its reception, so the noise may exceed 1.
         return min(max(self._loss, self._noise), _MOST_LOST)
 
     def learn(self, took_s: float) -> None:
-        """Take in that an echo has taken so long."""
+        """Take in the time to an echo, s."""
         self.round_trips.append(took_s)
         self._spread_s += _SPREAD_GAIN * (abs(took_s - self._mean_s) - self._spread_s)
         self._mean_s += _MEAN_GAIN * (took_s - self._mean_s)
 
     def lose(self, share: float) -> None:
-        """Take in that this share of the last writings was not echoed."""
+        """Take in the share of the last writings that was not echoed."""
         self._losses += 1
         self._loss += max(_LOSS_GAIN, 1 / self._losses) * (share - self._loss)
 
     def listened(self, received: int, damaged: int) -> None:
-        """Take in how many bytes have come lately and how many of them belonged to no frame."""
+        """Take in how many bytes have come lately, and how many of them belonged to no frame."""
         if received:
             part = min(1.0, received / _NOISE_BYTES)
             self._noise += part * (damaged / received - self._noise)

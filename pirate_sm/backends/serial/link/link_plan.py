@@ -18,17 +18,17 @@ from pirate_sm.rosserial.messages import Messages, serial_of
 from pirate_sm.rosserial.topics import Direction
 
 SETPOINTS, ECHO, STATE = range(3)
-"""Places of the wanted topics."""
+"""Indices of the wanted topics."""
 
 
 class LinkPlan(NamedTuple):
     """What the driver needs to know of one robot.
 
     Attributes:
-        channels: How many channels each board has that is listened to.
+        channels: Number of channels of each board that reports.
         modules: What people call these boards.
         safe_zero: Slots that are zero in the safe state.
-        silent_after_s: A board that has not been heard for this long is silent.
+        silent_after_s: A board that has not reported for this long is silent.
     """
 
     serial: Serial
@@ -74,7 +74,7 @@ def plan_of(profile: Profile, robot: RobotSpec, messages: Messages) -> LinkPlan:
 
 
 def _wanted(serial: Serial, messages: Messages, reports: bool) -> tuple[Wanted, ...]:
-    """Return the topics that are needed; ``reports``: the device sends states by itself."""
+    """Return the required topics; ``reports``: the device sends states by itself."""
 
     def wanted(topic: str, kind: MessageType, way: Direction, answers: bool = False) -> Wanted:
         longest = LONGEST_PAYLOAD if kind.largest is None else kind.largest

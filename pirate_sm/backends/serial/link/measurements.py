@@ -12,14 +12,14 @@ from pirate_sm.rosserial.state_messages import StateReading
 class Measurements:
     """Collects readings until they make the frame of a board.
 
-    Where a message carries one value, a board is reported when all its values have come; one that
-    was lost is reported with its last value as soon as another comes round again.
+    If a message carries one value, a board is reported when all its values have come. A lost value
+    is replaced by the previous one when the next round begins.
 
     Args:
-        channels: How many channels each board has that is to be listened to.
+        channels: Number of channels of each board that reports.
 
     Attributes:
-        strange: How many readings were of no board or channel that is listened to.
+        strange: Readings of unknown boards or channels.
     """
 
     def __init__(self, channels: Mapping[int, int]) -> None:
@@ -29,7 +29,7 @@ class Measurements:
         self.strange = 0
 
     def take(self, reading: StateReading) -> SensorFrame | None:
-        """Return the frame that this reading completes; None when it completes none."""
+        """Return the frame that this reading completes; None if it completes none."""
         board, channel, values = reading
         count = self._channels.get(board)
         if count is None or (len(values) < count if channel < 0 else channel >= count):

@@ -8,21 +8,21 @@ from pirate_sm.backends.serial.link.wire_slots import Integers
 from pirate_sm.rosserial.messages import SetpointCodec
 
 SAFE_WIRE_ID = 0
-"""The id under which it is written; no other array has it."""
+"""The wire id of the safe array; no other array has it."""
 
 
 class SafeArray:
-    """Keeps the payload of the safe array.
+    """Makes the payload of the safe array.
 
     Args:
-        codec: Of arrays of setpoints.
+        codec: The codec of arrays.
         zero: Slots that are zero in the safe state.
         slots: How many slots there are.
 
     Attributes:
         kept: One bit per slot that the firmware's dead man's switch keeps.
-        held: What is to be held, where that is not what is in force.
-        counts: The safe array as it was last asked for.
+        held: Values to hold, where they differ from those in force.
+        counts: The last safe array that was made.
     """
 
     def __init__(self, codec: SetpointCodec, zero: Collection[int], slots: int) -> None:
@@ -35,9 +35,9 @@ class SafeArray:
         self.counts: Integers = ()
 
     def payload(self, in_force: Integers) -> bytes:
-        """Return the payload for the array that is in force."""
+        """Return the payload for the array in force."""
         source = self.held if self.held is not None else in_force
-        if source is not self._source:  # asked for at every turn
+        if source is not self._source:  # cached, for it is needed at every turn
             self._source = source
             self.counts = tuple(0 if at in self._zero else each for at, each in enumerate(source))
             self._payload = self._codec.pack(SAFE_WIRE_ID, self.counts, self.kept)

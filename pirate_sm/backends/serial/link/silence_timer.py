@@ -5,17 +5,17 @@ from __future__ import annotations
 from math import inf
 
 _OVERSLEPT = 2.0
-"""A look that comes so many naps late shows that this process did not run in between."""
+"""A look that is this many intervals late shows that this process did not run in between."""
 
 _LEAST_S = 1e-3
-"""Sums of times are rounded: without it, the last bit of a wait could be zero for ever."""
+"""The shortest wait. Without it, rounding could make the last wait zero for ever."""
 
 
 class SilenceTimer:
     """Measures the silence of another process by looks at regular intervals.
 
-    When the whole computer stands still, both processes do. The first one to wake up would take
-    the other for dead. So a standstill of our own begins the measurement again, once until the
+    When the whole computer stands still, both processes do, and the first to wake would take the
+    other for dead. A standstill of our own therefore restarts the measurement, once until the
     other side is heard: it gets the time for one more message.
 
     Args:
@@ -31,7 +31,7 @@ class SilenceTimer:
         self._looked_s, self._waited_s, self._spared = now, 0.0, False
 
     def look(self, now: float) -> float:
-        """Return for how long the other side has been silent while we were awake, s."""
+        """Return how long the other side has been silent while we were awake, s."""
         gap_s, self._looked_s = now - self._looked_s, now
         if gap_s <= _OVERSLEPT * self._nap_s:
             self._waited_s += gap_s
@@ -42,5 +42,5 @@ class SilenceTimer:
         return self._waited_s
 
     def due_s(self, limit_s: float) -> float:
-        """Return when to look next, if a silence of ``limit_s`` is to be noticed in time."""
+        """Return when to look next, to notice a silence of ``limit_s`` in time."""
         return self._looked_s + min(self._nap_s, max(_LEAST_S, limit_s - self._waited_s))

@@ -1,4 +1,4 @@
-"""Limits how fast is written to a microcontroller with a small ring of bytes."""
+"""Limits the rate of writing to a microcontroller with a small receive ring."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ RING_BYTES = 64
 """Receive ring of the Arduino Mega's serial port."""
 
 _READ_WITHIN_S = 0.020
-"""A device that is well reads its ring at least so often; a frame must be complete by then too."""
+"""A healthy device reads its ring this often; a frame must be complete by then too."""
 
 _BITS_PER_BYTE = 10
-"""On the wire: start bit, eight of data, stop bit."""
+"""Bits of a byte on the wire: start bit, eight data bits, stop bit."""
 
 _SETPOINT_SHARE = 1 / 6
-"""Of the line for arrays of setpoints: 20 per second at 57,600 baud and 18 slots."""
+"""Share of the line for arrays of setpoints: 20 per second at 57,600 baud and 18 slots."""
 
 
 class Throttle:
-    """Keeps what is under way to the device below its ring, whatever the device does meanwhile.
+    """Keeps the bytes under way to the device below its ring, whatever the device does meanwhile.
 
     Args:
-        baud: Of the line.
+        baud: Baud rate of the line.
     """
 
     def __init__(self, baud: int) -> None:
@@ -30,7 +30,7 @@ class Throttle:
         self._recent = 0
 
     def free_s(self, size: int, now: float) -> float:
-        """Return when a frame of this size may be written; ``now`` if it may at once."""
+        """Return when a frame of this size may be written; ``now`` if at once."""
         self._forget(now)
         excess = self._recent + min(size, RING_BYTES) - RING_BYTES
         free = now
@@ -42,19 +42,19 @@ class Throttle:
         return free
 
     def wrote(self, size: int, now: float, busy_s: float = 0.0) -> None:
-        """Take in that this many bytes have just been written.
+        """Count this many bytes as written.
 
         Args:
-            size: How many.
+            size: Number of bytes.
             now: The time.
-            busy_s: For this long after it has read them the device reads nothing.
+            busy_s: How long the device reads nothing after these bytes.
         """
         arrives = max(now, self._written[-1][0] - _READ_WITHIN_S if self._written else now)
         self._written.append((arrives + size * self._byte_s + _READ_WITHIN_S + busy_s, size))
         self._recent += size
 
     def spacing_s(self, size: int) -> float:
-        """Return the least time between two arrays that make frames of this size, s."""
+        """Return the least time between two arrays with frames of this size, s."""
         return size * self._byte_s / _SETPOINT_SHARE
 
     def _forget(self, now: float) -> None:

@@ -1,4 +1,4 @@
-"""The topics that a robot's profile names, and what comes of asking a device for them."""
+"""The topics that a robot's profile names, and the results of asking a device for them."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ class Wanted(NamedTuple):
 
     Attributes:
         direction: What the device does with it.
-        text: The definition that we hold, for people.
+        text: Our definition, for people.
         longest: Bytes of its longest payload.
-        answers: It only ever answers what was written. So it does not show that the device goes
-            on by itself, and is no end of a silence.
+        answers: The device only sends it to answer a writing. So it does not show that the device
+            works of its own accord, and does not end a silence.
     """
 
     name: str
@@ -29,18 +29,18 @@ class Wanted(NamedTuple):
 
 
 class TopicPayload(NamedTuple):
-    """A payload on one of the wanted topics, in the order they were wanted."""
+    """A payload on the wanted topic with index ``which``."""
 
     which: int
     payload: bytes
 
 
 class TopicsKnown(NamedTuple):
-    """Reports that all wanted topics are known.
+    """Event: all wanted topics are known.
 
     Attributes:
-        again: They had been before: the device had to be asked anew.
-        silence_s: How long it had said nothing.
+        again: They had been known before; the device had to be asked anew.
+        silence_s: How long the device had been silent.
     """
 
     again: bool
@@ -48,7 +48,7 @@ class TopicsKnown(NamedTuple):
 
 
 class TopicRefused(NamedTuple):
-    """Reports a topic that is not used because the device defines it differently."""
+    """Event: a topic is not used, because the device defines it differently."""
 
     reason: str
 
@@ -57,7 +57,7 @@ Heard: TypeAlias = TopicPayload | TopicsKnown | TopicRefused
 
 
 def difference(wanted: Wanted, info: TopicInfo) -> str:
-    """Return how the device's definition differs from ours, for a person to compare."""
+    """Return how the device's definition differs from ours, as text for people."""
     if wanted.type != info.type:
         return (
             f"the device says that topic '{info.name}' carries {info.type}, "

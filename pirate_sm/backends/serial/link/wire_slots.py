@@ -1,4 +1,4 @@
-"""Setpoints as integers of the wire, within the limits of their slots."""
+"""Setpoints as the integers of the wire, within the limits of their slots."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _ROUNDING = 1e-6
 
 
 class WireSlot(NamedTuple):
-    """How one setpoint is written, and its limit, which is checked here independently.
+    """How one setpoint is written, and its limit, checked here once more.
 
     Attributes:
         resolution: Value of one count.
@@ -25,7 +25,7 @@ class WireSlot(NamedTuple):
 
 
 def why_refused(slots: Sequence[WireSlot], values: Sequence[float]) -> str:
-    """Return why this array must not be sent; empty where it may (thesis section 4-2-1)."""
+    """Return why this array must not be sent; empty if it may (thesis section 4-2-1)."""
     if len(values) != len(slots):
         return f"{len(values)} values for {len(slots)} slots"
     for slot, value in zip(slots, values, strict=True):
@@ -37,6 +37,6 @@ def why_refused(slots: Sequence[WireSlot], values: Sequence[float]) -> str:
 
 
 def to_counts(slots: Sequence[WireSlot], values: Sequence[float]) -> Integers:
-    """Return the array as the wire carries it."""
+    """Return the array as counts of the wire."""
     pairs = zip(slots, values, strict=True)
     return tuple(round(value / slot.resolution) for slot, value in pairs)

@@ -1,1 +1,1 @@
-"""What the driver asks of a serial port, and the real one (pyserial)."""
+"""Serial ports: the protocol that the driver uses, and the real port (pyserial)."""

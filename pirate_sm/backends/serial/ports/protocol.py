@@ -1,4 +1,4 @@
-"""What a serial port must do, so that a virtual one can stand in for it."""
+"""The protocol of a serial port, which a virtual one implements as well."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from pirate_sm.errors import BackendError
 
 
 class PortLostError(BackendError):
-    """Is raised when a port that was open has gone: unplugged, or its other end closed."""
+    """Is raised when an open port has gone: unplugged, or its other end closed."""
 
 
 class Port(Protocol):
     """A serial port and the clock that goes with it.
 
     Attributes:
-        name: What people call it.
+        name: Name of the port, as people use it.
         epoch_s: Added to its clock gives seconds since 1970.
     """
 
     @property
     def name(self) -> str:
-        """What people call it."""
+        """Name of the port, as people use it."""
         ...
 
     @property
@@ -37,36 +37,36 @@ class Port(Protocol):
         """Open the port for this program alone.
 
         Raises:
-            BackendError: It is not; the message says what to do about it.
+            BackendError: It cannot be opened; the message says what to do.
         """
         ...
 
     def reopen(self) -> bool:
-        """Try to open a port that was lost, without waiting; return whether it is open."""
+        """Try once to reopen a lost port; return whether it is open."""
         ...
 
     def write(self, data: bytes) -> None:
         """Write the bytes in one piece.
 
         Raises:
-            PortLostError: There is nobody to hand them to.
+            PortLostError: The port has gone.
         """
         ...
 
     def read(self, until_s: float) -> bytes:
-        """Return what has come, as soon as anything has; empty when nothing had by ``until_s``.
+        """Return received bytes as soon as there are any; empty if none came by ``until_s``.
 
         Raises:
-            PortLostError: Nothing will come any more.
+            PortLostError: The port has gone.
         """
         ...
 
     def wait(self, until_s: float) -> None:
-        """Sleep until that time; for when there is nothing to read from."""
+        """Sleep until that time, when there is nothing to read from."""
         ...
 
     def beat(self, safe_frame: bytes) -> None:
-        """Tell the port's guardian that this program lives, and what to send when it does not."""
+        """Send the guardian a sign of life and the frame to send if these signs stop."""
         ...
 
     def overruled(self) -> bool:
@@ -74,14 +74,14 @@ class Port(Protocol):
         ...
 
     def remark(self) -> str:
-        """Return what a person must know about who has had or keeps the port, once; else empty."""
+        """Return, once, what a person must know about other users of the port; else empty."""
         ...
 
     def close(self, stopped: bool = False) -> None:
-        """Close the port once everything written has gone out; never raises.
+        """Close the port once all written bytes have gone out; never raises.
 
         Args:
-            stopped: Whether the robot is known to be stopped, or was never set in motion. Else
-                whoever guards the port keeps it until the robot has confirmed the safe array.
+            stopped: Whether the robot is known to be stopped, or was never set in motion. If not,
+                the guardian keeps the port until the robot has confirmed the safe array.
         """
         ...

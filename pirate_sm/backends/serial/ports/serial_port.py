@@ -1,4 +1,4 @@
-"""A real serial port, by any URL that pyserial knows."""
+"""A real serial port, by any URL that pyserial accepts."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ _NOT_REACHED = {errno.EHOSTUNREACH, errno.ENETUNREACH, errno.ETIMEDOUT, errno.EH
 
 
 class SerialPort:
-    """One port, locked against every other program that locks it too.
+    """A port, locked against every other program that locks it too.
 
     Args:
         url: A device such as ``/dev/ttyACM0``, or any URL of pyserial.
-        baud: Of the line.
+        baud: Baud rate of the line.
     """
 
     def __init__(self, url: str, baud: int) -> None:
@@ -64,11 +64,11 @@ class SerialPort:
             raise BackendError(f"{self.name} cannot be a serial port: {error}") from None
         except (serial.SerialException, OSError) as error:
             raise BackendError(_advice(self.name, error)) from None
-        except Exception:  # pyserial stumbles over options of its URLs
+        except Exception:  # pyserial raises anything on bad options in URLs
             raise BackendError(_NO_ADDRESS.format(self.name)) from None
 
     def reopen(self) -> bool:
-        """Try to open the port again; return whether it is open."""
+        """Try to reopen the port; return whether it is open."""
         self.let_go()
         with suppress(BackendError):
             self.open()
@@ -81,24 +81,24 @@ class SerialPort:
         try:
             self._port.write(data)
         except (serial.SerialException, OSError) as error:
-            self.let_go()  # a device that is plugged in again gets its old name only then
+            self.let_go()  # a replugged device gets its old name only then
             raise PortLostError(f"{self.name} takes nothing any more: {error}") from None
 
     def read(self, until_s: float) -> bytes:
-        """Return what has come, as soon as anything has; empty when nothing had by ``until_s``."""
+        """Return received bytes as soon as there are any; empty if none came by ``until_s``."""
         if self._port is None:
             raise PortLostError(f"{self.name} is closed")
         try:
             self._wait(self._port, until_s)
             return bytes(self._port.read(_MOST_BYTES))
         except (serial.SerialException, OSError, TypeError):
-            # pyserial raises a TypeError when its descriptor is taken away meanwhile.
+            # pyserial raises a TypeError when its descriptor is closed meanwhile.
             self.let_go()
             raise PortLostError(f"{self.name} has gone") from None
 
     @property
     def descriptor(self) -> int:
-        """The descriptor to wait for; -1 for a port, such as loop://, that can only be polled."""
+        """The descriptor to wait for; -1 for a port that can only be polled, such as loop://."""
         try:
             return self._port.fileno() if self._port is not None else -1
         except (AttributeError, OSError):
@@ -129,14 +129,14 @@ class SerialPort:
         return ""
 
     def close(self, stopped: bool = False) -> None:
-        """Close the port once everything written has gone out."""
+        """Close the port once all written bytes have gone out."""
         if self._port is not None:
             with suppress(Exception):  # the port may have gone
                 self._port.flush()
         self.let_go()
 
     def let_go(self) -> None:
-        """Close the port without waiting for what was written."""
+        """Close the port at once and drop unsent bytes."""
         if self._port is not None:
             with suppress(Exception):
                 self._port.close()
@@ -144,11 +144,11 @@ class SerialPort:
 
 
 def _advice(name: str, error: OSError) -> str:
-    """Return why a port cannot be opened, and what to do about it."""
+    """Return why a port cannot be opened, and what to do."""
     code = error.errno
     within = re.search(r"(?:\(|\[Errno )(\d+)[],]", str(error))
     if code is None and within:
-        code = int(within[1])  # pyserial puts some errors into its words
+        code = int(within[1])  # pyserial puts some error codes into its text
     if code is None and "exclusively lock" in str(error):
         code = errno.EBUSY
     if "://" in name:
@@ -186,7 +186,7 @@ def _no_answer(name: str, code: int | None, error: OSError) -> str:
 
 
 def _group(name: str) -> str:
-    """Return the name of the group that owns the port; empty where there is none."""
+    """Return the name of the group that owns the port; empty if there is none."""
     with suppress(ImportError, OSError, KeyError):
         import grp  # noqa: PLC0415 - not on every system
 

@@ -10,6 +10,8 @@ from pirate_sm.backends.serial.link.link_plan import LinkPlan, plan_of
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.rosserial.messages import read_messages, serial_of
 
+from .device import Device, VirtualPort
+
 ROOT = Path(__file__).resolve().parents[4]
 SIX_WHEELED = ROOT / "hardware_profiles" / "pirate_ii"
 
@@ -26,3 +28,13 @@ def plan() -> LinkPlan:
     serial = serial_of(robot.profile)
     messages = read_messages(SIX_WHEELED / serial.messages, serial, len(robot.profile.slots))
     return plan_of(robot.profile, robot.normal, messages)
+
+
+@pytest.fixture
+def device(plan: LinkPlan) -> Device:
+    return Device(plan)
+
+
+@pytest.fixture
+def port(device: Device) -> VirtualPort:
+    return VirtualPort(device)

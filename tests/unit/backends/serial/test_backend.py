@@ -38,6 +38,13 @@ def run_port(backend: SerialBackend, port: VirtualPort, seconds: float) -> None:
         backend.advance(backend.advance(0.0)[0] + end_s - port.now())
 
 
+def clamp(backend: SerialBackend) -> None:
+    """Open the link and have the clamping array confirmed: a second of the mission has passed."""
+    backend.open()
+    backend.submit(1, CLAMPING)
+    run(backend, 1.0)
+
+
 def results(told: list[tuple[float, Event]]) -> list[SubmitResult]:
     return [event for _, event in told if isinstance(event, SubmitResult)]
 
@@ -50,16 +57,6 @@ def faults(told: list[tuple[float, Event]]) -> list[FaultReport]:
 def plan(plan: LinkPlan) -> LinkPlan:
     """Arrays are not repeated here, so that each writing has a reason of its own."""
     return without_refresh(plan)
-
-
-@pytest.fixture
-def device(plan: LinkPlan) -> Device:
-    return Device(plan)
-
-
-@pytest.fixture
-def port(device: Device) -> VirtualPort:
-    return VirtualPort(device)
 
 
 @pytest.fixture
@@ -322,9 +319,7 @@ def test_no_two_arrays_are_under_way_and_the_ring_of_the_device_never_overruns(
 def test_a_reset_is_told_once_the_safe_array_is_confirmed_and_then_the_last_one_repeated(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
-    backend.open()
-    backend.submit(1, CLAMPING)
-    run(backend, 1.0)
+    clamp(backend)
     device.reset(port.now())
     before = len(device.applied)
     told = run(backend, 2.0)
@@ -345,9 +340,7 @@ def test_a_reset_is_told_once_the_safe_array_is_confirmed_and_then_the_last_one_
 def test_after_a_reset_no_wheel_turns_when_whoever_was_told_wants_it_to_stop(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
-    backend.open()
-    backend.submit(1, CLAMPING)
-    run(backend, 1.0)
+    clamp(backend)
     device.reset(port.now())
     before, now_s, told = len(device.applied), 1.0, []
     while not told:
@@ -421,9 +414,7 @@ def test_nothing_is_told_of_sensors_before_the_reset_is(
 def test_it_is_known_for_how_long_a_silent_link_is_waited_for(
     backend: SerialBackend, device: Device, port: VirtualPort, plan: LinkPlan
 ) -> None:
-    backend.open()
-    backend.submit(1, CLAMPING)
-    run(backend, 1.0)
+    clamp(backend)
     assert backend.health.patience_s == 0.0
     device.boot_s = 1000.0
     device.reset(port.now())
@@ -437,9 +428,7 @@ def test_it_is_known_for_how_long_a_silent_link_is_waited_for(
 def test_a_controller_that_does_not_come_back_is_a_silent_link(
     backend: SerialBackend, device: Device, port: VirtualPort, plan: LinkPlan
 ) -> None:
-    backend.open()
-    backend.submit(1, CLAMPING)
-    run(backend, 1.0)
+    clamp(backend)
     device.boot_s = 1000.0
     began_s = port.now()
     device.reset(began_s)
@@ -455,9 +444,7 @@ def test_a_controller_that_does_not_come_back_is_a_silent_link(
 def test_a_controller_that_comes_back_and_does_not_confirm_is_told_as_that(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
-    backend.open()
-    backend.submit(1, CLAMPING)
-    run(backend, 1.0)
+    clamp(backend)
     device.reset(port.now())
     device.echo_s = 1000.0
     told = run(backend, 3.0)
@@ -470,9 +457,7 @@ def test_a_controller_that_comes_back_and_does_not_confirm_is_told_as_that(
 def test_a_second_reset_while_the_first_is_looked_into_is_one_fault(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
-    backend.open()
-    backend.submit(1, CLAMPING)
-    run(backend, 1.0)
+    clamp(backend)
     device.reset(port.now())
     while not device.configured:
         backend.advance(5.0)
@@ -501,9 +486,7 @@ def test_a_line_that_is_silent_for_a_moment_is_no_fault_and_takes_no_mission_tim
 def test_a_controller_that_hangs_and_goes_on_is_taken_for_one_that_was_reset(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
-    backend.open()
-    backend.submit(1, CLAMPING)
-    run(backend, 1.0)
+    clamp(backend)
     before = len(device.applied)
     device.hung_until_s = port.now() + 1.5
     told = run(backend, 3.0)
@@ -517,9 +500,7 @@ def test_a_controller_that_hangs_and_goes_on_is_taken_for_one_that_was_reset(
 def test_a_robot_that_was_unplugged_and_is_back_is_an_interruption_and_goes_on_from_its_safe_state(
     backend: SerialBackend, device: Device, port: VirtualPort, plan: LinkPlan
 ) -> None:
-    backend.open()
-    backend.submit(1, CLAMPING)
-    run(backend, 1.0)
+    clamp(backend)
     before = len(device.applied)
     port.plugged = False
     run_port(backend, port, 3.0)
@@ -542,9 +523,7 @@ def test_a_robot_that_was_unplugged_and_is_back_is_an_interruption_and_goes_on_f
 def test_a_robot_that_stays_unplugged_is_a_lost_link_and_still_stopped_should_it_come_back(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
-    backend.open()
-    backend.submit(1, CLAMPING)
-    run(backend, 1.0)
+    clamp(backend)
     port.plugged = False
     told = run(backend, 1.5)
     backend.submit(2, STILL)
@@ -564,9 +543,7 @@ def test_a_robot_that_stays_unplugged_is_a_lost_link_and_still_stopped_should_it
 def test_another_definition_after_a_reset_is_a_fault_at_once(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
-    backend.open()
-    backend.submit(1, CLAMPING)
-    run(backend, 1.0)
+    clamp(backend)
     device.md5["echo"] = "f" * 32
     device.reset(port.now())
     told = run(backend, 3.0)
@@ -578,9 +555,7 @@ def test_another_definition_after_a_reset_is_a_fault_at_once(
 def test_the_guardian_knows_the_safe_frame_while_topics_are_asked_for_again(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
-    backend.open()
-    backend.submit(1, CLAMPING)
-    run(backend, 1.0)
+    clamp(backend)
     frame = port.safe_frame
     port.plugged = False
     run_port(backend, port, 1.0)
@@ -597,9 +572,7 @@ def test_the_guardian_knows_the_safe_frame_while_topics_are_asked_for_again(
 def test_the_last_array_submitted_goes_out_before_the_port_is_closed(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
-    backend.open()
-    backend.submit(1, CLAMPING)
-    run(backend, 1.0)
+    clamp(backend)
     backend.submit(2, STILL)
     backend.close()
 
@@ -611,9 +584,7 @@ def test_the_last_array_submitted_goes_out_before_the_port_is_closed(
 def test_the_way_out_waits_for_a_controller_that_starts_again_and_has_it_confirm(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
-    backend.open()
-    backend.submit(1, CLAMPING)
-    run(backend, 1.0)
+    clamp(backend)
     device.reset(port.now())
     run(backend, 1.4)
     run_port(backend, port, 0.1)
@@ -644,9 +615,7 @@ def test_only_a_confirmed_stop_dismisses_the_guardian_and_ends_the_conversation(
 def test_the_way_out_does_not_wait_for_ever(
     backend: SerialBackend, device: Device, port: VirtualPort, plan: LinkPlan
 ) -> None:
-    backend.open()
-    backend.submit(1, CLAMPING)
-    run(backend, 1.0)
+    clamp(backend)
     device.boot_s = 1000.0
     device.reset(port.now())
     backend.submit(2, STILL)

@@ -14,9 +14,9 @@ from typing import Any
 
 import pytest
 
+from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.serial.assembly import read_plan
 from pirate_sm.backends.serial.backend import SerialBackend
-from pirate_sm.backends.serial.guardian.virtual_port import VirtualPort
 from pirate_sm.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts

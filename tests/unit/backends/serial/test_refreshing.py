@@ -20,16 +20,6 @@ SLOTS = 18
 
 
 @pytest.fixture
-def device(plan: LinkPlan) -> Device:
-    return Device(plan)
-
-
-@pytest.fixture
-def port(device: Device) -> VirtualPort:
-    return VirtualPort(device)
-
-
-@pytest.fixture
 def backend(plan: LinkPlan, port: VirtualPort) -> SerialBackend:
     backend = SerialBackend(plan, port)
     backend.open()

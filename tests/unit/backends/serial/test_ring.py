@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.serial.backend import SerialBackend
-from pirate_sm.backends.serial.guardian.virtual_port import VirtualPort
 from pirate_sm.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts

@@ -7,8 +7,8 @@ from math import degrees, radians
 import pytest
 
 from benchmarks.arrays import bay_of, loaded_mission
+from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.serial.backend import SerialBackend
-from pirate_sm.backends.serial.guardian.virtual_port import VirtualPort
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.detectors.registry import Asked, detecting

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.checking.diff.differences import Difference, compare
+from pirate_sm.checking.diff.differences import MissionDifference, compare
 from pirate_sm.checking.diff.read_behaviour import abilities_of
 from pirate_sm.loading.mission import load_mission
 
@@ -32,7 +32,7 @@ ends:
 """
 
 
-def compared(folder: Path, *replacements: tuple[str, str]) -> Difference:
+def compared(folder: Path, *replacements: tuple[str, str]) -> MissionDifference:
     new = OLD
     for before, after in replacements:
         assert before in new
@@ -45,7 +45,7 @@ def compared(folder: Path, *replacements: tuple[str, str]) -> Difference:
     return compare(*found)
 
 
-def told(difference: Difference) -> list[str]:
+def told(difference: MissionDifference) -> list[str]:
     return [f"{each.kind}: {each.text}" for each in difference.changes]
 
 

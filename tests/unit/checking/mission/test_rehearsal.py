@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from checking.small_missions import MISSION
 from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.mission.rehearsal import Nearly, Rehearsal, RehearsedRun
 from pirate_sm.checking.project.check_options import Wishes
@@ -14,16 +15,6 @@ from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.loading.mission import LoadedMission
 
-MISSION = """\
-format: 1
-mission: m
-robot: pirate_ii
-start: a
-phases:
-  a: {do: [ClampFront], go: e}
-ends:
-  e: {succeed: ok}
-"""
 GOOD = RehearsedRun(0, "succeeded", "ok", 3.0)
 BAD = RehearsedRun(1, "failed", "no bend", 7.25)
 

@@ -2,24 +2,8 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-import pytest
-
+from checking.plans.conftest import standing
 from pirate_sm.checking.plans.phase_entry import why_not_from
-from pirate_sm.engine.robot.robot_state import at_rest_in
-from pirate_sm.loading.mission import load_mission
-
-ROOT = Path(__file__).resolve().parents[4]
-
-
-@pytest.fixture(scope="module")
-def bend():
-    return load_mission(ROOT / "sequences" / "mitre_bend.yaml")
-
-
-def standing(loaded, *states):
-    return at_rest_in(loaded.robot, loaded.robot.table.index_of(states))
 
 
 def test_driven_in_by_hand_with_the_lights_off_the_bend_can_be_prepared(bend):

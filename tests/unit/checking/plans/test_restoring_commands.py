@@ -2,30 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
+from checking.plans.conftest import standing
 from pirate_sm.checking.plans.phase_entry import why_not_from
 from pirate_sm.checking.plans.restoring_commands import beginnings, restoring
-from pirate_sm.engine.robot.robot_state import STOPPED, Mark, at_rest_in
-from pirate_sm.loading.mission import load_mission
-
-ROOT = Path(__file__).resolve().parents[4]
-
-
-@pytest.fixture(scope="module")
-def bend():
-    return load_mission(ROOT / "sequences" / "mitre_bend.yaml")
+from pirate_sm.engine.robot.robot_state import STOPPED, Mark
 
 
 @pytest.fixture(scope="module")
 def begun_in(bend):
     return beginnings(bend)
-
-
-def standing(loaded, *states):
-    return at_rest_in(loaded.robot, loaded.robot.table.index_of(states))
 
 
 def given(loaded, plan):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from checking.small_missions import MISSION
 from pirate_sm.checking.file_kinds import Kind
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck
@@ -21,23 +22,7 @@ from pirate_sm.loading.problems import Place
 
 from ..robots import NEWT, ROOT, changed, swap
 
-MISSION = """\
-format: 1
-mission: m
-robot: pirate_ii
-start: a
-phases:
-  a: {do: [ClampFront], go: e}
-ends:
-  e: {succeed: ok}
-"""
 PIPE = "format: 1\npipe: p\ndiameter: 120 mm\nsegments: [{straight: 1 m}]\n"
-
-
-@pytest.fixture(autouse=True)
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def write(path: str, text: str = MISSION) -> str:

@@ -14,12 +14,6 @@ from pirate_sm.loading import library
 MISSION = "mission: m\nphases: {}\n"
 
 
-@pytest.fixture(autouse=True)
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def write(path: str, text: str = MISSION) -> Path:
     file = Path(path)
     file.parent.mkdir(parents=True, exist_ok=True)

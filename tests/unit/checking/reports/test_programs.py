@@ -47,10 +47,13 @@ def sarif(report: Report) -> Any:
     return json.loads(sarif_report(report))
 
 
-def test_json_is_as_its_schema_says(any_report: Report) -> None:
-    text = json_report(any_report)
+@pytest.mark.parametrize(("write", "schema"), [(json_report, OWN), (sarif_report, SARIF)])
+def test_what_programs_read_is_as_its_schema_says(
+    any_report: Report, write: Callable[[Report], str], schema: Any
+) -> None:
+    text = write(any_report)
 
-    jsonschema.validate(json.loads(text), OWN)
+    jsonschema.validate(json.loads(text), schema)
     assert text.isascii()
 
 
@@ -63,13 +66,6 @@ def test_json_holds_everything(report: Report) -> None:
     assert first["story"][0] == "the mission begins"
     assert first["related"][0]["message"] == "called from here"
     assert data["findings"][3]["allowed"] == "it ends, here"
-
-
-def test_sarif_is_as_its_schema_says(any_report: Report) -> None:
-    text = sarif_report(any_report)
-
-    jsonschema.validate(json.loads(text), SARIF)
-    assert text.isascii()
 
 
 def test_sarif_names_its_schema_and_where_the_program_is_told_of(report: Report) -> None:

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from pirate_sm.checking.robot import guard_logic as guards
 from pirate_sm.checking.robot.check_chart import check_chart, examine
 from pirate_sm.checking.robot.check_robot import check_robot
-from pirate_sm.loading.chart import table_cache as chart_cache
 from pirate_sm.loading.chart.exploration import compile_chart
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.problems import Problems
@@ -33,12 +32,6 @@ def ahead(guard: str) -> tuple[str, str]:
 
 def nose(guard: str) -> tuple[str, str]:
     return TAIL_FIRST, TAIL_FIRST.replace("In('Crawl.Resting')", guard)
-
-
-@pytest.fixture(autouse=True)
-def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder = tmp_path_factory.getbasetemp() / "cache"
-    monkeypatch.setattr(chart_cache, "cache_folder", lambda: folder)
 
 
 @pytest.mark.parametrize("robot", [NEWT, PIRATE], ids=lambda path: path.name)

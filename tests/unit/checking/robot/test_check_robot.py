@@ -9,7 +9,6 @@ import pytest
 
 from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.robot.check_robot import check_robot, robot_findings
-from pirate_sm.loading.chart import table_cache as chart_cache
 from pirate_sm.loading.robot import load_robot
 
 from ..robots import NEWT, PIRATE, changed, told
@@ -22,12 +21,6 @@ NEAR = """    near:
       forward: {wheel: left_fore, passed: -100 mm}
       backward: {wheel: right_hind, passed: -100 mm}
 """
-
-
-@pytest.fixture(autouse=True)
-def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder = tmp_path_factory.getbasetemp() / "cache"
-    monkeypatch.setattr(chart_cache, "cache_folder", lambda: folder)
 
 
 @pytest.mark.parametrize("robot", [NEWT, PIRATE], ids=lambda path: path.name)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from checking.small_missions import MISSION
 
 from pirate_sm.cli.commands import check
 from pirate_sm.cli.options.checks import CheckOptions
@@ -16,17 +17,7 @@ from pirate_sm.loading.robot import load_robot
 
 from ..conftest import ROOT
 
-MISSION = """\
-format: 1
-mission: m
-robot: pirate_ii
-start: a
-phases:
-  a: {do: [ClampFront], go: e}
-  lost: {go: e}
-ends:
-  e: {succeed: ok}
-"""
+WARNED = MISSION.replace("ends:", "  lost: {go: e}\nends:")
 
 
 @pytest.fixture(autouse=True)
@@ -39,7 +30,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def warned(here: Path) -> Path:
     """A mission with a warning and nothing worse."""
     file = here / "m.yaml"
-    file.write_text(MISSION, encoding="utf-8")
+    file.write_text(WARNED, encoding="utf-8")
     return file
 
 
@@ -47,7 +38,7 @@ def warned(here: Path) -> Path:
 def broken(here: Path) -> Path:
     """A mission with an error."""
     file = here / "b.yaml"
-    file.write_text(MISSION.replace("ClampFront", "ClampFont"), encoding="utf-8")
+    file.write_text(WARNED.replace("ClampFront", "ClampFont"), encoding="utf-8")
     return file
 
 
@@ -165,7 +156,7 @@ def test_a_terminal_is_coloured_and_nothing_else_is(
 
 def test_text_of_a_file_cannot_control_the_terminal(pirate: Any, here: Path) -> None:
     name = "x\x1b]0;owned\x07.yaml"
-    (here / name).write_text(MISSION.replace("ClampFront", '"\\e[2J"'), encoding="utf-8")
+    (here / name).write_text(WARNED.replace("ClampFront", '"\\e[2J"'), encoding="utf-8")
 
     for form in ("text", "json", "github", "sarif", "junit"):
         result = pirate("check", ".", "--format", form)

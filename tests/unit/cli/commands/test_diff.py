@@ -9,23 +9,13 @@ from typing import Any
 
 import jsonschema
 import pytest
+from checking.small_missions import MISSION
 
 from pirate_sm.checking.diff.read_behaviour import abilities_of
 
 from ..conftest import ROOT
 
 SCHEMA = json.loads((ROOT / "docs" / "schemas" / "diff.schema.json").read_text("utf-8"))
-
-MISSION = """\
-format: 1
-mission: m
-robot: pirate_ii
-start: a
-phases:
-  a: {do: [ClampFront], go: e}
-ends:
-  e: {succeed: ok}
-"""
 
 
 @pytest.fixture(autouse=True)

@@ -12,8 +12,8 @@ from pirate_sm.cli.output.doctor_tables import link_lines, plain_text, sensors_n
 from pirate_sm.diagnosis.facts import (
     BoardFact,
     ChannelFact,
+    DoctorFinding,
     Facts,
-    Finding,
     LinkFact,
     TopicFact,
 )
@@ -89,7 +89,7 @@ def test_the_link_is_told_in_words(facts: Facts) -> None:
     ],
 )
 def test_the_verdict_is_the_last_line(facts: Facts, levels: list, shown: str) -> None:
-    findings = tuple(Finding(level, f"{level} it is") for level in levels)
+    findings = tuple(DoctorFinding(level, f"{level} it is") for level in levels)
     facts = replace(facts, findings=findings)
 
     assert verdict(facts) == shown

@@ -7,7 +7,6 @@ import pytest
 
 from pirate_sm.drawing.graph.graph import Edge, EdgeKind, Graph, NodeKind
 from pirate_sm.drawing.graph.mission_graph import mission_graph
-from pirate_sm.drawing.graph.step_text import every_step
 from pirate_sm.model import mission as model
 
 from ..conftest import MISSIONS, ROOT, drawing, name, read_mission, written
@@ -36,7 +35,7 @@ def ways(mission: model.Mission) -> Counter[tuple[str, EdgeKind]]:
         found.update(ways_out(phase))
         if phase.go:
             found[phase.go, EdgeKind.GO] += 1
-        for step in every_step(phase.do):
+        for step, _ in model.every_step(phase.do):
             if step.on_failure not in {None, "continue"}:
                 found[str(step.on_failure), EdgeKind.FAILURE] += 1
             if isinstance(step, model.WaitStep):

@@ -22,10 +22,6 @@ def command(driver, name):
     return [each for each in driver.of(fx.CommandStatus) if each.name == name]
 
 
-def messages(driver) -> list[str]:
-    return [log.message for log in driver.of(fx.Log)]
-
-
 def hand_back(driver, phase):
     """The operator, who has looked at the robot as it is."""
     driver.give(ev.GoTo(phase, *state_change(driver.robot, driver.state.robot)))
@@ -59,7 +55,7 @@ def test_it_stays_paused_where_the_robot_is_not_as_it_was_looked_at(drive):
     driver.give(ev.GoTo("b", *before))
 
     assert driver.state.mission.paused
-    assert "not any more in the states" in messages(driver)[-1]
+    assert "not any more in the states" in driver.messages[-1]
 
 
 def test_an_unknown_phase_and_a_running_mission_are_told(drive):
@@ -69,7 +65,7 @@ def test_an_unknown_phase_and_a_running_mission_are_told(drive):
     hand_back(driver, "b")
     hand_back(driver, "nowhere")
 
-    assert messages(driver)[-2:] == [
+    assert driver.messages[-2:] == [
         "b does not begin: pause the mission first",
         "nowhere does not begin: the mission has no such phase",
     ]
@@ -105,7 +101,7 @@ def test_handing_back_does_not_drop_the_operators_command_under_way(drive):
     hand_back(driver, "b")
 
     assert driver.state.mission.paused
-    assert messages(driver)[-1] == "b does not begin: a command is under way"
+    assert driver.messages[-1] == "b does not begin: a command is under way"
     assert driver.state.robot.motion is not None
     driver.tick(driver.now + 1)
     assert command(driver, "Brake")[-1].status == "done"

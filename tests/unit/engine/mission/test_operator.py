@@ -34,10 +34,6 @@ ends: {e: {succeed: ok}}
 """
 
 
-def messages(driver) -> list[str]:
-    return [log.message for log in driver.of(fx.Log)]
-
-
 # --- answers
 
 
@@ -55,7 +51,7 @@ def test_an_answer_leads_where_its_choice_says(drive, answer, said):
 
     driver.give(ev.Answer(answer), 0.5)
 
-    assert messages(driver) == [said]
+    assert driver.messages == [said]
     assert driver.of(fx.Ask)[-1] == fx.Ask("", ())
     assert driver.ended.message.startswith(f"After the operator answered '{answer}' (")
 
@@ -74,7 +70,7 @@ def test_something_else_is_no_answer(drive):
 
     driver.give(ev.Answer("up"), 0.5)
 
-    assert messages(driver) == ["'up' is no answer to 'Which way?'"]
+    assert driver.messages == ["'up' is no answer to 'Which way?'"]
     assert driver.ended is None
 
 
@@ -117,7 +113,7 @@ def test_skip_of_a_trigger_that_is_not_there_is_said(drive):
 
     driver.give(ev.Skip("three"))
 
-    assert messages(driver) == ["a does not wait for 'three'"]
+    assert driver.messages == ["a does not wait for 'three'"]
     assert driver.fired == []
 
 
@@ -126,7 +122,7 @@ def test_skip_answers_a_question_as_expected(drive):
 
     driver.give(ev.Skip(), 0.1)
 
-    assert messages(driver) == ["left"]
+    assert driver.messages == ["left"]
 
 
 def test_skip_passes_over_a_command_and_leaves_it_unconfirmed(drive):

@@ -25,10 +25,6 @@ time_limit: 2 min
 """
 
 
-def messages(driver) -> list[str]:
-    return [log.message for log in driver.of(fx.Log)]
-
-
 def test_pause_stops_the_wheels_and_holds_the_clamps(drive):
     driver = drive(MISSION)
     driver.until_waiting("a")
@@ -37,7 +33,7 @@ def test_pause_stops_the_wheels_and_holds_the_clamps(drive):
 
     assert driver.nonzero == pytest.approx(HELD)
     assert driver.states["FrontWheelsState"] == "DrivingForward"
-    assert messages(driver) == ["paused: wheels stopped, deadlines frozen"]
+    assert driver.messages == ["paused: wheels stopped, deadlines frozen"]
 
 
 def test_resume_puts_the_same_actuation_in_force_again(drive):
@@ -50,7 +46,7 @@ def test_resume_puts_the_same_actuation_in_force_again(drive):
     driver.give(ev.Resume(), driver.now + 0.5)
 
     assert driver.setpoints.values == driving
-    assert messages(driver)[-1] == "resumed"
+    assert driver.messages[-1] == "resumed"
 
 
 def test_deadlines_are_later_by_the_length_of_the_pause(drive):
@@ -118,7 +114,7 @@ def test_a_wait_fires_nothing_during_a_pause(drive):
     driver.run(driver.now + 5)
 
     assert driver.fired == []
-    assert messages(driver)[1:] == [
+    assert driver.messages[1:] == [
         "no answer is taken while paused",
         "nothing is passed over while paused",
     ]
@@ -129,10 +125,10 @@ def test_with_an_array_in_flight_the_pause_waits_for_its_fate(drive):
     assert driver.in_flight
 
     driver.give(ev.Pause(), 0.1)
-    assert messages(driver) == []
+    assert driver.messages == []
     driver.accept()
 
-    assert messages(driver) == ["paused: wheels stopped, deadlines frozen"]
+    assert driver.messages == ["paused: wheels stopped, deadlines frozen"]
     assert driver.states["BendingState"] == "FrontClampedRearRelaxed"
     assert driver.statuses == [("ClampFront", "sent"), ("ClampFront", "accepted")]
 
@@ -237,12 +233,12 @@ def test_in_another_configuration_the_mission_stays_paused(drive):
 
     driver.give(ev.Resume())
 
-    assert messages(driver)[-1] == "still paused: the configuration has been changed"
+    assert driver.messages[-1] == "still paused: the configuration has been changed"
     assert driver.nonzero == pytest.approx(HELD)
     command(driver, "DriveForward")
     driver.until_done("DriveForward", 2)
     driver.give(ev.Resume())
-    assert messages(driver)[-1] == "resumed"
+    assert driver.messages[-1] == "resumed"
 
 
 def test_it_stays_paused_while_the_stop_is_in_flight(drive):
@@ -252,7 +248,7 @@ def test_it_stays_paused_while_the_stop_is_in_flight(drive):
 
     driver.give(ev.Resume())
 
-    assert messages(driver)[-1] == "still paused: setpoints are in flight"
+    assert driver.messages[-1] == "still paused: setpoints are in flight"
 
 
 def test_it_stays_paused_while_the_operators_command_is_under_way(drive):
@@ -273,7 +269,7 @@ ends: {e: {succeed: ok}}
 
     driver.give(ev.Resume())
 
-    assert messages(driver)[-1] == "still paused: a command is under way"
+    assert driver.messages[-1] == "still paused: a command is under way"
 
 
 def test_a_refused_stop_is_no_pause(drive):
@@ -292,7 +288,7 @@ def test_a_pause_before_anything_was_sent_sends_nothing(drive):
     driver.give(ev.Resume(), 0.2)
 
     assert driver.of(fx.Setpoints) == []
-    assert messages(driver)[-1] == "resumed"
+    assert driver.messages[-1] == "resumed"
 
 
 def test_a_pause_of_a_robot_that_drives_from_the_start_knows_every_value_again(drive):
@@ -360,7 +356,7 @@ def test_resume_takes_back_a_pause_that_has_not_begun(drive):
 
     driver.accept()
 
-    assert messages(driver) == []
+    assert driver.messages == []
 
 
 def test_step_does_one_step_and_pauses_again(drive):
@@ -372,19 +368,19 @@ def test_step_does_one_step_and_pauses_again(drive):
     driver.accept()
     driver.give(ev.Answer("on"))
     assert driver.fired == ["b_2"]
-    assert messages(driver)[-1] == "paused: wheels stopped, deadlines frozen"
+    assert driver.messages[-1] == "paused: wheels stopped, deadlines frozen"
     driver.accept()
 
     driver.give(ev.Step())
     driver.accept()
     driver.until_done("Brake")
-    assert messages(driver)[-1].startswith("paused")
-    assert "one" not in messages(driver)
+    assert driver.messages[-1].startswith("paused")
+    assert "one" not in driver.messages
 
     driver.give(ev.Step())
-    assert [m for m in messages(driver) if m in ("one", "two")] == ["one"]
+    assert [m for m in driver.messages if m in ("one", "two")] == ["one"]
     driver.give(ev.Step())
-    assert [m for m in messages(driver) if m in ("one", "two")] == ["one", "two"]
+    assert [m for m in driver.messages if m in ("one", "two")] == ["one", "two"]
 
 
 def test_step_of_a_running_mission_pauses_it(drive):
@@ -393,7 +389,7 @@ def test_step_of_a_running_mission_pauses_it(drive):
 
     driver.give(ev.Step())
 
-    assert messages(driver) == ["paused: wheels stopped, deadlines frozen"]
+    assert driver.messages == ["paused: wheels stopped, deadlines frozen"]
 
 
 # --- what a pause leaves unconfirmed, and taking over a command

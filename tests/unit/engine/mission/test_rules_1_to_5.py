@@ -9,11 +9,6 @@ from pirate_sm.loading.problems import LoadError
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 
-
-def texts(driver) -> list[str]:
-    return [log.message for log in driver.of(fx.Log)]
-
-
 # --- 1. Steps run one after the other, each awaited until it is done
 
 
@@ -26,11 +21,11 @@ ends: {e: {succeed: ok}}
 """)
     driver.accept()
     driver.run(3.0)
-    assert texts(driver) == []
+    assert driver.messages == []
 
     driver.until_done("ToggleLighting")
 
-    assert texts(driver) == ["clamped"]
+    assert driver.messages == ["clamped"]
     order = [status for status in driver.statuses if status[1] in ("sent", "done")]
     assert order == [
         ("ClampFront", "sent"),
@@ -72,7 +67,7 @@ ends: {e: {succeed: ok}}
     driver.until(lambda d: d.ended)
 
     assert driver.statuses.count(("ToggleLighting", "done")) == 3
-    assert texts(driver) == ["was off", "after 3 s", "blink: Blinked", "now on"]
+    assert driver.messages == ["was off", "after 3 s", "blink: Blinked", "now on"]
 
 
 # --- 2. starts_in is checked at start and at every call
@@ -264,7 +259,7 @@ phases:
   rescue: {go: e}
 ends: {e: {succeed: ok}}
 """)
-    assert texts(driver)[-1] == "went on"
+    assert driver.messages[-1] == "went on"
     assert driver.ended.outcome == "succeeded"
 
 

@@ -16,10 +16,6 @@ from pirate_sm.model import events as ev
 CLOSE = ev.DetectorWord("close", 5.0)
 
 
-def texts(driver) -> list[str]:
-    return [log.message for log in driver.of(fx.Log)]
-
-
 # --- 6. Conditions at every input and deadline; the order of a tie is in test_order.py
 
 
@@ -176,7 +172,7 @@ phases:
     go: e
 ends: {e: {succeed: ok}}
 """)
-    logs = texts(driver)
+    logs = driver.messages
     assert logs[1:] != []
     assert "is unknown, not taken" in logs[0]
     assert "is unknown, not taken" in logs[1]
@@ -190,7 +186,7 @@ phases:
   a: {do: [{log: yes, if: gamma_1 > 0 deg or LightingState == Off}], go: e}
 ends: {e: {succeed: ok}}
 """)
-    assert texts(driver) == ["yes"]
+    assert driver.messages == ["yes"]
 
 
 # --- 9. The detector's word is a latched level with a time of validity
@@ -258,7 +254,7 @@ def test_rule_9_a_word_that_the_robot_does_not_know_is_logged(drive):
     driver = drive(DETECTING)
     driver.give(ev.DetectorWord("beware", 5.0), 0.1)
 
-    assert texts(driver) == ["the detector said 'beware', an unknown word"]
+    assert driver.messages == ["the detector said 'beware', an unknown word"]
 
 
 # --- 10. A fault's go acts when the array is resolved and the wheels are stopped: test_faults.py

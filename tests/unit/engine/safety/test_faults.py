@@ -6,7 +6,15 @@ import math
 from dataclasses import replace
 
 import pytest
-from driving import BOTH_CLAMPED, IDLE, REAR_CLAMPED, Driver, command, write_mission
+from driving import (
+    BOTH_CLAMPED,
+    IDLE,
+    REAR_CLAMPED,
+    Driver,
+    changed_newt,
+    command,
+    write_mission,
+)
 
 from pirate_sm.engine.mission.program import HandlerSpec
 from pirate_sm.model import effects as fx
@@ -488,6 +496,19 @@ def test_a_board_that_is_silent_again_is_reported_again(drive):
     without_board(driver, 22, driver.now + 2.0)
 
     assert driver.faults == [("sensor.silent", "continue")] * 2
+
+
+def test_a_fault_rule_still_sees_the_detector_while_a_pause_has_stopped_the_wheels(drive, tmp_path):
+    rule = ("when: amps_a > 280 mA\n    held: 10 s", "when: detector == near\n    held: 0.1 s")
+    driven = {"Grip": "BothHeld", "Crawl": "Ahead", "Lamp": "Dark"}
+    driver = drive(IDLE, changed_newt(tmp_path, rule), states=driven)
+    driver.give(ev.Pause())
+    driver.accept()
+    driver.give(ev.DetectorWord("near", 1.0))
+
+    driver.run(driver.now + 0.5)
+
+    assert driver.faults == [("motor.hot", "stop")]
 
 
 def test_a_fault_rule_still_sees_the_states_that_drive_no_wheel(drive):

@@ -300,13 +300,18 @@ def test_a_chart_that_is_too_large_is_refused(monkeypatch):
 # --- compound states and several events
 
 
+def moving_newt(folder: Path, moving: str) -> Path:
+    """A newt whose states of moving ahead and astern are written otherwise."""
+    robot = folder / "newt"
+    shutil.copytree(NEWT, robot)
+    text = (robot / "chart.yaml").read_text("utf-8")
+    begin, end = text.index("          Crawl.Ahead:\n"), text.index("      Lamp:\n")
+    (robot / "chart.yaml").write_text(text[:begin] + moving + text[end:], "utf-8")
+    return robot
+
+
 def test_a_compound_state_comes_to_the_table_of_its_states_written_one_by_one(tmp_path):
     usual = load_robot(NEWT).table
-    robot = tmp_path / "newt"
-    shutil.copytree(NEWT, robot)
-    chart = robot / "chart.yaml"
-    text = chart.read_text("utf-8")
-    begin, end = text.index("          Crawl.Ahead:\n"), text.index("      Lamp:\n")
     moving = """\
           Crawl.Moving:
             transitions: [{event: Rest Home, target: Crawl.Resting}]
@@ -314,9 +319,8 @@ def test_a_compound_state_comes_to_the_table_of_its_states_written_one_by_one(tm
               Crawl.Ahead: {initial: true}
               Crawl.Astern: {}
 """
-    chart.write_text(text[:begin] + moving + text[end:], "utf-8")
 
-    table = load_robot(robot).table
+    table = load_robot(moving_newt(tmp_path, moving)).table
 
     assert table.states == usual.states
     assert table.configurations == usual.configurations
@@ -407,18 +411,15 @@ def test_compound_states_do_in_the_table_what_they_do_in_the_library(chart):
 
 
 def test_a_command_is_refused_with_the_states_that_a_compound_one_stands_for(tmp_path):
-    robot = tmp_path / "newt"
-    shutil.copytree(NEWT, robot)
-    chart = robot / "chart.yaml"
-    text = chart.read_text("utf-8")
-    begin, end = text.index("          Crawl.Ahead:\n"), text.index("      Lamp:\n")
     moving = """\
           Crawl.Moving:
             transitions: [{event: [Rest, Home], target: Crawl.Resting}]
             states: {Crawl.Ahead: {initial: true}, Crawl.Astern: {}}
 """
-    text = text[:begin] + moving + text[end:]
-    chart.write_text(text.replace("In('Crawl.Resting')", "not In('Crawl.Moving')"), "utf-8")
+    robot = moving_newt(tmp_path, moving)
+    chart = (robot / "chart.yaml").read_text("utf-8")
+    chart = chart.replace("In('Crawl.Resting')", "not In('Crawl.Moving')")
+    (robot / "chart.yaml").write_text(chart, "utf-8")
 
     table = load_robot(robot).table
 

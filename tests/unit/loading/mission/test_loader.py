@@ -292,7 +292,7 @@ def test_an_argument_that_does_not_fit_is_refused(load, options, message):
 
 def test_a_parameter_without_a_default_must_be_given(load):
     text = with_line("parameters: {way: {type: length}}")
-    with pytest.raises(UsageError, match="'way' has no default: give it with --set way="):
+    with pytest.raises(UsageError, match=r"'way' has no default: give it with set=\{'way': "):
         load(text)
 
     assert load(text, settings={"way": "5 cm"}).parameters == {"way": "5 cm"}

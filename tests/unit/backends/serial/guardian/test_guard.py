@@ -100,7 +100,7 @@ def test_it_has_nothing_to_send_before_anything_was_set_in_motion() -> None:
     guard.hear(Note(Kind.BEAT, b""), 0.0)
 
     assert guard.due_s == inf
-    assert guard.bereave(1.0) == [EndGuardian()]
+    assert guard.runner_gone(1.0) == [EndGuardian()]
 
 
 def test_what_a_runner_wrote_before_it_stood_still_does_not_pass_until_it_has_understood() -> None:
@@ -114,7 +114,7 @@ def test_what_a_runner_wrote_before_it_stood_still_does_not_pass_until_it_has_un
 
 def test_when_the_runner_dies_the_safe_frame_is_repeated_until_it_is_echoed() -> None:
     guard = beating()
-    assert guard.bereave(0.1) == [ToPort(SAFE)]
+    assert guard.runner_gone(0.1) == [ToPort(SAFE)]
     assert written(until(guard, 0.35)) == [(0.2, SAFE), (0.3, SAFE)]
 
     assert guard.receive(ECHOED, 0.36) == [ToPort(STOP), EndGuardian()]
@@ -122,7 +122,7 @@ def test_when_the_runner_dies_the_safe_frame_is_repeated_until_it_is_echoed() ->
 
 def test_bytes_that_a_talking_device_says_end_nothing() -> None:
     guard = beating()
-    guard.bereave(0.1)
+    guard.runner_gone(0.1)
 
     assert guard.receive(encode(FIRST_PUBLISHER + 1, b"a state"), 0.2) == []
     assert guard.receive(b"a", 0.2) == []
@@ -132,7 +132,7 @@ def test_bytes_that_a_talking_device_says_end_nothing() -> None:
 
 def test_an_unconfirmed_stop_is_tried_for_as_long_as_it_was_told_and_no_longer() -> None:
     guard = beating()
-    done = [(0.0, each) for each in guard.bereave(0.0)] + until(guard, 2 * STAY_S)
+    done = [(0.0, each) for each in guard.runner_gone(0.0)] + until(guard, 2 * STAY_S)
     safe_s = [at_s for at_s, data in written(done) if data == SAFE]
 
     assert done[-1] == (STAY_S, EndGuardian(stopped=False))
@@ -151,7 +151,7 @@ def test_the_safe_frame_waits_until_the_ring_of_the_device_has_room() -> None:
     guard = beating()
     guard.hear(Note(Kind.WRITE, bytes(48)), 0.1)
 
-    assert guard.bereave(0.11) == []
+    assert guard.runner_gone(0.11) == []
     assert written(until(guard, 0.2))[0] == (0.13, SAFE)
 
 
@@ -159,7 +159,7 @@ def test_a_late_echo_of_what_the_runner_wrote_itself_confirms_nothing() -> None:
     guard = beating()
     guard.hear(Note(Kind.WRITE, SAFE), 0.0)
     guard.hear(Note(Kind.WRITE, DRIVE), 0.05)
-    guard.bereave(0.06)
+    guard.runner_gone(0.06)
     until(guard, 0.1)
 
     assert guard.receive(ECHOED, 0.12) == []
@@ -170,7 +170,7 @@ def test_a_late_echo_of_what_the_runner_wrote_itself_confirms_nothing() -> None:
 def test_a_port_that_comes_back_to_no_runner_is_opened_and_asked_for_its_new_numbers() -> None:
     guard = beating()
     guard.lost("unplugged", 0.1)
-    assert guard.bereave(0.2) == []
+    assert guard.runner_gone(0.2) == []
     done = until(guard, 9.0)
     assert {each for _, each in done} == {Reopen()}
     assert done[1][0] - done[0][0] == pytest.approx(REOPEN_EVERY_S)
@@ -189,7 +189,7 @@ def test_a_port_that_comes_back_to_no_runner_is_opened_and_asked_for_its_new_num
 
 def test_numbers_that_were_learnt_before_the_port_went_away_again_are_not_used_after() -> None:
     guard = beating()
-    guard.bereave(0.0)
+    guard.runner_gone(0.0)
     guard.receive(introductions(7) * 2, 0.1)
     guard.lost("unplugged", 0.2)
     guard.opened(5.0)
@@ -200,7 +200,7 @@ def test_numbers_that_were_learnt_before_the_port_went_away_again_are_not_used_a
 
 def test_a_device_that_was_reset_in_between_is_asked_while_the_old_number_goes_on() -> None:
     guard = beating()
-    guard.bereave(0.0)
+    guard.runner_gone(0.0)
     data = {data for _, data in written(until(guard, 1.0))}
 
     assert data == {SAFE, ASK}
@@ -210,7 +210,7 @@ def test_a_port_that_cannot_be_opened_at_first_is_tried_again() -> None:
     guard = Guard(Instructions(0.3, WANTED, BOOT_S))
     guard.hear(Note(Kind.BEAT, SAFE), 0.0)
     guard.refused("not there", 0.0)
-    guard.bereave(0.1)
+    guard.runner_gone(0.1)
 
     assert until(guard, 0.6) == [(0.5, Reopen())]
 
@@ -234,7 +234,7 @@ def test_a_runner_that_dies_after_it_was_overruled_leaves_a_robot_that_is_safe_a
     until(guard, 0.31)
     guard.receive(ECHOED, 0.35)
 
-    assert guard.bereave(1.0) == [ToPort(STOP), EndGuardian()]
+    assert guard.runner_gone(1.0) == [ToPort(STOP), EndGuardian()]
 
 
 def test_a_confirmed_stop_counts_no_more_once_the_runner_drives_again() -> None:
@@ -244,4 +244,4 @@ def test_a_confirmed_stop_counts_no_more_once_the_runner_drives_again() -> None:
     guard.hear(Note(Kind.HEED), 0.4)
     guard.hear(Note(Kind.WRITE, DRIVE), 0.5)
 
-    assert guard.bereave(1.0) == [ToPort(SAFE)]
+    assert guard.runner_gone(1.0) == [ToPort(SAFE)]

@@ -129,7 +129,7 @@ class World:
             self._befall_line(event)
         elif event == "the runner dies" and self.alive:
             self.alive, self.alone_s = False, self.now
-            self.do(self.guard.bereave(self.now))
+            self.do(self.guard.runner_gone(self.now))
         elif "guardian" in event:
             self.asleep = event.endswith("still")
         else:

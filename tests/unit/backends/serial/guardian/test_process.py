@@ -72,10 +72,34 @@ def _driven(bench: Bench, runner: subprocess.Popen[str]) -> int:
     return guardian
 
 
-def _leave_alone(runner: subprocess.Popen[str]) -> None:
-    """Kill the runner, and wait until its guardian has noted that it is alone."""
+def _opened(bench: Bench, instructions: Instructions) -> GuardedPort:
+    port = GuardedPort(bench.name, 57600, instructions)
+    port.open()
+    return port
+
+
+def _driving(bench: Bench, instructions: Instructions) -> GuardedPort:
+    """An open port, with which the robot has been driven and can be stopped."""
+    port = _opened(bench, instructions)
+    port.beat(SAFE)
+    port.write(DRIVE)
+    bench.hear(b"drive")
+    return port
+
+
+def _guardian_of(port: GuardedPort) -> int:
+    assert port.guardian_pid is not None
+    return port.guardian_pid
+
+
+def _end(runner: subprocess.Popen[str]) -> None:
     runner.kill()
     runner.wait()
+
+
+def _leave_alone(runner: subprocess.Popen[str]) -> None:
+    """Kill the runner, and wait until its guardian has noted that it is alone."""
+    _end(runner)
     _await_file()
 
 
@@ -128,12 +152,9 @@ def test_the_guardian_outlives_its_runner_while_a_device_that_talks_confirms_not
     bench: Bench, runner: subprocess.Popen[str]
 ) -> None:
     """A silent device hid that a byte after the runner's death could end the guardian."""
-    assert runner.stdout is not None
-    guardian = int(runner.stdout.readline())
-    bench.hear(b"drive")
+    guardian = _driven(bench, runner)
     bench.echoes = False
-    runner.kill()
-    runner.wait()
+    _end(runner)
     bench.wait(lambda: sum(each == b"safe" for _, each in bench.applied) > 5, "repeats")
     assert not _gone(guardian, 0.0)
 
@@ -145,15 +166,12 @@ def test_the_guardian_outlives_its_runner_while_a_device_that_talks_confirms_not
 def test_however_the_runner_ends_the_safe_frame_follows_within_half_a_second(
     bench: Bench, runner: subprocess.Popen[str], how: signal.Signals
 ) -> None:
-    assert runner.stdout is not None
-    guardian = int(runner.stdout.readline())
-    bench.hear(b"drive")
+    guardian = _driven(bench, runner)
     ended_s = time.monotonic()
     runner.send_signal(how)
 
     assert bench.hear(b"safe") - ended_s < 0.5
-    runner.kill()
-    runner.wait()
+    _end(runner)
     assert _gone(guardian)
 
 
@@ -176,9 +194,7 @@ def test_a_runner_that_stood_still_is_told_however_much_the_device_has_said_mean
 def test_the_terminals_interrupt_does_not_reach_the_guardian_and_a_termination_ends_safely(
     bench: Bench, runner: subprocess.Popen[str]
 ) -> None:
-    assert runner.stdout is not None
-    guardian = int(runner.stdout.readline())
-    bench.hear(b"drive")
+    guardian = _driven(bench, runner)
     os.kill(guardian, signal.SIGINT)
     os.kill(guardian, signal.SIGHUP)
     os.kill(guardian, signal.SIGTERM)
@@ -188,28 +204,22 @@ def test_the_terminals_interrupt_does_not_reach_the_guardian_and_a_termination_e
 
 
 def test_it_relays_and_leaves_quietly(bench: Bench) -> None:
-    port = GuardedPort(bench.name, 57600, PATIENT)
-    port.open()
-    port.beat(SAFE)
-    port.write(DRIVE)
-    bench.hear(b"drive")
+    port = _driving(bench, PATIENT)
     bench.say(b"hello")
     heard = b""
     give_up_s = port.now() + PATIENCE_S
     while b"hello" not in heard and port.now() < give_up_s:
         heard += port.read(give_up_s)
     assert b"hello" in heard
-    guardian = port.guardian_pid
+    guardian = _guardian_of(port)
     port.close(stopped=True)
 
-    assert guardian is not None
     assert _gone(guardian)
     assert [payload for _, payload in bench.applied] == [b"drive"]
 
 
 def test_a_port_is_for_one_program_only(bench: Bench) -> None:
-    first = GuardedPort(bench.name, 57600, PATIENT)
-    first.open()
+    first = _opened(bench, PATIENT)
 
     with pytest.raises(BackendError, match="in use by another program"):
         GuardedPort(bench.name, 57600, PATIENT).open()
@@ -230,8 +240,7 @@ def test_a_wrong_port_is_told_as_what_it_is(name: str, message: str) -> None:
 
 
 def test_a_port_that_goes_away_is_lost(bench: Bench) -> None:
-    port = GuardedPort(bench.name, 57600, PATIENT)
-    port.open()
+    port = _opened(bench, PATIENT)
     bench.unplug()
 
     with pytest.raises(PortLostError, match="has gone"):
@@ -240,10 +249,8 @@ def test_a_port_that_goes_away_is_lost(bench: Bench) -> None:
 
 
 def test_a_guardian_that_dies_is_a_lost_port_and_the_next_one_takes_over(bench: Bench) -> None:
-    port = GuardedPort(bench.name, 57600, PATIENT)
-    port.open()
-    assert port.guardian_pid is not None
-    os.kill(port.guardian_pid, signal.SIGKILL)
+    port = _opened(bench, PATIENT)
+    os.kill(_guardian_of(port), signal.SIGKILL)
     with pytest.raises(PortLostError, match="guardian of the port has died"):
         _read_on(port)
 
@@ -254,10 +261,8 @@ def test_a_guardian_that_dies_is_a_lost_port_and_the_next_one_takes_over(bench: 
 
 
 def test_a_guardian_that_hangs_is_noticed_killed_and_replaced(bench: Bench) -> None:
-    port = GuardedPort(bench.name, 57600, INSTRUCTIONS)
-    port.open()
-    hung = port.guardian_pid
-    assert hung is not None
+    port = _opened(bench, INSTRUCTIONS)
+    hung = _guardian_of(port)
     _beat_on(port, 0.3)
     os.kill(hung, signal.SIGSTOP)
 
@@ -287,8 +292,7 @@ def test_a_port_that_returns_after_the_runner_has_died_is_opened_by_the_guardian
 ) -> None:
     guardian = _driven(bench, runner)
     bench.unplug()
-    runner.kill()
-    runner.wait()
+    _end(runner)
     bench.plug(shift=3)  # its topics have other numbers now
 
     bench.hear(b"safe")
@@ -297,16 +301,11 @@ def test_a_port_that_returns_after_the_runner_has_died_is_opened_by_the_guardian
 
 
 def test_a_runner_that_gives_up_leaves_the_guardian_and_says_so(bench: Bench) -> None:
-    port = GuardedPort(bench.name, 57600, INSTRUCTIONS)
-    port.open()
-    port.beat(SAFE)
-    port.write(DRIVE)
-    bench.hear(b"drive")
+    port = _driving(bench, INSTRUCTIONS)
     bench.unplug()
-    guardian = port.guardian_pid
+    guardian = _guardian_of(port)
     port.close(stopped=False)
 
-    assert guardian is not None
     assert port.remark() == (
         "cut the robot's power: it has not confirmed that it stopped. A guardian of the port "
         f"(process {guardian}) goes on trying for 1 min, and gives the port to a new run; "
@@ -321,13 +320,8 @@ def test_a_runner_that_gives_up_leaves_the_guardian_and_says_so(bench: Bench) ->
 def test_a_guardian_that_hangs_when_the_runner_leaves_is_replaced_by_one_that_stops_the_robot(
     bench: Bench,
 ) -> None:
-    port = GuardedPort(bench.name, 57600, INSTRUCTIONS)
-    port.open()
-    port.beat(SAFE)
-    port.write(DRIVE)
-    bench.hear(b"drive")
-    assert port.guardian_pid is not None
-    os.kill(port.guardian_pid, signal.SIGSTOP)
+    port = _driving(bench, INSTRUCTIONS)
+    os.kill(_guardian_of(port), signal.SIGSTOP)
     port.close(stopped=False)
 
     bench.hear(b"safe")
@@ -343,8 +337,7 @@ def test_a_new_run_gets_the_port_from_the_guardian_and_the_stop_comes_first(
     bench.plug()
     bench.hears = True
     bench.applied.clear()
-    port = GuardedPort(bench.name, 57600, INSTRUCTIONS)
-    port.open()
+    port = _opened(bench, INSTRUCTIONS)
 
     assert _gone(guardian, 0.0)
     assert [payload for _, payload in bench.applied[:1]] == [b"safe"]
@@ -422,8 +415,7 @@ def test_whoever_reads_the_output_of_a_run_does_not_wait_for_its_guardian(
     ours = {str(each.readlink()) for each in Path(f"/proc/{runner.pid}/fd").iterdir()}
     theirs = {str(each.readlink()) for each in Path(f"/proc/{guardian}/fd").iterdir()}
     assert not {each for each in ours & theirs if each.startswith("pipe:")}
-    runner.kill()
-    runner.wait()
+    _end(runner)
     assert _gone(guardian)
 
 
@@ -431,10 +423,8 @@ def test_a_guardian_that_hangs_until_the_pipe_to_it_is_full_is_not_left_behind(
     bench: Bench,
 ) -> None:
     """It was taken for one that had gone; it would have had the port as soon as it woke."""
-    port = GuardedPort(bench.name, 57600, INSTRUCTIONS)
-    port.open()
-    hung = port.guardian_pid
-    assert hung is not None
+    port = _opened(bench, INSTRUCTIONS)
+    hung = _guardian_of(port)
     os.kill(hung, signal.SIGSTOP)
     with pytest.raises(PortLostError, match="did not answer"):
         _write_on(port)
@@ -459,10 +449,8 @@ def test_a_guardian_that_does_not_answer_has_not_opened_the_port(
 
 
 def test_whoever_writes_to_a_guardian_that_has_died_is_told_so(bench: Bench) -> None:
-    port = GuardedPort(bench.name, 57600, PATIENT)
-    port.open()
-    assert port.guardian_pid is not None
-    os.kill(port.guardian_pid, signal.SIGKILL)
+    port = _opened(bench, PATIENT)
+    os.kill(_guardian_of(port), signal.SIGKILL)
     assert _gone(port.guardian_pid)
 
     with pytest.raises(PortLostError, match="guardian of the port has died"):

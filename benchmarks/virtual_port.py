@@ -17,19 +17,19 @@ _EPOCH_S = 1.7e9
 
 
 class Device(Protocol):
-    """The device at the other end; calls come in order of time."""
+    """The emulated device; calls come in order of time."""
 
     @property
     def due_s(self) -> float:
-        """When something may come from it, if it is left alone."""
+        """When it may send something, if it receives nothing."""
         ...
 
     def open(self, now_s: float) -> None:
-        """Note that its port has been opened."""
+        """Handle that the host has opened the port."""
         ...
 
     def close(self, now_s: float) -> None:
-        """Note that its port has been closed."""
+        """Handle that the host has closed the port."""
         ...
 
     def receive(self, data: bytes, now_s: float) -> None:
@@ -37,7 +37,7 @@ class Device(Protocol):
         ...
 
     def advance(self, now_s: float) -> bytes:
-        """Return what has come to the host since the last call."""
+        """Return what the host has received since the last call."""
         ...
 
 
@@ -45,14 +45,14 @@ class VirtualPort:
     """A port whose guardian and device run in this process, in one virtual time.
 
     Args:
-        device: What is at the other end.
-        silence_s: The guardian's patience with the runner; infinite: there is none.
-        wanted: The robot's topics, for which the guardian asks after the cable was out.
+        device: The emulated device.
+        silence_s: After this silence of the runner the guardian acts; infinite for no guardian.
+        wanted: The robot's topics, for which the guardian asks after the cable was unplugged.
 
     Attributes:
-        device: As given.
-        written: When something was written to the device, and what.
-        plugged: Whether the cable is in.
+        device: The emulated device.
+        written: Time and bytes of each writing to the device.
+        plugged: Whether the cable is plugged in.
     """
 
     name = "virtual"
@@ -79,7 +79,7 @@ class VirtualPort:
         self._do([Reopen()])
 
     def reopen(self) -> bool:
-        """Open the port if the cable is in again; return whether it is."""
+        """Open the port if the cable is plugged in; return whether it is."""
         self._notice_cable()
         if self.plugged and not self._connected:
             self.open()
@@ -91,47 +91,47 @@ class VirtualPort:
         self._do(self._guard.hear(Note(Kind.WRITE, data), self._now_s))
 
     def read(self, until_s: float) -> bytes:
-        """Return what has come, as soon as anything has."""
+        """Return received bytes as soon as there are any."""
         self._need_cable()
         self._run(until_s, stop_at_data=True)
         return self._data.popleft() if self._data else b""
 
     def wait(self, until_s: float) -> None:
-        """Pass the time until then; what comes meanwhile is still to be read."""
+        """Let time pass until then; bytes received meanwhile stay readable."""
         self._run(until_s, stop_at_data=False)
 
     def beat(self, safe_frame: bytes) -> None:
         """Give the guardian a sign of life and the safe frame."""
         self._do(self._guard.hear(Note(Kind.BEAT, safe_frame), self._now_s))
-        self._need_cable()  # as one hears from a guardian without a port
+        self._need_cable()  # a real guardian without a port reports this too
 
     def overruled(self) -> bool:
-        """Return whether the guardian has acted; it relays again from now on."""
+        """Return whether the guardian has acted; from now on it relays again."""
         overruled, self._overruled = self._overruled, False
         if overruled:
             self._do(self._guard.hear(Note(Kind.HEED), self._now_s))
         return overruled
 
     def remark(self) -> str:
-        """Return nothing: nobody else has had this one."""
+        """Return an empty text: no other run can have had this port."""
         return ""
 
     def close(self, stopped: bool = False) -> None:
-        """Let what was written arrive; a guardian that stays acts while :meth:`wait` goes on."""
+        """Let written bytes arrive; a guardian that stays acts while :meth:`wait` runs."""
         if not stopped:
-            self._do(self._guard.bereave(self._now_s))
+            self._do(self._guard.runner_gone(self._now_s))
         self.wait(self._now_s + 0.1)
         if stopped or self._guard.confirmed or not self._guard.payload:
             self.device.close(self._now_s)
 
     def die(self, until_s: float) -> None:
         """Kill the runner, and give the guardian until then to act."""
-        self._do(self._guard.bereave(self._now_s))
+        self._do(self._guard.runner_gone(self._now_s))
         self.wait(until_s)
 
     def _notice_cable(self) -> None:
-        """Tell the guardian that the cable was pulled."""
-        self.now()  # a cable may be pulled at a certain time
+        """Report to the guardian that the cable was unplugged."""
+        self.now()  # the cable may be scheduled to be unplugged
         if self._connected and not self.plugged:
             self._connected = False
             self._do(self._guard.lost("the cable is out", self._now_s))

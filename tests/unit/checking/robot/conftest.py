@@ -1,0 +1,13 @@
+"""Charts that are explored here are kept where no other test and no user sees them."""
+
+from __future__ import annotations
+
+import pytest
+
+from pirate_sm.loading.chart import table_cache as chart_cache
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path_factory.getbasetemp() / "cache"
+    monkeypatch.setattr(chart_cache, "cache_folder", lambda: folder)
