@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from pirate_sm.detectors.registry import Places
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.robot.twin_file import load_twin, with_twin
 from pirate_sm.registry import Plugin
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 from pirate_sm.wiring.run_order import USE_TRACE, Order
@@ -23,6 +26,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """Return the simulator with the robot at the mission's start.
 
     Raises:
+        LoadError: The file with the robot's numbers cannot be used.
         UsageError: There is no pipe, an option is for another backend, or the extra ``sim`` is not
             installed.
     """
@@ -44,8 +48,11 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         ) from None
     if not is_compiled():
         say(COMPILING)
+    profile = loaded.loaded_robot.profile
+    if order.twin is not None:
+        profile = with_twin(profile, load_twin(Path(order.twin), profile))
     backend = SimulatorBackend(
-        loaded.loaded_robot.profile,
+        profile,
         loaded.pipe,
         seed=order.seed,
         start_values=start_values(loaded),

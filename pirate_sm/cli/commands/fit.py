@@ -1,4 +1,4 @@
-"""`pirate fit`: curves of slip and friction from recordings."""
+"""`pirate fit`: slip and friction from recordings, or the numbers of a robot."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from pirate_sm.cli.options.estimates import FitOptions
 from pirate_sm.cli.options.values import read_length, read_slip_speed
 from pirate_sm.cli.output.csv_table import write_csv
+from pirate_sm.cli.output.estimate_text import estimate_text
 from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.errors import UsageError
@@ -24,7 +25,7 @@ NOTHING = 1
 
 
 def run_fit(options: FitOptions) -> int:
-    """Print what recordings say of slip and friction; return the exit code.
+    """Print what recordings say of slip and friction, or of the robot; return the exit code.
 
     Raises:
         RecordingError: A recording cannot be read.
@@ -33,6 +34,10 @@ def run_fit(options: FitOptions) -> int:
     # On a busy machine its threads wait for each other far longer than small matrices take.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     refuse_losses([each for each in (options.output, options.csv, options.write) if each])
+    if options.robot:
+        from pirate_sm.cli.commands.fit_robot import fit_robot
+
+        return fit_robot(options)
     from pirate_sm.fitting.columns import read_measured
 
     with progress("reading") as watch:
@@ -108,19 +113,6 @@ def _lines(wheel: str, curve: SlipCurve) -> Iterable[str]:
         numbers = zip(NAMES, curve.magic.parameters, curve.magic.interval, strict=True)
         parameters = ", ".join(f"{each} {value:.4g} ± {half:.2g}" for each, value, half in numbers)
         yield f"  Magic formula: {parameters}; misfit {curve.magic.misfit:.4f} (rms)"
-
-
-def estimate_text(estimate: Estimate, unit: str = "", digits: int = 3) -> str:
-    """Return a value with its interval, or why it is unknown."""
-    if not estimate.known:
-        bound = (
-            "" if estimate.low != estimate.low else f"at least {estimate.low:.{digits}f}{unit}, "
-        )
-        return f"{bound}unknown: {estimate.reason}"
-    if estimate.low != estimate.low:
-        return f"{estimate.value:.{digits}f}{unit}"
-    between = f"[{estimate.low:.{digits}f}, {estimate.high:.{digits}f}]"
-    return f"{estimate.value:.{digits}f}{unit} {between}"
 
 
 _HEADER = ("wheel", "what", "value", "low", "high", "reason")

@@ -76,6 +76,12 @@ Defects = Annotated[
     list[str] | None,
     typer.Option("--defect", metavar="NAME", help="Switch on a known defect. Repeatable."),
 ]
+Twin = Annotated[
+    str | None,
+    typer.Option(
+        "--twin", metavar="FILE", help="Numbers of the simulated robot, from pirate fit --robot."
+    ),
+]
 
 Port = Annotated[str, typer.Option(metavar="PORT", help="/dev/ttyACM0, or a pyserial URL.")]
 PortOfRobot = Annotated[

@@ -26,6 +26,10 @@ class FitOptions:
         list[str],
         typer.Argument(metavar="RUN...", help="Recordings (.mcap) or tables of signals (.csv)."),
     ]
+    robot: Annotated[
+        bool,
+        typer.Option("--robot", help="Estimate the robot's motors and friction instead."),
+    ] = False
     slip: Annotated[str, typer.Option(metavar="SIGNAL", help="Slip speeds of the wheels.")] = (
         "slip_speed_{}"
     )
@@ -52,8 +56,8 @@ class FitOptions:
     write: Annotated[
         Path | None,
         typer.Option(
-            metavar="PIPE",
-            help="Write what was found into this pipe file.",
+            metavar="FILE",
+            help="Write friction into this pipe file; with --robot: numbers for --twin.",
         ),
     ] = None
     output: Annotated[
@@ -67,9 +71,10 @@ class FitOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class ExperimentOptions:
-    """Repeat the experiments of the robot's thesis; its values stand beside ours.
+    """Repeat the experiments of the thesis.
 
-    Each row has a verdict: reproduced, shape only, or not reproducible, with the reason.
+    Its values stand beside ours. Each row has a verdict: reproduced, shape only, or not
+    reproducible, with the reason.
 
     Exit codes: 0 every value that can be reproduced is, 1 one is not, 2 a file cannot be used.
     """

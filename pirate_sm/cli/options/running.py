@@ -39,6 +39,7 @@ class RunOptions:
         ),
     ] = None
     defects: common.Defects = None
+    twin: common.Twin = None
     fire: Annotated[
         list[str] | None,
         typer.Option(
@@ -101,6 +102,7 @@ class ConsoleOptions:
         typer.Option(metavar="max|realtime|FACTOR", help="Mission time over wall time."),
     ] = "realtime"
     defects: common.Defects = None
+    twin: common.Twin = None
     port: common.PortOfRobot = None
     baud: common.Baud = None
     guard_for: common.GuardFor = None
