@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from pirate_sm.errors import UsageError
 from pirate_sm.loading.file_names import shown
-from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.twin import Twin
+from pirate_sm.spelling import one_of
 
 
 def load_twin(path: Path, profile: Profile) -> Twin:
@@ -17,19 +18,15 @@ def load_twin(path: Path, profile: Profile) -> Twin:
 
     Raises:
         LoadError: Everything that is wrong with the file.
+        UsageError: It is of another robot, or of motors that this one does not have.
     """
-    document = read_document(path, shown(path))
-    twin = validate(document, Twin)
-    problems = Problems(document)
+    twin = validate(read_document(path, shown(path)), Twin)
     if twin.robot != profile.robot:
-        message = f"these are numbers of '{twin.robot}'"
-        problems.add("twin.robot", ("robot",), message, expected=profile.robot)
+        raise UsageError(f"{shown(path)} has numbers of '{twin.robot}', this is {profile.robot}")
     for name in twin.motors:
         if name not in profile.motors:
-            problems.add_unknown(
-                "twin.motor", ("motors", name), "motor", name, profile.motors, key=True
-            )
-    problems.raise_errors()
+            known = one_of(sorted(profile.motors))
+            raise UsageError(f"{shown(path)}: there is no kind of motor '{name}': expected {known}")
     return twin
 
 

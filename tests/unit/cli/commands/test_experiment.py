@@ -41,7 +41,7 @@ def test_an_unknown_noise_is_refused(pirate: Any) -> None:
     told = pirate("experiment", "3a", "--noise", "loud")
 
     assert told.exit_code == 2
-    assert "--noise loud: expected clean or thesis" in told.output
+    assert "--noise loud: expected one of clean, thesis" in told.output
 
 
 def test_a_robot_without_experiments_is_refused(pirate: Any) -> None:

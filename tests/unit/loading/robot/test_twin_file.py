@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.loading.problems import LoadError
+from pirate_sm.errors import PirateError
 from pirate_sm.loading.robot.loader import load_robot
 from pirate_sm.loading.robot.twin_file import load_twin, with_twin
 
@@ -33,8 +33,8 @@ def test_its_numbers_take_the_place_of_the_profiles_and_all_others_stay(twin_fil
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("pirate_ii", "eel", "these are numbers of 'eel'"),
-        ("wheel", "wheels", "wheels"),
+        ("pirate_ii", "eel", "has numbers of 'eel', this is pirate_ii"),
+        ("wheel", "wheels", "no kind of motor 'wheels'"),
         ("50 mNm", "50", "without a unit"),
         ("kinetic: 0.3", "kinetic: 0.9", "kinetic friction cannot be more"),
     ],
@@ -42,5 +42,5 @@ def test_its_numbers_take_the_place_of_the_profiles_and_all_others_stay(twin_fil
 def test_what_is_wrong_with_it_is_said(twin_file: Path, old: str, new: str, message: str) -> None:
     twin_file.write_text(twin_file.read_text().replace(old, new))
 
-    with pytest.raises(LoadError, match=message):
+    with pytest.raises(PirateError, match=message):
         load_twin(twin_file, PROFILE)
