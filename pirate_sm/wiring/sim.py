@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from pirate_sm.detectors.registry import Places
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.loading.robot.twin_file import load_twin, with_twin
+from pirate_sm.loading.robot.twin_file import simulated_profile
 from pirate_sm.registry import Plugin
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 from pirate_sm.wiring.run_order import USE_TRACE, Order
@@ -48,9 +46,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         ) from None
     if not is_compiled():
         say(COMPILING)
-    profile = loaded.loaded_robot.profile
-    if order.twin is not None:
-        profile = with_twin(profile, load_twin(Path(order.twin), profile))
+    profile = simulated_profile(loaded.loaded_robot.profile, order.twin)
     backend = SimulatorBackend(
         profile,
         loaded.pipe,

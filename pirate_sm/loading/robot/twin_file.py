@@ -13,6 +13,16 @@ from pirate_sm.model.twin import Twin
 from pirate_sm.spelling import one_of
 
 
+def simulated_profile(profile: Profile, file: str | None) -> Profile:
+    """Return the profile for a simulated robot, with the numbers in a file where one is named.
+
+    Raises:
+        LoadError: Everything that is wrong with the file.
+        UsageError: It does not fit the robot.
+    """
+    return profile if file is None else with_twin(profile, load_twin(Path(file), profile))
+
+
 def load_twin(path: Path, profile: Profile) -> Twin:
     """Return the twin in a file, which must be of this robot.
 
