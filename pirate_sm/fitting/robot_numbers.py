@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pirate_sm.fitting.columns import Columns, Measured, column, has
-from pirate_sm.fitting.slip_columns import SlipSignals, slip_and_friction
-from pirate_sm.fitting.slip_curve import Estimate, fit_slip_curve
+from pirate_sm.fitting.slip_columns import SlipSignals
+from pirate_sm.fitting.slip_curve import Estimate
 from pirate_sm.model import derived as kinds
 from pirate_sm.model.profile import Motor, Profile, Slot
 from pirate_sm.simulation.arrays import Floats
@@ -198,26 +198,39 @@ def _estimate(rows: Floats, statistic: Callable[[Floats], float], reason: str) -
 
 
 def _frictions(measured: Sequence[Measured], profile: Profile) -> Iterator[RobotNumber]:
-    """Yield kinetic friction of each part, where slip and normal forces are derived signals."""
+    """Yield kinetic friction of each part, where the profile derives it for its wheels."""
     names = [wheel.name for wheel in profile.body.wheels]
     signals = SlipSignals(radius_m=profile.body.wheel_radius)
     for part in profile.body.parts:
         numbers = [
             str(names.index(wheel.name) + 1) for wheel in profile.body.wheels if wheel.part == part
         ]
-        pairs = [
-            slip_and_friction(each.columns, number, signals)
+        rows = [
+            _known_friction(each.columns, number, signals)
             for each in measured
             for number in numbers
-            if has(each.columns, [signals.slip.format(number), signals.normal.format(number)])
+            if has(each.columns, [signals.known.format(number), signals.torque.format(number)])
         ]
-        yield RobotNumber("", f"kinetic friction, {part}", "", _kinetic(pairs))
+        yield RobotNumber("", f"kinetic friction, {part}", "", _kinetic(rows))
 
 
-def _kinetic(pairs: Sequence[tuple[Floats, Floats]]) -> Estimate:
-    if not pairs:
-        return Estimate(reason="the profile derives no slip speed and normal force of these wheels")
-    slip, friction = (np.concatenate(each) for each in zip(*pairs, strict=True))
-    if not np.any(np.isfinite(slip) & np.isfinite(friction)):
-        return Estimate(reason="slip and normal force are never known at the same time")
-    return fit_slip_curve(slip, friction).kinetic
+def _known_friction(columns: Columns, number: str, signals: SlipSignals) -> Floats:
+    """Return rows of friction and the torque with which a wheel slipped, where it is known."""
+    friction = column(columns, signals.known.format(number))
+    torque = np.abs(column(columns, signals.torque.format(number)))
+    known = np.isfinite(friction) & np.isfinite(torque)
+    rows: Floats = np.column_stack([friction[known], torque[known]])
+    return rows
+
+
+def _kinetic(rows: Sequence[Floats]) -> Estimate:
+    if not rows:
+        return Estimate(reason="the profile derives no friction of these wheels")
+    return _estimate(np.concatenate(rows), _weighted_median, "no wheel slipped steadily")
+
+
+def _weighted_median(rows: Floats) -> float:
+    """Return the median of friction, each weighed by its torque: a wheel in the air bears none."""
+    order = np.argsort(rows[:, 0])
+    weight = np.cumsum(rows[order, 1])
+    return float(rows[order[np.searchsorted(weight, weight[-1] / 2)], 0])

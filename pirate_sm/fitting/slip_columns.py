@@ -14,6 +14,9 @@ from pirate_sm.simulation.arrays import Floats
 WHEEL = "{}"
 """Stands for the number of a wheel in the name of a signal."""
 
+_STEADY_S, _STEADY_READINGS = 0.5, 3
+_SHARE, _SLIP_PLAY_M_S, _FRICTION_PLAY = 0.33, 0.002, 0.01
+
 
 @dataclass(frozen=True)
 class SlipSignals:
@@ -22,6 +25,7 @@ class SlipSignals:
     Attributes:
         slip: Slip speeds, m/s.
         friction: Friction coefficients in use; empty: from torque and normal force.
+        known: Friction coefficients that are known only where a wheel surely slips.
         torque: Wheel torques, Nm.
         normal: Normal forces, N.
         radius_m: Of the wheels, with torques.
@@ -32,6 +36,7 @@ class SlipSignals:
     torque: str = "wheel_torque_{}"
     normal: str = "normal_force_{}"
     radius_m: float = 0.0
+    known: str = "mu_{}"
 
 
 def wheels_in(columns: Columns, signals: SlipSignals) -> list[str]:
@@ -51,6 +56,31 @@ def wheels_in(columns: Columns, signals: SlipSignals) -> list[str]:
             "name the signals of slip and friction with --slip and --friction"
         )
     return sorted(dict.fromkeys(found), key=int)
+
+
+def steady(times_s: Floats, slip: Floats, friction: Floats) -> tuple[Floats, Floats]:
+    """Return slip and friction where both have kept their values for half a second.
+
+    Readings of a robot come one after the other: while a wheel speeds up or the robot bumps, its
+    slip, its torque and the force on it belong to different moments.
+    """
+    known = np.isfinite(slip) & np.isfinite(friction)
+    times_s, slip, friction = times_s[known], slip[known], friction[known]
+    fresh = np.concatenate([[True], (np.diff(slip) != 0) | (np.diff(friction) != 0)])[: len(slip)]
+    times_s, slip, friction = times_s[fresh], slip[fresh], friction[fresh]
+    begins = np.searchsorted(times_s, times_s - _STEADY_S)
+    kept = [
+        end - begin >= _STEADY_READINGS
+        and _keeps(slip[begin : end + 1], _SLIP_PLAY_M_S)
+        and _keeps(friction[begin : end + 1], _FRICTION_PLAY)
+        for end, begin in enumerate(begins)
+    ]
+    return slip[kept], friction[kept]
+
+
+def _keeps(values: Floats, play: float) -> bool:
+    """Return whether values differ by no more than a third of their size, or by some play."""
+    return bool(np.ptp(values) <= max(_SHARE * abs(float(np.median(values))), play))
 
 
 def slip_and_friction(columns: Columns, wheel: str, signals: SlipSignals) -> tuple[Floats, Floats]:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from pirate_sm.fitting.columns import Measured
     from pirate_sm.fitting.slip_columns import SlipSignals
     from pirate_sm.fitting.slip_curve import Estimate, SlipCurve
+    from pirate_sm.simulation.arrays import Floats
 
 NOTHING = 1
 
@@ -76,7 +77,7 @@ def _curves(measured: Sequence[Measured], options: FitOptions) -> dict[str, Slip
     """Return the curve of each wheel."""
     import numpy as np
 
-    from pirate_sm.fitting.slip_columns import slip_and_friction, wheels_in
+    from pirate_sm.fitting.slip_columns import wheels_in
     from pirate_sm.fitting.slip_curve import fit_slip_curve
 
     threshold = read_slip_speed("--threshold", options.threshold)
@@ -85,12 +86,20 @@ def _curves(measured: Sequence[Measured], options: FitOptions) -> dict[str, Slip
     with progress("fitting") as watch:
         for number, wheel in enumerate(wheels):
             watch(number / len(wheels))
-            pairs = [
-                slip_and_friction(each.columns, wheel, _signals(options, each)) for each in measured
-            ]
+            pairs = [_points(each, wheel, options) for each in measured]
             slip, friction = (np.concatenate(each) for each in zip(*pairs, strict=True))
             curves[wheel] = fit_slip_curve(slip, friction, threshold)
     return curves
+
+
+def _points(measured: Measured, wheel: str, options: FitOptions) -> tuple[Floats, Floats]:
+    """Return slip and friction of a wheel; of a recording where they are steady."""
+    from pirate_sm.fitting.slip_columns import slip_and_friction, steady
+
+    slip, friction = slip_and_friction(measured.columns, wheel, _signals(options, measured))
+    if measured.profile is None:
+        return slip, friction
+    return steady(measured.columns["time_s"], slip, friction)
 
 
 def _values(curve: SlipCurve) -> Iterable[tuple[str, Estimate]]:

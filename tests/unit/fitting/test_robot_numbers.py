@@ -1,5 +1,6 @@
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import pirate_sm
@@ -54,18 +55,16 @@ def test_an_interval_is_around_its_value(
         assert estimate.low <= estimate.value <= estimate.high
 
 
-def test_friction_is_unknown_without_slip_and_normal_forces(measured: Measured) -> None:
+def test_friction_is_unknown_where_the_profile_does_not_derive_it(measured: Measured) -> None:
     columns = {
-        name: values
-        for name, values in measured.columns.items()
-        if not name.startswith(("slip", "normal"))
+        name: values for name, values in measured.columns.items() if not name.startswith("mu_")
     }
 
     found = robot_numbers([measured._replace(columns=columns)])
 
     reasons = [each.estimate.reason for each in found if each.key.startswith("kinetic")]
     assert len(reasons) == 2
-    assert all("derives no slip speed" in reason for reason in reasons)
+    assert all("derives no friction" in reason for reason in reasons)
 
 
 def test_a_robot_that_never_moved_tells_why_nothing_is_known(measured: Measured) -> None:
@@ -89,3 +88,21 @@ def test_the_numbers_are_written_as_a_file_that_the_simulator_takes(
     assert twin.motors["wheel"].hold_torque == pytest.approx(0.09, rel=0.1)
     assert twin.motors["bend"].no_load_speed == pytest.approx(0.8, rel=0.1)
     assert "unknown: kinetic friction, front" in file.read_text()
+
+
+def test_friction_is_the_median_where_wheels_slip_under_load(measured: Measured) -> None:
+    count = len(measured.columns["time_s"])
+    random = np.random.default_rng(1)
+    made: dict[str, np.ndarray] = {}
+    for number in range(1, 7):
+        # A third of the time it turns in the air, where torque and friction are next to nothing.
+        in_air = np.arange(count) % 3 == 0
+        true = 0.2 if number <= 3 else 0.5
+        made[f"mu_{number}"] = np.where(in_air, 0.01, true * random.normal(1, 0.03, count))
+        made[f"wheel_torque_{number}"] = np.where(in_air, 0.002, -0.1)
+
+    found = robot_numbers([measured._replace(columns={**measured.columns, **made})])
+
+    friction = {each.key: each.estimate for each in found if not each.motor}
+    assert friction["kinetic friction, front"].value == pytest.approx(0.2, rel=0.05)
+    assert friction["kinetic friction, rear"].value == pytest.approx(0.5, rel=0.05)

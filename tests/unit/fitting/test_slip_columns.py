@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from pirate_sm.errors import UsageError
-from pirate_sm.fitting.slip_columns import SlipSignals, slip_and_friction, wheels_in
+from pirate_sm.fitting.slip_columns import SlipSignals, slip_and_friction, steady, wheels_in
 
 COLUMNS = {
     "time_s": np.array([0.0, 1.0]),
@@ -45,3 +45,21 @@ def test_a_missing_signal_is_named() -> None:
 def test_columns_without_slip_are_refused() -> None:
     with pytest.raises(UsageError, match=r"no signal 'slide_\{\}'"):
         wheels_in(COLUMNS, SlipSignals(slip="slide_{}"))
+
+
+def test_readings_count_once_both_have_kept_their_values_for_half_a_second() -> None:
+    times = np.arange(0.0, 3.0, 0.1)
+    slip = np.where(times < 1, 0.09 * times, 0.05) + 1e-5 * np.arange(30)
+
+    kept, friction = steady(times, slip, np.full(30, 0.2))
+
+    assert kept == pytest.approx(np.full(len(kept), 0.05), abs=1e-3)
+    assert 13 <= len(kept) <= 16
+    assert len(friction) == len(kept)
+
+
+def test_repeated_and_unknown_readings_are_no_evidence() -> None:
+    times = np.arange(0.0, 3.0, 0.1)
+
+    assert len(steady(times, np.full(30, 0.05), np.full(30, 0.2))[0]) == 0
+    assert len(steady(times, np.full(30, np.nan), np.full(30, 0.2))[0]) == 0
