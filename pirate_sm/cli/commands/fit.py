@@ -116,7 +116,7 @@ def _lines(wheel: str, curve: SlipCurve) -> Iterable[str]:
     yield f"{name}: {curve.points} points, slip up to {curve.most_slip_m_s * 1000:.1f} mm/s"
     for what, estimate in _values(curve):
         yield f"  {what:<29} {estimate_text(estimate)}"
-    if curve.magic is not None:
+    if curve.magic is not None and (curve.magic_peak.known or curve.magic_plateau.known):
         from pirate_sm.fitting.magic_formula import NAMES
 
         numbers = zip(NAMES, curve.magic.parameters, curve.magic.interval, strict=True)

@@ -35,7 +35,7 @@ def fit_robot(options: FitOptions) -> int:
         for number, run in enumerate(options.runs):
             watch(number / len(options.runs))
             measured.append(read_measured(Path(run)))
-    robot = _one_robot([each.profile for each in measured])
+    profile = _one_robot([each.profile for each in measured])
     numbers = robot_numbers(measured)
     for each in numbers:
         what = f"{each.motor} {each.key}".strip()
@@ -47,16 +47,17 @@ def fit_robot(options: FitOptions) -> int:
         write_csv(options.csv, header, rows)
     if options.write:
         source = ", ".join(Path(run).name for run in options.runs)
-        write_file(options.write, twin_text(robot, numbers, source))
+        write_file(options.write, twin_text(profile, numbers, source))
         print(visible(str(options.write)))
     return 0 if any(each.estimate.known for each in numbers) else NOTHING
 
 
-def _one_robot(profiles: list[Profile | None]) -> str:
-    """Return the name of the robot that all recordings are of."""
-    names = {profile.robot if profile is not None else "" for profile in profiles}
-    if "" in names:
+def _one_robot(profiles: list[Profile | None]) -> Profile:
+    """Return the profile of the robot that all recordings are of."""
+    known = [profile for profile in profiles if profile is not None]
+    if len(known) < len(profiles):
         raise UsageError("a table does not say what the robot was commanded: give recordings")
+    names = {profile.robot for profile in known}
     if len(names) > 1:
         raise UsageError(f"the recordings are of several robots: {', '.join(sorted(names))}")
-    return names.pop()
+    return known[0]

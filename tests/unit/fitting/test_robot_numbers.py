@@ -6,6 +6,7 @@ import pytest
 import pirate_sm
 from pirate_sm.fitting.columns import Measured, read_measured
 from pirate_sm.fitting.robot_numbers import RobotNumber, robot_numbers
+from pirate_sm.fitting.slip_curve import Estimate
 from pirate_sm.fitting.twin_text import twin_text
 from pirate_sm.loading.robot.twin_file import load_twin
 
@@ -80,8 +81,8 @@ def test_the_numbers_are_written_as_a_file_that_the_simulator_takes(
     measured: Measured, numbers: dict[tuple[str, str], RobotNumber], tmp_path: Path
 ) -> None:
     file = tmp_path / "found.yaml"
-    file.write_text(twin_text("pirate_ii", numbers.values(), "run.mcap"))
     assert measured.profile is not None
+    file.write_text(twin_text(measured.profile, numbers.values(), "run.mcap"))
 
     twin = load_twin(file, measured.profile)
 
@@ -106,3 +107,17 @@ def test_friction_is_the_median_where_wheels_slip_under_load(measured: Measured)
     friction = {each.key: each.estimate for each in found if not each.motor}
     assert friction["kinetic friction, front"].value == pytest.approx(0.2, rel=0.05)
     assert friction["kinetic friction, rear"].value == pytest.approx(0.5, rel=0.05)
+
+
+def test_friction_that_was_found_is_written_with_static_friction_in_the_profiles_ratio(
+    measured: Measured, tmp_path: Path
+) -> None:
+    assert measured.profile is not None
+    parts = [RobotNumber("", f"kinetic friction, {n}", "", Estimate(n / 10)) for n in (2, 4)]
+    file = tmp_path / "found.yaml"
+    file.write_text(twin_text(measured.profile, parts, "run.mcap"))
+
+    friction = load_twin(file, measured.profile).friction
+
+    assert friction is not None
+    assert (friction.static, friction.kinetic) == (0.42, 0.3)
