@@ -104,6 +104,8 @@ def _facts(header: RunHeader, loaded: LoadedMission) -> Iterator[Fact]:
         yield Fact("seed", ", ".join([str(options.get("seed", 0)), *chance]))
     for name in options.get("defects", ()):
         yield Fact("defect", name)
+    if options.get("twin"):
+        yield Fact("numbers of the robot", str(options["twin"]))
     for name, value in header.parameters.items():
         yield Fact("parameter", f"{name} = {value}")
     if header.zeros:
