@@ -46,9 +46,8 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         ) from None
     if not is_compiled():
         say(COMPILING)
-    profile = simulated_profile(loaded.loaded_robot.profile, order.twin)
     backend = SimulatorBackend(
-        profile,
+        simulated_profile(loaded.loaded_robot.profile, order.twin),
         loaded.pipe,
         seed=order.seed,
         start_values=start_values(loaded),

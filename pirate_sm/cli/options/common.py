@@ -76,12 +76,6 @@ Defects = Annotated[
     list[str] | None,
     typer.Option("--defect", metavar="NAME", help="Switch on a known defect. Repeatable."),
 ]
-Twin = Annotated[
-    str | None,
-    typer.Option(
-        "--twin", metavar="FILE", help="Numbers of the simulated robot, from pirate fit --robot."
-    ),
-]
 
 Port = Annotated[str, typer.Option(metavar="PORT", help="/dev/ttyACM0, or a pyserial URL.")]
 PortOfRobot = Annotated[
@@ -116,6 +110,12 @@ Calibration = Annotated[
 ]
 Check = Annotated[
     bool, typer.Option("--check/--no-check", help="Whether a faulty mission is refused.")
+]
+Twin = Annotated[
+    str | None,
+    typer.Option(
+        "--twin", metavar="FILE", help="Numbers of the simulated robot, from pirate fit --robot."
+    ),
 ]
 NoRecord = Annotated[bool, typer.Option("--no-record", help="Record nothing.")]
 

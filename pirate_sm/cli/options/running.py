@@ -39,7 +39,6 @@ class RunOptions:
         ),
     ] = None
     defects: common.Defects = None
-    twin: common.Twin = None
     fire: Annotated[
         list[str] | None,
         typer.Option(
@@ -58,6 +57,7 @@ class RunOptions:
     start_at: common.StartAt = None
     calibration: common.Calibration = True
     check: common.Check = True
+    twin: common.Twin = None
     record: Annotated[
         str | None,
         typer.Option(metavar="FILE.mcap", help="Where the run is kept, in place of runs/."),
@@ -102,7 +102,6 @@ class ConsoleOptions:
         typer.Option(metavar="max|realtime|FACTOR", help="Mission time over wall time."),
     ] = "realtime"
     defects: common.Defects = None
-    twin: common.Twin = None
     port: common.PortOfRobot = None
     baud: common.Baud = None
     guard_for: common.GuardFor = None
@@ -110,6 +109,7 @@ class ConsoleOptions:
     start_at: common.StartAt = None
     calibration: common.Calibration = True
     check: common.Check = True
+    twin: common.Twin = None
     no_record: common.NoRecord = False
     live: Annotated[
         bool, typer.Option("--live", help="Serve Foxglove and Lichtblick on this machine.")
